@@ -17,7 +17,8 @@ trap 'rm -rf "$work"' EXIT
   echo '#include "cbvh/cbvh.h"'
   sed -n 's/^CBVH_API \(.*\);$/\1 { __builtin_trap(); }/p' "$header"
 } > "$work/stubs.c"
-cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
+cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 \
+  -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
 abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.0"
 [ "${3:-}" != --write ] || { sed "s|path='[^']*/|path='|" "$work/now.abi" > "$here/libembree_cbvh.abi"; exit 0; }
 functions=$(grep -c '<function-decl' "$here/libembree_cbvh.abi")

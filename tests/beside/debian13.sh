@@ -18,14 +18,18 @@ work=$root/root/beside
 rm -rf "$work"
 mkdir -p "$work/include"
 cp -rL "$build/include/cbvh" "$work/include/"
-cp "$build"/kernels/beside/libembree_cbvh.so.0 "$here"/*.cpp "$here"/*.h "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/"
+cp "$build"/kernels/beside/libembree_cbvh.so.0 "$here"/*.cpp "$here"/*.h "$here"/../../tutorials/beside/*.cpp \
+  "$here"/../../tutorials/beside/*.h "$work/"
 rm "$work/api.cpp" # requires our libembree3
+compile="g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude"
 inside() { chroot "$root" sh -c "cd /root/beside && $*"; }
 for program in hits displaced_cage diced_grids speed; do
-  inside "g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/beside" || fail "$program does not compile"
+  inside "$compile $program.cpp -o $program ./libembree_cbvh.so.0 -lembree4 -Wl,-rpath,/root/beside" ||
+    fail "$program does not compile"
   inside "./$program" || fail "$program"
 done
-inside "g++ -std=c++17 -O2 -Wall -Wextra -Werror -Iinclude reload.cpp -o reload -lembree4" && inside "./reload ./libembree_cbvh.so.0" || fail "unloading"
+inside "$compile reload.cpp -o reload -lembree4" &&
+  inside "./reload ./libembree_cbvh.so.0" || fail "unloading"
 for picture in displaced_cage diced_grids; do
   if [ -x "$build/tutorials/beside/$picture" ]; then
     "$build/tutorials/beside/$picture" "$work/here.pgm" > /dev/null
@@ -33,8 +37,10 @@ for picture in displaced_cage diced_grids; do
   fi
 done
 for program in ./displaced_cage "./reload ./libembree_cbvh.so.0"; do
-  if ! inside "valgrind -q --undef-value-errors=no --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=1 $program" > "$roots/log" 2>&1; then
-    grep -q "nrecogni[sz]ed instruction\|unhandled instruction" "$roots/log" || { tail -n 30 "$roots/log"; fail "valgrind, $program"; }
+  leaks="--leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite"
+  if ! inside "valgrind -q --undef-value-errors=no $leaks --error-exitcode=1 $program" > "$roots/log" 2>&1; then
+    grep -q "nrecogni[sz]ed instruction\|unhandled instruction" "$roots/log" ||
+      { tail -n 30 "$roots/log"; fail "valgrind, $program"; }
     echo "valgrind does not support this processor's instructions"
   fi
 done

@@ -10,8 +10,10 @@ fail() { echo "FAILED: $*" >&2; exit 1; }
 mkdir -p "$roots"
 root=$(cd "$roots" && pwd)/trixie
 if [ ! -d "$root" ]; then
-  mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u | head -n 1)
-  debootstrap --variant=minbase trixie "$root.part" "$mirror" > "$roots/log" || { tail "$roots/log"; fail "debootstrap"; }
+  mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' |
+    sort -u | head -n 1)
+  debootstrap --variant=minbase trixie "$root.part" "$mirror" > "$roots/log" ||
+    { tail "$roots/log"; fail "debootstrap"; }
   cp /etc/resolv.conf "$root.part/etc/"
   chroot "$root.part" apt-get -q update > "$roots/log" 2>&1 || { tail "$roots/log"; fail "packages of Debian 13"; }
   mv "$root.part" "$root"
@@ -22,7 +24,8 @@ with_packages()
 {
   for package in "$@"; do
     chroot "$root" dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' && continue
-    chroot "$root" apt-get -q -y --no-install-recommends install "$@" > "$roots/log" 2>&1 || { tail "$roots/log"; fail "packages of Debian 13"; }
+    chroot "$root" apt-get -q -y --no-install-recommends install "$@" > "$roots/log" 2>&1 ||
+      { tail "$roots/log"; fail "packages of Debian 13"; }
     return
   done
 }

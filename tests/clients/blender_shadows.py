@@ -143,7 +143,7 @@ def main():
     else:
         with tempfile.TemporaryDirectory() as folder:
             check(options, Path(folder))
-    print("all well" if not failures else f"{failures} failures")
+    print("passed" if not failures else f"{failures} failures")
     return int(failures != 0)
 
 

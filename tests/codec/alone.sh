@@ -14,7 +14,8 @@ failed=0
 # check FILE FLAG...
 check() {
   file=$1; shift
-  if ! included=$("$compiler" -std=c++14 -x c++ -include "$file" "$@" -fsyntax-only -Wall -Wextra -H /dev/null 2>&1); then
+  if ! included=$("$compiler" -std=c++14 -x c++ -include "$file" "$@" -fsyntax-only -Wall -Wextra -H /dev/null \
+    2>&1); then
     echo "$included" | grep -v '^[.!]' | head -n 20
     echo "$file does not compile by itself ($*)"
     failed=1

@@ -22,7 +22,8 @@ fail() {
 
 # compile NAME: compiles the shader on standard input
 compile() {
-  "$glslc" -fshader-stage=compute -I "$kernels" --target-env=vulkan1.2 -Werror -o /dev/null - || fail "$1 does not compile as GLSL"
+  "$glslc" -fshader-stage=compute -I "$kernels" --target-env=vulkan1.2 -Werror -o /dev/null - ||
+    fail "$1 does not compile as GLSL"
 }
 
 count=0

@@ -80,7 +80,7 @@ TEST(VertFormat, ConstantsAreThoseOfTheCode)
   expectConstants("rays.md", {
     {"ulps by which boxes are widened, `slackUlps`", slackUlps}, {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
     {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
-    {"median edge / default spacing", 1/spacingOfEdge}, {"the same of grids of an application", 1/spacingOfGridEdge}, {"the same of quads and triangles", 1/spacingOfMeshEdge}, {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
+    {"median edge / default spacing", 1/spacingOfEdge}, {"median edge / default spacing, grids of an application", 1/spacingOfGridEdge}, {"median edge / default spacing, quads and triangles", 1/spacingOfMeshEdge}, {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
     {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal}, {"quads along u or v, below which the default spacing shrinks", fullQuads}});
 }
 

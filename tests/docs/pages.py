@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Checks the pages in Markdown: links and paths lead to files that exist, pages are short, and the diagram of the folders
-matches the code. prose.py checks their text.
+"""Checks the pages in Markdown: links and paths lead to files that exist, pages are short, and the diagram of the
+folders matches the code. prose.py checks their text.
 
     pages.py
 """

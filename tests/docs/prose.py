@@ -25,9 +25,9 @@ MAX_COLUMNS = 120
 SKIPPED = 77
 C_LIKE = (".h", ".cpp", ".c", ".glsl", ".comp", ".rint")
 HASH_LIKE = (".py", ".sh", ".cmake", "CMakeLists.txt", ".h.in", "scripts/packages", ".ci/run")
-# other people's text, and data: patches with the context of Embree's lines, an ABI that abidw wrote, licenses, pictures
+# text of others, and data: patches with lines of Embree, an ABI that abidw wrote, licenses, pictures
 NOT_OURS = ("*.patch", "*.abi", "LICENSE", "kernels/upstream/patches/series", "*.jpg")
-# the phrases that are looked for, and words that are spelled wrong on purpose
+# the rejected phrases, and accepted words that codespell does not know
 LISTS = ("tests/docs/dialect.txt", "tests/docs/spelling.txt")
 
 
@@ -72,7 +72,7 @@ def long_lines(path):
 
 # --- dialect ----------------------------------------------------------------------------------
 
-# In one alternative each: raw strings, strings, characters, comments. A name may end in an apostrophe of digits (1'000).
+# One alternative each for raw strings, strings, characters and comments. Apostrophes in numbers (1'000) are skipped.
 C_TOKEN = re.compile(
     r'R"(?P<mark>[^(\s]*)\((?P<raw>.*?)\)(?P=mark)"'
     r'|"(?P<string>(?:[^"\\\n]|\\.)*)"'
@@ -88,7 +88,7 @@ PYTHON_TOKEN = re.compile(
     r"|#(?P<line>[^\n]*)",
     re.DOTALL,
 )
-# An apostrophe in a here-document opens no string: strings of the shell are double-quoted ones on a line of their own.
+# Single-quoted strings are skipped, because here-documents contain apostrophes.
 SHELL_TOKEN = re.compile(r'(?:^|(?<=\s))#(?P<line>[^\n]*)|"(?P<string>(?:[^"\\\n]|\\.)*)"', re.MULTILINE)
 
 
@@ -125,7 +125,8 @@ def paragraphs_of_page(text):
         if re.match(r"\s*```", line):
             code = not code
             line = ""
-        lines.append("" if code else re.sub(r"`[^`]*`", "`code`", line))
+        is_code = code or line.startswith("    ")
+        lines.append("" if is_code else re.sub(r"`[^`]*`", "`code`", line))
     paragraphs, number = [], 1
     for part in re.split(r"(\n(?:\s*\n)+|\n(?=[|#*-]))", "\n".join(lines)):
         paragraphs.append([number, part])

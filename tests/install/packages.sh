@@ -25,8 +25,10 @@ trap release EXIT
 make() {
   root=$roots/$1
   if [ ! -d "$roots/base" ]; then
-    mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u | head -n 1)
-    debootstrap --variant=minbase bookworm "$roots/base.part" "$mirror" > "$roots/log" || { tail "$roots/log"; fail "debootstrap"; }
+    mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' |
+      sort -u | head -n 1)
+    debootstrap --variant=minbase bookworm "$roots/base.part" "$mirror" > "$roots/log" ||
+      { tail "$roots/log"; fail "debootstrap"; }
     mv "$roots/base.part" "$roots/base"
   fi
   rm -rf --one-file-system "$root"
@@ -40,7 +42,8 @@ make() {
   apt_get update
 }
 inside() { chroot "$root" env HOME=/root "$@"; }
-apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 || { tail -n 30 "$roots/log"; fail "apt-get $*"; }; }
+apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 ||
+  { tail -n 30 "$roots/log"; fail "apt-get $*"; }; }
 ours() { apt_get install "$@"; apt_get check; }
 all() { (cd "$packages" && for package in *.deb; do echo "/root/packages/$package"; done); }
 status() { inside dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true; }
@@ -51,9 +54,12 @@ make bare
 # shellcheck disable=SC2046
 ours $(all)
 inside cbvh_render --version
-inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output /root/pictures > "$roots/log" 2>&1 ||
+inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output /root/pictures \
+  > "$roots/log" 2>&1 ||
   { cat "$roots/log"; fail "cbvh_render does not run"; }
-inside python3 -c "import embree_cbvh as cbvh; print('Python module', cbvh.__version__, cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3).statistics()['bytes_per_quad'])" ||
+inside python3 -c "import embree_cbvh as cbvh
+scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
+print('Python module', cbvh.__version__, scene.statistics()['bytes_per_quad'])" ||
   fail "the Python module"
 apt_get remove libembree3-cbvh
 [ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "the library still exists after the removal"
@@ -67,14 +73,17 @@ run() {
   for program in triangle_geometry subdivision_geometry displacement_geometry instanced_geometry curve_geometry \
                  grid_geometry point_geometry interpolation user_geometry intersection_filter hair_geometry \
                  lazy_geometry motion_blur_geometry; do
-    inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 || { cat "$roots/log"; fail "$program"; }
+    inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
+      { cat "$roots/log"; fail "$program"; }
   done
   for program in viewer pathtracer; do
-    inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
+    inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" \
+      > "$roots/log" 2>&1 ||
       { cat "$roots/log"; fail "$program"; }
   done
   inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D"
-  inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" > "$roots/log" 2>&1 ||
+  inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" \
+    > "$roots/log" 2>&1 ||
     { cat "$roots/log"; fail "Blender"; }
 }
 

@@ -18,7 +18,8 @@ trap 'rm -rf "$work"' EXIT
 mv "$work/first" "$work/prefix"
 unset LD_LIBRARY_PATH EMBREE_CBVH
 [ -e "$work"/prefix/lib/libembree3.so.3 ]
-for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h; do
+for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h \
+  rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h; do
   [ -f "$work/prefix/include/embree3/$header" ]
 done
 if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
@@ -37,7 +38,8 @@ done
 
 cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
 # Without TBB's CMake files, which users of the shared library do not need.
-"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON > "$work/log.configure" ||
+"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON \
+  > "$work/log.configure" ||
   { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
 grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
@@ -55,14 +57,18 @@ fi
 
 [ -e "$work/prefix/lib/embree_cbvh/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
 for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags-only-I --libs-only-L embree_cbvh); do
-  [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] || fail "pkg-config embree_cbvh leads to our Embree"
+  [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] ||
+    fail "pkg-config embree_cbvh leads to our Embree"
 done
 mkdir "$work/beside"
 cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/beside/"
-"$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DSTOCK_DIRECTORY="$stock" > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
+"$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DSTOCK_DIRECTORY="$stock" \
+  > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "find_package has no embree_cbvh"; }
-(cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) || fail "a program with libembree_cbvh does not run"
-LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree3.so.3 => $stock" || fail "it runs on an Embree that is not Debian's"
+(cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) ||
+  fail "a program with libembree_cbvh does not run"
+LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree3.so.3 => $stock" ||
+  fail "it runs on an Embree that is not Debian's"
 
 # --- pkg-config -----------------------------------------------------------------------------------
 
@@ -80,35 +86,44 @@ case $library in "$work"/prefix/*) ;; *) fail "a program built with pkg-config r
 examples=$work/prefix/share/doc/embree-cbvh/examples
 for example in displaced_cage diced_grids; do
   # shellcheck disable=SC2046
-  c++ -std=c++17 "$examples/$example.cpp" $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -o "$work/$example" ||
+  c++ -std=c++17 "$examples/$example.cpp" $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" \
+    -o "$work/$example" ||
     fail "the installed example $example does not compile"
 done
 # shellcheck disable=SC2046
-cc -std=c99 -Wall -Wextra -Werror -pedantic "$examples/displacement_map.c" $(pkg-config --cflags --libs embree_cbvh) -lm -o "$work/displacement_map" ||
+cc -std=c99 -Wall -Wextra -Werror -pedantic "$examples/displacement_map.c" $(pkg-config --cflags --libs embree_cbvh) \
+  -lm -o "$work/displacement_map" ||
   fail "the installed example displacement_map does not compile"
-(cd "$work" && LD_LIBRARY_PATH=$work/prefix/lib/embree_cbvh ./displacement_map) || fail "the installed example displacement_map does not run"
+(cd "$work" && LD_LIBRARY_PATH=$work/prefix/lib/embree_cbvh ./displacement_map) ||
+  fail "the installed example displacement_map does not run"
 
 # --- the codec, without any Embree ------------------------------------------------------------------
 
 mkdir "$work/codec"
 cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
-"$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" && "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
+"$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" &&
+  "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "find_package has no cvert"; }
 "$here/../codec/examples.sh" "$work/codec/build/encode_grid" "$work/codec/build/file_to_obj"
 # The library can be linked by programs compiled for any instruction set.
-"$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
+"$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 \
+  > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "a program compiled with -mavx2 does not link cvert"; }
 ! ldd "$work/codec/build/file_to_obj" | grep -iE "embree|tbb" || fail "the codec needs Embree or TBB"
 
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
-for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h \
-    rtcore_dicing.h rtcore_compressed_files.h); do
+functions=$(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' \
+  rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h \
+  rtcore_compressed_files.h)
+for function in $functions; do
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"
 done
-for function in $(grep -o '^CBVH_API .*' "$work/prefix/include/embree_cbvh/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '('); do
+functions=$(grep -o '^CBVH_API .*' "$work/prefix/include/embree_cbvh/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(')
+for function in $functions; do
+  function=${function%(}
   [ -s "$work/prefix/share/man/man3/$function.3cbvh" ] || fail "$function has no manual page"
 done
 if command -v help2man > /dev/null; then
@@ -132,8 +147,10 @@ done
 if [ -x "$work/prefix/bin/cbvh_render" ]; then
   render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --output "$work/pictures" "$@"; }
   render --representation cvert > "$work/said" 2>&1 || { cat "$work/said"; fail "cbvh_render does not run"; }
-  ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 || fail "cbvh_render compresses with Embree's library"
-  grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" "$work/said" ||
+  ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 ||
+    fail "cbvh_render compresses with Embree's library"
+  grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" \
+    "$work/said" ||
     { cat "$work/said"; fail "the message about Embree's library"; }
   tail -n 1 "$work/said"
 fi

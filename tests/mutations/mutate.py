@@ -55,14 +55,24 @@ class Failure(Exception):
 
 def read_arguments():
     parser = argparse.ArgumentParser(
-        description=__doc__.split("\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter, epilog=__doc__.split("\n", 2)[2]
+        description=__doc__.split("\n")[0],
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=__doc__.split("\n", 2)[2],
     )
-    parser.add_argument("--build", metavar="DIR", default=str(ROOT / "build/mutations"), help="folder of the copy and of its build")
+    parser.add_argument(
+        "--build", metavar="DIR", default=str(ROOT / "build/mutations"), help="folder of the copy and of its build"
+    )
     parser.add_argument("--list", action="store_true", help="list the mutants, and end")
-    parser.add_argument("--check", metavar="DIR", help="check the list against the code and the tests built in DIR, and end")
+    parser.add_argument(
+        "--check", metavar="DIR", help="check the list against the code and the tests built in DIR, and end"
+    )
     parser.add_argument("--only", nargs="+", metavar="NAME", default=[], help="mutants whose name has NAME in it")
-    parser.add_argument("--minutes", type=float, metavar="N", default=float("inf"), help="begin no mutant after this time")
-    parser.add_argument("--jobs", type=int, metavar="N", default=os.cpu_count(), help="processes at a time (default: one a core)")
+    parser.add_argument(
+        "--minutes", type=float, metavar="N", default=float("inf"), help="start no mutant after this time"
+    )
+    parser.add_argument(
+        "--jobs", type=int, metavar="N", default=os.cpu_count(), help="number of processes (default: number of cores)"
+    )
     parser.add_argument("--json", metavar="FILE", help="write the results")
     return parser.parse_args()
 
@@ -141,7 +151,9 @@ def check(directory):
         if not program:
             faults.append(f"{unit}: no such program in {directory}")
             continue
-        answer = subprocess.run([program, "--gtest_list_tests", f"--gtest_filter={patterns}"], capture_output=True, text=True)
+        answer = subprocess.run(
+            [program, "--gtest_list_tests", f"--gtest_filter={patterns}"], capture_output=True, text=True
+        )
         if answer.returncode != SKIPPED and not any(line.startswith("  ") for line in answer.stdout.splitlines()):
             faults.append(f"{unit}: no test is called {patterns}")
     print("\n".join((*faults, f"{len(FUNCTIONS)} functions, {len(faults)} faults of the list")))
@@ -175,7 +187,13 @@ class Copy:
                 shutil.copy(ROOT / name, target)
 
     def configure(self):
-        command = ["cmake", "--preset", "dev", f"-DEMBREE_UPSTREAM_CACHE={ROOT / '.upstream'}", "-DCBVH_EMBREE_TUTORIALS=OFF"]
+        command = [
+            "cmake",
+            "--preset",
+            "dev",
+            f"-DEMBREE_UPSTREAM_CACHE={ROOT / '.upstream'}",
+            "-DCBVH_EMBREE_TUTORIALS=OFF",
+        ]
         command += ["-DEMBREE_GEOMETRY_CURVE=OFF", "-DEMBREE_GEOMETRY_POINT=OFF"]
         if "EMBREE_UPSTREAM_ARCHIVE" in os.environ:
             command.append(f"-DEMBREE_UPSTREAM_ARCHIVE={os.environ['EMBREE_UPSTREAM_ARCHIVE']}")
@@ -184,11 +202,16 @@ class Copy:
 
     def build(self, units):
         """Returns the log if the build fails, otherwise ""."""
-        return self.call(["cmake", "--build", self.binary, "-j", str(self.jobs), "--target", *(f"test_{unit}" for unit in units), "--", "-k", "0"])
+        targets = [f"test_{unit}" for unit in units]
+        return self.call(
+            ["cmake", "--build", self.binary, "-j", str(self.jobs), "--target", *targets, "--", "-k", "0"]
+        )
 
     def call(self, command):
         with open(self.log, "w", encoding="utf-8") as log:
-            code = subprocess.run(command, cwd=self.source, env=self.environment, stdout=log, stderr=subprocess.STDOUT).returncode
+            code = subprocess.run(
+                command, cwd=self.source, env=self.environment, stdout=log, stderr=subprocess.STDOUT
+            ).returncode
         return self.log.read_text(encoding="utf-8") if code else ""
 
     def run(self, test, limit, mutant=0):
@@ -198,7 +221,14 @@ class Copy:
         environment = dict(os.environ, CBVH_MUTANT=str(mutant))
         start = time.monotonic()
         try:
-            code = subprocess.run(command, cwd=self.binary, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=limit).returncode
+            code = subprocess.run(
+                command,
+                cwd=self.binary,
+                env=environment,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=limit,
+            ).returncode
             ended = "passes" if code in (0, SKIPPED) else "fails" if code > 0 else f"signal {-code}"
         except subprocess.TimeoutExpired:
             ended = "hangs"
@@ -261,7 +291,10 @@ def try_mutant(copy, t, seconds_of, end):
 
 def show(t):
     seen = t.why or "; ".join(f"{test} {ended}" for test, ended in t.results.items())
-    print("| " + " | ".join(cell.replace("|", "\\|") for cell in (t.file, t.mutant.name, seen, t.verdict)) + " |", flush=True)
+    print(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in (t.file, t.mutant.name, seen, t.verdict)) + " |",
+        flush=True,
+    )
 
 
 def run(options):
@@ -282,14 +315,27 @@ def run(options):
         ended, seconds_of[test] = copy.run(test, SOUND_LIMIT)
         if ended != "passes":
             raise Failure(f"without any mutant {test} {ended}")
-    print(f"{len(tries)} mutants, {len(seconds_of)} tests\n\n| file | mutant | tests | verdict |\n|---|---|---|---|", flush=True)
+    print(
+        f"{len(tries)} mutants, {len(seconds_of)} tests\n\n| file | mutant | tests | verdict |\n|---|---|---|---|",
+        flush=True,
+    )
     with ThreadPoolExecutor(options.jobs) as pool:
         for t in pool.map(lambda t: try_mutant(copy, t, seconds_of, start + 60 * options.minutes), tries):
             show(t)
     if options.json:
-        Path(options.json).write_text(json.dumps([{"file": t.file, "mutant": t.mutant.name, "verdict": t.verdict, "tests": t.results} for t in tries], indent=1), encoding="utf-8")
+        Path(options.json).write_text(
+            json.dumps(
+                [{"file": t.file, "mutant": t.mutant.name, "verdict": t.verdict, "tests": t.results} for t in tries],
+                indent=1,
+            ),
+            encoding="utf-8",
+        )
     verdicts = [t.verdict for t in tries]
-    print("\n" + ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts)) + f"; {(time.monotonic() - start) / 60:.0f} minutes")
+    print(
+        "\n"
+        + ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+        + f"; {(time.monotonic() - start) / 60:.0f} minutes"
+    )
     return 1 if "SURVIVED" in verdicts else 3 if "not run" in verdicts else 0
 
 

@@ -21,7 +21,9 @@ TOKEN = re.compile(
 )
 # words before a parenthesis that do not name a function, for example macros
 MACRO = re.compile(r"[A-Z][A-Z0-9_]+$")
-NO_NAMES = {"alignas", "decltype", "noexcept", "sizeof", "__attribute__", "if", "for", "while", "switch", "catch", "return", "float", "void"}
+NO_NAMES = set(
+    "alignas decltype noexcept sizeof __attribute__ if for while switch catch return float void".split()
+)
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,14 @@ def scan(tokens, i, end, scopes, out):
             if t == "template" and tokens[i + 1].text == "<":
                 i = behind_template(tokens, i + 1)
                 continue
-            if t == "(" and name is None and i > start and tokens[i - 1].kind == "word" and tokens[i - 1].text not in NO_NAMES and not MACRO.match(tokens[i - 1].text):
+            if (
+                t == "("
+                and name is None
+                and i > start
+                and tokens[i - 1].kind == "word"
+                and tokens[i - 1].text not in NO_NAMES
+                and not MACRO.match(tokens[i - 1].text)
+            ):
                 name = i - 1
             if t in ("(", "["):
                 i = closing(tokens, i)
@@ -130,7 +139,16 @@ SWAPS = {
     "quotient": {"/": "*", "%": "/"},
     "logic": {"&&": "||", "||": "&&"},
     "bits": {"&": "|", "|": "&", "|=": "&=", "&=": "|="},
-    "word": {"true": "false", "false": "true", "min": "max", "max": "min", "floor": "ceil", "ceil": "floor", "any": "all", "all": "any"},
+    "word": {
+        "true": "false",
+        "false": "true",
+        "min": "max",
+        "max": "min",
+        "floor": "ceil",
+        "ceil": "floor",
+        "any": "all",
+        "all": "any",
+    },
 }
 SWAP_OF = {old: (operator, new) for operator, swaps in SWAPS.items() for old, new in swaps.items()}
 UNARY = ("!", "~", "-")
@@ -168,7 +186,11 @@ def mutants_of(function, text):
         if i in skipped:
             continue
         t = token.text
-        binary = i > 0 and (tokens[i - 1].kind in ("word", "number") and tokens[i - 1].text != "return" or tokens[i - 1].text in (")", "]"))
+        binary = i > 0 and (
+            tokens[i - 1].kind in ("word", "number")
+            and tokens[i - 1].text != "return"
+            or tokens[i - 1].text in (")", "]")
+        )
         if i in in_angles:
             pass
         elif t == ">" and i + 1 < len(tokens) and tokens[i + 1].text == ">" and tokens[i + 1].begin == token.end:
@@ -190,13 +212,24 @@ def mutants_of(function, text):
         if t == "if" and tokens[i + 1].text == "(":
             j = closing(tokens, i + 1)
             inner = text[tokens[i + 1].begin : tokens[j].end]
-            out.append(Mutant(full, "condition", tokens[i + 1].begin, tokens[j].end, f"(!{inner})", f"[not] if {shown(tokens[i + 1 : j + 1])}"))
+            out.append(
+                Mutant(
+                    full,
+                    "condition",
+                    tokens[i + 1].begin,
+                    tokens[j].end,
+                    f"(!{inner})",
+                    f"[not] if {shown(tokens[i + 1 : j + 1])}",
+                )
+            )
         if i not in in_for and is_statement(tokens, i):
             j = i
             while tokens[j].text not in (";", "}"):
                 j = closing(tokens, j) + 1 if tokens[j].text in ("(", "[", "{") else j + 1
             if tokens[j].text == ";":
-                out.append(Mutant(full, "statement", token.begin, tokens[j].end, ";", f"[without] {shown(tokens[i : j + 1])}"))
+                out.append(
+                    Mutant(full, "statement", token.begin, tokens[j].end, ";", f"[without] {shown(tokens[i : j + 1])}")
+                )
     return out
 
 
@@ -215,10 +248,22 @@ def regions(tokens):
             in_for.update(range(i, closing(tokens, i + 1) + 1))
         if token.text == "<" and i > 0 and tokens[i - 1].kind == "word":
             j, depth = i + 1, 1
-            while j < len(tokens) and depth > 0 and (tokens[j].kind in ("word", "number") or tokens[j].text in ("<", ">", ">>", "::", ",", "*", "&", "[", "]", "const")):
+            while (
+                j < len(tokens)
+                and depth > 0
+                and (
+                    tokens[j].kind in ("word", "number")
+                    or tokens[j].text in ("<", ">", ">>", "::", ",", "*", "&", "[", "]", "const")
+                )
+            ):
                 depth += {"<": 1, ">": -1}.get(tokens[j].text, 0)
                 j += 1
-            if depth == 0 and j < len(tokens) and (tokens[j].kind == "word" or tokens[j].text in ("(", "::", "{", "&", "*", ">", ",", ")")) and tokens[i - 1].end == tokens[i].begin:
+            if (
+                depth == 0
+                and j < len(tokens)
+                and (tokens[j].kind == "word" or tokens[j].text in ("(", "::", "{", "&", "*", ">", ",", ")"))
+                and tokens[i - 1].end == tokens[i].begin
+            ):
                 in_angles.update(range(i, j))
     return skipped, in_for, in_angles
 
@@ -241,7 +286,8 @@ def other_number(t):
 
 def is_statement(tokens, i):
     """True if a removable statement begins at i: an assignment or a call, but not a declaration."""
-    if tokens[i].kind != "word" or tokens[i].text in NO_NAMES | {"else", "do", "case", "default", "break", "continue", "const"}:
+    no_statements = NO_NAMES | set("else do case default break continue const".split())
+    if tokens[i].kind != "word" or tokens[i].text in no_statements:
         return False
     if tokens[i - 1].text not in (";", "{", "}", "else", ")"):  # or after the head of an if or of a loop
         return False

@@ -227,7 +227,8 @@ class Benchmark(unittest.TestCase):
         self.assertNotRegex(said, r"minute|second|\bhour")
         self.assertRegex(said, r"--list[^-]*how long")
         total = re.search(r"jobs, about (\d+):(\d\d)", self.run_script("quick", "--list").stdout)
-        jobs = [int(m) * 60 + int(s) for m, s in re.findall(r"(?m) about (\d+):(\d\d)$", self.run_script("quick", "--list").stdout)]
+        listed = re.findall(r"(?m) about (\d+):(\d\d)$", self.run_script("quick", "--list").stdout)
+        jobs = [int(m) * 60 + int(s) for m, s in listed]
         self.assertAlmostEqual(int(total[1]) * 60 + int(total[2]), sum(jobs), delta=len(jobs))
 
     def test_durations_are_reported_as_measured(self):

@@ -133,7 +133,8 @@ expect_limit() {
   rm -rf "$folder/limited"
   mkdir "$folder/limited"
   # shellcheck disable=SC2086
-  (ulimit -f "$limit"; exec "$program" $quick "$@" 2>&1 >/dev/null) | cat >"$folder/stderr" # the limit does not apply to cat
+  # the limit does not apply to cat
+  (ulimit -f "$limit"; exec "$program" $quick "$@" 2>&1 >/dev/null) | cat >"$folder/stderr"
   local status=${PIPESTATUS[0]}
   [ $status = 1 ] || complain "status $status for a limit of $limit KiB: $*: $(cat "$folder/stderr")"
   [ "$(grep -vc '^  ' "$folder/stderr")" = 1 ] && grep -q "File too large" "$folder/stderr" ||
@@ -157,5 +158,5 @@ if [ -n "$pathtracer" ]; then
     complain "no message about a full disk: $(cat "$folder/stderr")"
 fi
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

@@ -49,12 +49,14 @@ grep -q "2 samples of 65 x 47 pixels" "$folder/stdout" || complain "says '$(cat 
 
 # One thread and two threads must give the same picture.
 for threads in 1 2; do
-  "$program" --scene cube --level 3 --size 64x64 --samples 2 --device cpu --threads $threads --output "$folder/threads$threads.png" >/dev/null 2>&1
+  "$program" --scene cube --level 3 --size 64x64 --samples 2 --device cpu --threads $threads \
+    --output "$folder/threads$threads.png" >/dev/null 2>&1
 done
 cmp "$folder/threads1.png" "$folder/threads2.png" || complain "threads change the picture"
 
 # Ctrl-C during rendering: status 130, no file.
-"$program" --scene cube --level 2 --samples 1000000 --device cpu --output "$folder/out.png" >/dev/null 2>"$folder/stderr" &
+"$program" --scene cube --level 2 --samples 1000000 --device cpu --output "$folder/out.png" \
+  >/dev/null 2>"$folder/stderr" &
 process=$!
 for _ in $(seq 600); do # until the scene is built
   grep -q "cVERT: build" "$folder/stderr" && break
@@ -67,5 +69,5 @@ status=$?
 grep -q "^cbvh_pathtracer: cancell\?ed" "$folder/stderr" || complain "no message about the cancellation"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

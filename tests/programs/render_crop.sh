@@ -19,7 +19,8 @@ crops=(0,0,30,20 30,0,61,20 0,20,30,47 30,20,61,47)
 render() {
   local name=$1
   shift
-  "$program" "${picture[@]}" --output "$folder/$name" "$@" >"$folder/$name.txt" 2>&1 || complain "$name: $(cat "$folder/$name.txt")"
+  "$program" "${picture[@]}" --output "$folder/$name" "$@" >"$folder/$name.txt" 2>&1 ||
+    complain "$name: $(cat "$folder/$name.txt")"
 }
 
 scenes=(still moving)
@@ -35,17 +36,20 @@ for scene in "${scenes[@]}"; do
 done
 
 # The same for a file, which many machines can share.
-"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "--save"
+"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 ||
+  complain "--save"
 render loaded --load "$folder/cube.cbvh"
 for crop in "${crops[@]}"; do
   render "loaded.$crop" --load "$folder/cube.cbvh" --crop "$crop"
 done
-"$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr || complain "parts of a loaded file differ from the whole picture"
+"$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr ||
+  complain "parts of a loaded file differ from the whole picture"
 
 # The README's command for joining parts.
 if command -v oiiotool >/dev/null; then
   oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&
-    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" || complain "oiiotool: $(cat "$folder/diff.txt")"
+    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" ||
+      complain "oiiotool: $(cat "$folder/diff.txt")"
 fi
 
 for wrong in 0,0,30 0,0,30,20,1 0,0,30,x 0.5,0,30,20; do
@@ -55,10 +59,12 @@ for empty in 30,0,30,20 30,0,20,20 0,20,30,19; do
   expect_refusal "crop '$empty' is empty" --scene cube "${picture[@]}" --crop "$empty" --output "$folder/none"
 done
 for outside in 0,0,62,20 0,0,61,48 -1,0,30,20 61,0,62,1; do
-  expect_refusal "crop '$outside' is not inside of the picture, 61x47" --scene cube "${picture[@]}" "--crop=$outside" --output "$folder/none"
+  expect_refusal "crop '$outside' is not inside of the picture, 61x47" --scene cube "${picture[@]}" "--crop=$outside" \
+    --output "$folder/none"
 done
-expect_refusal "crop is for parts of one picture" --scene cube "${picture[@]}" --crop 0,0,30,20 --compare --output "$folder/none"
+expect_refusal "crop is for parts of one picture" --scene cube "${picture[@]}" --crop 0,0,30,20 \
+  --compare --output "$folder/none"
 [ -z "$(ls -A "$folder/none" 2>/dev/null)" ] || complain "files were written"
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

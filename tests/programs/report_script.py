@@ -293,7 +293,8 @@ class Report(unittest.TestCase):
         first = summary.first_screen(data)
         self.assertEqual((first["row"].scene, first["row"].level, first["row"]["view"]), ("trex", 6, "full"))
         ranges = [over for *_, over in first["statements"]]
-        self.assertEqual(ranges, ["5.00 to 20.0 times smaller", "0.12 to 1.50 times GRID's speed", "0.1250 to 0.5000 pixels"])
+        self.assertEqual(ranges,
+                         ["5.00 to 20.0 times smaller", "0.12 to 1.50 times GRID's speed", "0.1250 to 0.5000 pixels"])
         rows = first["places"].rows
         self.assertIn(["frog", "6", "full", "5.00", "1.50", "1.50", "0.5000"], rows)
         self.assertIn(["trex", "6", "close", "20.0", "0.12", "0.12", "0.1250"], rows)
@@ -313,7 +314,8 @@ class Report(unittest.TestCase):
             self.assertNotIn("RMSE", bodies[name], name)
         self.assertIn("p99", bodies["errors"])
         self.assertIn("RMSE", bodies["relations"])
-        heads = [line for line in output.with_name("tables.md").read_text().split("\n") if "RMSE" in line and line.startswith("| level")]
+        heads = [line for line in output.with_name("tables.md").read_text().split("\n") if "RMSE" in line
+                 and line.startswith("| level")]
         self.assertTrue(heads and all(line.count("RMSE") == line.count("the paper's RMSE") for line in heads), heads)
         shown = cells(errors.section(self.data())[0])
         for view in self.results()["cLEAF^2"]["views"]:
@@ -335,7 +337,8 @@ class Report(unittest.TestCase):
         self.assertEqual(self.run_without_charts(self.records).returncode, 0)
         lines = (self.records / "tables.md").read_text().split("\n")
         lines = [line.split(" | ") for line in lines if line.startswith("| 6 | cLEAF")]
-        self.assertIn((percent + "%", "-"), [(a[4], b[4]) for a in lines for b in lines if (a[1], b[1]) == ("cLEAF^2", "cLEAF-only^2")])
+        self.assertIn((percent + "%", "-"),
+                      [(a[4], b[4]) for a in lines for b in lines if (a[1], b[1]) == ("cLEAF^2", "cLEAF-only^2")])
 
     def test_leaves_only_of_old_records_is_renamed(self):
         folder = Path(self.temporary.name) / "old"
@@ -345,7 +348,8 @@ class Report(unittest.TestCase):
         for group in record["groups"]:
             group["results"] = [r for r in group["results"] if r["kind"] != "cLEAF-only"]
         (folder / "cube_L2-6.json").write_text(json.dumps(record))
-        found = {(r["representation"], r["kind"]) for r in bench_records.read(folder / "cube_L2-6.json")["groups"][0]["results"]}
+        found = {(r["representation"], r["kind"])
+                 for r in bench_records.read(folder / "cube_L2-6.json")["groups"][0]["results"]}
         self.assertIn(("cLEAF-only^2", "cLEAF-only"), found)
         self.assertNotIn("cLEAF", {kind for _, kind in found})
 
@@ -384,8 +388,10 @@ class Report(unittest.TestCase):
         data = self.data(beside=[folder])
         self.assertEqual((data.isa, len(data.here)), (before.isa, len(before.here)), "other sections must not show it")
         parts, _ = levels.isas(data)
-        (table,) = [part for part in parts if isinstance(part, formats.Table) and part.title == "cube, level 6, coherent"]
-        self.assertEqual(table.heads[-2:], ["avx512, Processor elsewhere: Mrays/s", "avx512, Processor elsewhere: of GRID"])
+        (table,) = [part for part in parts if isinstance(part, formats.Table)
+                    and part.title == "cube, level 6, coherent"]
+        self.assertEqual(table.heads[-2:],
+                         ["avx512, Processor elsewhere: Mrays/s", "avx512, Processor elsewhere: of GRID"])
         self.assertEqual({len(row) for row in table.rows}, {1 + 2 * 2})
         self.assertNotIn("-", [cell for row in table.rows for cell in row])
         output = Path(self.temporary.name) / "beside.html"
@@ -427,15 +433,18 @@ class Report(unittest.TestCase):
     def test_csv_contains_every_measurement(self):
         self.assertEqual(self.run_without_charts(self.records, "--csv", self.records / "all.csv").returncode, 0)
         table = pandas.read_csv(self.records / "all.csv")
-        speeds = [speed for group in self.record()["groups"] for result in group["results"] for speed in result["speed"]]
+        speeds = [speed for group in self.record()["groups"] for result in group["results"]
+                  for speed in result["speed"]]
         self.assertEqual((table.what == "speed").sum(), len(speeds))
-        ours = table[(table.representation == "cLEAF^2") & (table.level == 6) & (table["view"] == "full") & (table.set == "coherent")]
+        ours = table[(table.representation == "cLEAF^2") & (table.level == 6)]
+        ours = ours[(ours["view"] == "full") & (ours.set == "coherent")]
         (speed,) = [s for s in self.results()["cLEAF^2"]["speed"] if (s["view"], s["set"]) == ("full", "coherent")]
         (view,) = [view for view in self.results()["cLEAF^2"]["views"] if view["view"] == "full"]
         self.assertAlmostEqual(ours.mrays_per_second_median.item(), speed["mrays_per_second"]["median"])
         self.assertAlmostEqual(ours.errors_p99_pixels.item(), view["errors"]["p99_pixels"])
         self.assertEqual(ours.memory_live_bytes.item(), self.results()["cLEAF^2"]["memory"]["live_bytes"])
-        shadows = [shadow for group in self.record()["groups"] for result in group["results"] for shadow in result.get("shadows", [])]
+        shadows = [shadow for group in self.record()["groups"] for result in group["results"]
+                   for shadow in result.get("shadows", [])]
         self.assertEqual(len(table[table.what == "shadow"]), len(shadows))
         self.assertTrue(len(shadows) and table.leaks_rays.notna().any())
         self.assertNotIn(str(self.records), (self.records / "all.csv").read_text())
@@ -445,30 +454,41 @@ class Report(unittest.TestCase):
         (code,) = re.findall(r"^    import pandas\n(?:    .*\n)+", page, re.MULTILINE)
         self.assertLessEqual(code.count("\n"), 4)
         self.assertEqual(self.run_without_charts(self.records).returncode, 0)
-        code = re.sub(r"^    ", "", code, flags=re.MULTILINE).replace("output/benchmark/paper/records.csv", str(self.records / "records.csv"))
+        code = re.sub(r"^    ", "", code, flags=re.MULTILINE).replace("output/benchmark/paper/records.csv",
+                                                                      str(self.records / "records.csv"))
         found = {}
         exec(code, found)
         self.assertGreater(len(found["table"]), 5)
 
     def test_scale_is_shown_if_measured(self):
-        speed = {ray_set: {"closest": {"mrays_per_second": rays}} for ray_set, rays in (("coherent", 1.5), ("incoherent", 0.75))}
+        speed = {ray_set: {"closest": {"mrays_per_second": rays}}
+                 for ray_set, rays in (("coherent", 1.5), ("incoherent", 0.75))}
         opened = {"openSeconds": 0.25, "pictureSeconds": 40, "quads": 2 * 10**9, "speed": speed}
         herd = {
-            "count": 62, "level": "6", "quads": 2 * 10**9, "fileBytes": 5 * 2**30, "found": 41, "lastQuads": 6 * 10**8, "lastSeconds": 30,
-            "stops": [{"seconds": 40, "bytes": 2**30, "signal": "SIGINT"}, {"seconds": 20, "bytes": 3 * 2**30, "signal": "SIGKILL"}],
-            "buildSeconds": 90, "ownBytes": 2**27, "cold": opened, "warm": opened, "coldMapped": 2**30, "renderOwnBytes": 2**28,
-            "size": "64x48", "samples": 4, "picture": "none.png", "threads": 2, "memory": 2**34, "commands": ["render the herd"],
-            "deviceBytes": 2**26, "some": {"count": 2, "quads": 10**8, "bytes": 2**24, "fileBytes": 2**28, "speed": speed, "command": "render some"},
-            "beside": [{"count": 2, "representation": "GRID", "quads": 10**8, "bytes": 4 * 10**9, "peak": 5 * 10**9, "buildSeconds": 9,
+            "count": 62, "level": "6", "quads": 2 * 10**9, "fileBytes": 5 * 2**30, "found": 41,
+            "lastQuads": 6 * 10**8, "lastSeconds": 30,
+            "stops": [{"seconds": 40, "bytes": 2**30, "signal": "SIGINT"},
+                      {"seconds": 20, "bytes": 3 * 2**30, "signal": "SIGKILL"}],
+            "buildSeconds": 90, "ownBytes": 2**27, "cold": opened, "warm": opened, "coldMapped": 2**30,
+            "renderOwnBytes": 2**28,
+            "size": "64x48", "samples": 4, "picture": "none.png", "threads": 2, "memory": 2**34,
+            "commands": ["render the herd"],
+            "deviceBytes": 2**26, "some": {"count": 2, "quads": 10**8, "bytes": 2**24, "fileBytes": 2**28,
+                                           "speed": speed, "command": "render some"},
+            "beside": [{"count": 2, "representation": "GRID", "quads": 10**8, "bytes": 4 * 10**9, "peak": 5 * 10**9,
+                        "buildSeconds": 9,
                         "speed": speed, "command": "render GRID"}],
         }  # fmt: skip
-        level = {"scene": "trex", "view": "full", "level": "auto", "quads": 10**6, "live_bytes": 2**22, "build_seconds": 0.5, "speed": speed,
-                 "errors_to_true_surface": {"median_pixels": 0.125, "p99_pixels": 0.5}, "size": "64x48", "command": "render levels"}  # fmt: skip
+        level = {"scene": "trex", "view": "full", "level": "auto", "quads": 10**6, "live_bytes": 2**22,
+                 "build_seconds": 0.5, "speed": speed, "size": "64x48", "command": "render levels",
+                 "errors_to_true_surface": {"median_pixels": 0.125, "p99_pixels": 0.5}}  # fmt: skip
         folder = Path(self.temporary.name) / "scale"
         folder.mkdir()
         (folder / scale.RECORD).write_text(json.dumps({"date": "2026-01-01", "herd": herd, "levels": [level]}))
-        text = "\n".join(part if isinstance(part, str) else part.markdown() for part in scale.tables(scale.read(folder)))
-        for found in ("20.0 million quads per second", "74.5 GiB, computed from 40.0 bytes per quad", "interrupted at 1.0 GiB and killed at 3.0 GiB",
+        text = "\n".join(part if isinstance(part, str) else part.markdown()
+                         for part in scale.tables(scale.read(folder)))
+        for found in ("20.0 million quads per second", "74.5 GiB, computed from 40.0 bytes per quad",
+                      "interrupted at 1.0 GiB and killed at 3.0 GiB",
                       "0.34 billion", "| trex, full | auto | 1.00 | 4.0 |"):  # fmt: skip
             self.assertIn(found, text)
         page = Path(self.temporary.name) / "scale.html"
@@ -626,7 +646,8 @@ class Report(unittest.TestCase):
         for isa, result in (("sse2", ""), ("avx2", '<failure message="t is &lt; 0"/>'), ("avx512", "<skipped/>")):
             (folder / f"{isa}.xml").write_text(
                 f'<testsuites><testsuite><testcase name="AlongAxes/cLEAF_{isa}" classname="HardCases/HardRays">{result}'
-                '<properties><property name="property" value="rays &gt; boxes"/></properties></testcase></testsuite></testsuites>'
+                '<properties><property name="property" value="rays &gt; boxes"/></properties>'
+                "</testcase></testsuite></testsuites>"
             )
         (folder / "stopped.xml").write_text("<testsuites><testsuite>")
         ((case, results),) = checks.read_tests(folder).items()
@@ -737,7 +758,8 @@ class Report(unittest.TestCase):
         self.assertIn("no such file or folder", none.stderr)
         other = self.run_without_charts(self.records, "--output", output, "--gpu", self.records)
         self.assertEqual(other.returncode, 0)
-        self.assertEqual(other.stderr, "report.py: warning: records: nothing in it was measured on a Vulkan device; left out\n")
+        self.assertEqual(other.stderr,
+                         "report.py: warning: records: nothing in it was measured on a Vulkan device; left out\n")
         (elsewhere / "short.json").write_text("{")
         damaged = self.run_without_charts(self.records, "--output", output, "--gpu", elsewhere)
         self.assertEqual((damaged.returncode, damaged.stderr.count("\n")), (0, 1))
@@ -761,7 +783,8 @@ class Report(unittest.TestCase):
 
     def test_real_device_is_reported(self):
         folder = Path(self.temporary.name) / "real"
-        words = ["--scene", "cube", "--level", "2", "--representation", "grid,cvoxel", "--device", "vulkan", "--size", "32x32"]
+        words = ["--scene", "cube", "--level", "2", "--representation", "grid,cvoxel", "--device", "vulkan", "--size",
+                 "32x32"]
         words += ["--query", "closest,any", "--rays", "0", "--repeat", "2", "--true-surface", "0", "--check", "leaks"]
         words += ["--check-rays", "1000", "--json", folder / "gpu_cube_L2.json"]
         done = subprocess.run([BENCH, *words], capture_output=True, text=True)

@@ -9,6 +9,7 @@ import os
 import struct
 import subprocess
 import time
+from pathlib import Path
 
 SIZE = (480, 360)
 TIMEOUT = 60  # seconds, for any event
@@ -66,7 +67,8 @@ class Session:
         read, write = os.pipe()
         self.server = subprocess.Popen(
             # without -noreset, Xvfb restarts when the last program ends, and rejects new ones meanwhile
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp", "-noreset"],
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp",
+             "-noreset"],
             pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as file:
@@ -101,8 +103,10 @@ class Session:
 
     def render(self, *options):
         """Runs cbvh_render with a small picture."""
-        done = subprocess.run([self.renderer, *options, "--size", "16x16", "--output", os.path.join(self.folder, "rendered")],
-                              env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run([self.renderer, *options, "--size", "16x16", "--output",
+                               os.path.join(self.folder, "rendered")],
+                              env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode:
             raise SystemExit(f"FAILED: cbvh_render {' '.join(options)}: {done.stderr}")
 
@@ -111,7 +115,8 @@ class Session:
             return file.read()
 
     def start(self, *options, scene=("--scene", "cube"), size=SIZE):
-        with open(os.path.join(self.folder, "log"), "w") as log, open(os.path.join(self.folder, "output"), "w") as output:
+        folder = Path(self.folder)
+        with open(folder / "log", "w") as log, open(folder / "output", "w") as output:
             self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % size, *options],
                                            env=self.environment, cwd=self.folder, stdout=output, stderr=log)
         def window():
@@ -155,7 +160,8 @@ class Session:
         """Returns (eye, target) as printed by the window."""
         before = self.read("output")
         self.key("c")
-        line = wait_for("the camera is not printed", lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")))
+        line = wait_for("the camera is not printed",
+                        lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")))
         numbers = [float(n) for n in line.split("\n")[-2].split()[1].split(",")]
         return numbers[:3], numbers[3:6]
 

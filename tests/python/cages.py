@@ -48,7 +48,8 @@ class Cages(unittest.TestCase):
 
     def test_arrays_of_a_file_give_the_same_cage(self):
         a = self.load(CUBE)
-        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices, crease_edges=a.crease_edges,
+        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices,
+                      crease_edges=a.crease_edges,
                       crease_sharpness=a.crease_sharpness, corner_vertices=a.corner_vertices,
                       corner_sharpness=a.corner_sharpness, holes=a.holes, boundary=a.boundary, name=a.name)
         np.testing.assert_array_equal(a.crease_edges, [[0, 1]])
@@ -95,7 +96,8 @@ class Cages(unittest.TestCase):
     def test_all_number_types_are_accepted(self):
         vertices, faces = sheet_arrays()
         plain = cbvh.Cage(vertices, faces)
-        for v, f in ((vertices.astype(np.float32), faces.astype(np.int8)), (np.asfortranarray(vertices), faces.tolist()),
+        for v, f in ((vertices.astype(np.float32), faces.astype(np.int8)),
+                     (np.asfortranarray(vertices), faces.tolist()),
                      (np.repeat(vertices, 2, 0)[::2], np.asfortranarray(faces.astype(np.uint64)))):
             cage = cbvh.Cage(v, f)
             np.testing.assert_array_equal(cage.vertices, plain.vertices)
@@ -131,15 +133,18 @@ class Cages(unittest.TestCase):
                 (ValueError, "uv_indices: needs uvs", (vertices, faces), {"uv_indices": flat}),
                 (ValueError, "uv_indices: are 4, indices are 16", (vertices, faces),
                  {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),
-                (ValueError, r"crease_edges: has shape \(3,\), not \(n, 2\)", (vertices, faces), {"crease_edges": [0, 1, 2]}),
+                (ValueError, r"crease_edges: has shape \(3,\), not \(n, 2\)", (vertices, faces),
+                 {"crease_edges": [0, 1, 2]}),
                 (ValueError, "crease_sharpness: are 2, needed are 1", (vertices, faces),
                  {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]}),
-                (ValueError, "corner_sharpness: holds -1", (vertices, faces), {"corner_vertices": [0], "corner_sharpness": -1}),
+                (ValueError, "corner_sharpness: holds -1", (vertices, faces),
+                 {"corner_vertices": [0], "corner_sharpness": -1}),
                 (ValueError, "holes: holds 4, which is not from 0 to 3", (vertices, faces), {"holes": [4]}),
                 (ValueError, "boundary: is 'round', not 'none', 'edge_and_corner' or 'edge_only'", (vertices, faces),
                  {"boundary": "round"}),
                 (cbvh.Error, "mine: face 1 names vertex 1 twice", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
-                (cbvh.Error, "mine: no face is left.*16 vertices a face", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
+                (cbvh.Error, "mine: no face is left.*16 vertices a face", (np.eye(17, 3), [range(17)]),
+                 {"name": "mine"})):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Cage(*arguments, **options)
 

@@ -74,7 +74,8 @@ class Heights(unittest.TestCase):
 
     def test_cage_without_uvs_gets_the_map_on_each_face_and_a_warning(self):
         cage = cbvh.Cage(*sheet_arrays(), name="plain")
-        with self.assertWarnsRegex(UserWarning, "^plain has no texture coordinates: each face gets the whole of height,"):
+        with self.assertWarnsRegex(UserWarning,
+                                   "^plain has no texture coordinates: each face gets the whole of height,"):
             cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -126,7 +127,8 @@ class Scenes(unittest.TestCase):
             self.assertEqual(os.listdir(folder), [])
             code = ("import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
                     "try: c.Model.scene('trex', progress=stop)\nexcept LookupError: pass")
-            subprocess.run([sys.executable, "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder}, check=True)
+            subprocess.run([sys.executable, "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder},
+                           check=True)
             self.assertEqual(os.listdir(folder), ["embree-cbvh"])
         with self.assertRaisesRegex(cbvh.Error, "/dev/null"):
             cbvh.Model.scene("trex", map_folder="/dev/null/maps")

@@ -68,7 +68,8 @@ class Motion(unittest.TestCase):
                 with self.subTest(name, poses=poses):
                     scene = cbvh.build(rising_model(poses), name, 4)
                     np.testing.assert_allclose(scene.intersect(origins, directions).t, 1, atol=1e-5)
-                    np.testing.assert_allclose(scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times, atol=1e-5)
+                    np.testing.assert_allclose(scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times,
+                                               atol=1e-5)
                     reached = scene.occluded(origins, directions, tfar=0.75, time=times)
                     np.testing.assert_array_equal(reached[times > 0.501], True)
                     np.testing.assert_array_equal(reached[times < 0.499], False)
@@ -114,7 +115,8 @@ class Stored(unittest.TestCase):
         self.assertEqual(len(quads), scene.statistics()["quads"])
         self.assertEqual(sorted(set(mesh["primID"].tolist())), list(range(25)))
         self.assertLess(quads.max(), len(vertices))
-        area = np.abs(np.cross(vertices[quads[:, 2], :2] - vertices[quads[:, 0], :2], vertices[quads[:, 3], :2] - vertices[quads[:, 1], :2])).sum() / 2
+        area = np.abs(np.cross(vertices[quads[:, 2], :2] - vertices[quads[:, 0], :2],
+                               vertices[quads[:, 3], :2] - vertices[quads[:, 1], :2])).sum() / 2
         self.assertTrue(0.8 < area <= 1.0001, area)
         hits = scene.intersect(*rays_from_above())
         corners = scene.triangles(hits).reshape(-1, 3)
@@ -137,7 +139,8 @@ class Rays(unittest.TestCase):
         origins, directions = rays_from_above()
         expected = self.scene.intersect(origins, directions)
         self.assertGreater(np.ptp(expected.t), 0.01)
-        for o, d in ((origins.astype(np.float64), directions), (np.asfortranarray(origins), np.asfortranarray(directions)),
+        for o, d in ((origins.astype(np.float64), directions),
+                     (np.asfortranarray(origins), np.asfortranarray(directions)),
                      (np.repeat(origins, 2, 1)[:, ::2], directions.astype(np.int64)), (origins.tolist(), (0, 0, -1)),
                      (origins, directions.astype(">f4"))):
             hits = self.scene.intersect(o, d)
@@ -175,7 +178,8 @@ class Rays(unittest.TestCase):
         for error, text, arguments in (
                 (ValueError, r"origins: has shape \(2,\), not \(..., 3\)", ([0, 0], [0, 0, 1])),
                 (ValueError, r"directions: has shape \(\), not \(..., 3\)", ([0, 0, 0], 1.0)),
-                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors", (np.zeros((2, 3)), np.ones((3, 3)))),
+                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors",
+                 (np.zeros((2, 3)), np.ones((3, 3)))),
                 (TypeError, "tfar: is an array of <U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
                 (TypeError, "origins: is an array of object", (None, [0, 0, 1]))):
             for query in (scene.intersect, scene.occluded):
@@ -227,11 +231,13 @@ class Building(unittest.TestCase):
         self.assertEqual(label("Leaf-only:1"), "cLEAF-only^1")
         self.assertEqual(label("cVoxel^3", frame_level=1), "cVOXEL^3")
         self.assertEqual(label("cgrid", frame_level="auto"), "cGRID")
-        blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"] for n in (0, 1, 2)]
+        blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"]
+                  for n in (0, 1, 2)]
         self.assertEqual(blocks, [25, 100, 400])
 
     def test_exact_faces_are_selected_by_name(self):
-        exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name, 3).statistics()["compression"]["exact_quads_share"]
+        exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name,
+                                        3).statistics()["compression"]["exact_quads_share"]
         self.assertGreater(exact("cleaf"), 0)
         self.assertEqual(exact("cleaf-only"), 0)
         with self.assertRaises(TypeError):
@@ -252,7 +258,8 @@ class Building(unittest.TestCase):
                 (ValueError, "representation: 'grid,cvert' names several", {"representation": "grid,cvert"}),
                 (cbvh.Error, "^level 9 is out of range, 0 to 8", {"level": 9}),
                 (cbvh.Error, "^level -1 is out of range", {"level": -1}),
-                (cbvh.Error, "frame level '9' is neither auto nor 0 to 8", {"representation": "cleaf", "frame_level": 9}),
+                (cbvh.Error, "frame level '9' is neither auto nor 0 to 8",
+                 {"representation": "cleaf", "frame_level": 9}),
                 (ValueError, "max_error: is -1", {"max_error": -1}),
                 (ValueError, "max_pixel_error: needs a camera", {"max_pixel_error": 1}),
                 (cbvh.Error, "^threads must not be negative", {"threads": -1}),

@@ -14,7 +14,8 @@ endif()
 # function: upstream calls the intersectors of all accelerators through pointers of one type, to which
 # DEFINE_INTERSECTOR1 and similar macros cast them (kernels/common/accel.h). vptr: the type information of the
 # library's classes is hidden from tests that access them.
-add_compile_options(-fsanitize=${CBVH_SANITIZE} -fno-sanitize=function,vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+add_compile_options(-fsanitize=${CBVH_SANITIZE} -fno-sanitize=function,vptr -fno-sanitize-recover=all
+  -fno-omit-frame-pointer)
 # The program contains the runtime; the library, which upstream links with --no-undefined, does not.
 add_link_options(-fsanitize=${CBVH_SANITIZE} -Wl,-z,undefs)
 

@@ -22,13 +22,17 @@ comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
 # functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart \
+printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene \
+  rtcForEachCompressedCluster rtcForEachCompressedPart \
   rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount \
   rtcGetCompressedFileGeometryStatistics \
   rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
-  rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry rtcNewCompressedFileWriter \
-  rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile rtcReleaseCompressedFileWriter \
-  rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
+  rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry \
+  rtcNewCompressedFileWriter \
+  rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile \
+  rtcReleaseCompressedFileWriter \
+  rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression \
+  rtcVerifyCompressedFile > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }
@@ -40,6 +44,7 @@ for header in /usr/include/embree3/*; do
 done
 # Our headers support C and C++.
 for language in c c++; do
-  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters rtcore_dicing rtcore_compressed_files |
+  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters \
+    rtcore_dicing rtcore_compressed_files |
     cc -x "$language" -Wall -Werror -fsyntax-only -I "${headers%/*}" -
 done

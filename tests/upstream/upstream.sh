@@ -48,7 +48,8 @@ diff named present || fail "series and patches differ"
 # Corrupted archives.
 sum=$(sha256sum "$archive" | cut -d ' ' -f 1)
 head -c 1000000 "$archive" > truncated.tar.xz
-refuses "truncated.tar.xz: SHA-256 is $(sha256sum truncated.tar.xz | cut -d ' ' -f 1) (1000000 bytes), expected $sum" "$work/truncated.tar.xz"
+refuses "truncated.tar.xz: SHA-256 is $(sha256sum truncated.tar.xz | cut -d ' ' -f 1) (1000000 bytes), expected $sum" \
+  "$work/truncated.tar.xz"
 { cat "$archive"; echo; } > longer.tar.xz
 refuses "longer.tar.xz: SHA-256 is .*, expected $sum" "$work/longer.tar.xz"
 : > empty.tar.xz
@@ -69,7 +70,8 @@ mv kept.sh upstream/fetch.sh
 
 # A series that does not fit, and a missing patch.
 cp upstream/patches/subdiv-accel.patch kept
-sed -i 's/^ #include "\.\.\/bvh\/bvh8_factory\.h"/ #include "..\/bvh\/bvh9_factory.h"/' upstream/patches/subdiv-accel.patch
+sed -i 's/^ #include "\.\.\/bvh\/bvh8_factory\.h"/ #include "..\/bvh\/bvh9_factory.h"/' \
+  upstream/patches/subdiv-accel.patch
 refuses "subdiv-accel.patch does not fit embree .*Hunk #1 FAILED" "$archive"
 rm upstream/patches/subdiv-accel.patch
 refuses "subdiv-accel.patch: named in series, no such file" "$archive"

@@ -18,7 +18,8 @@ import shlex
 import subprocess
 import sys
 
-SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp", "building/builder.cpp", "files/loaded_surface.cpp",
+SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp",
+           "building/builder.cpp", "files/loaded_surface.cpp",
            "core/compression.cpp", "api/settings.cpp")
 LAYOUT = {"block.h", "morton.h"}  # in framed/: headers that identify blocks with frames in files
 MOST_FILES_OF_A_RAY = 46  # static and moving
@@ -46,13 +47,15 @@ def main():
             errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
             failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))
         paths = map(os.path.normpath, re.findall(r"^\.+ (\S+)$", run.stderr, re.MULTILINE))
-        ours = {match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths) if match}
+        ours = {match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths)
+                if match}
         framed = sorted(path for path in ours if "/framed/" in path and path.rsplit("/", 1)[1] not in LAYOUT)
         if framed:
             failures.append(f"{source} includes {', '.join(framed)}")
         print(f"{source}: {len(ours)} files of ours")
         if source == "traversal/intersector1.cpp" and len(ours) > MOST_FILES_OF_A_RAY:
-            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " ".join(sorted(ours)))
+            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " "
+                            f"".join(sorted(ours)))
     print("\n".join(failures))
     sys.exit(bool(failures))
 
