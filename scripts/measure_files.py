@@ -22,13 +22,13 @@ from pathlib import Path
 VIEWS = {"all of it": ("full", "512x512"), "one claw": ("0.55,0.2,0.9,0.35,0.05,0.5,6", "768x768")}
 
 
-def letGo(path):
+def evict(path):
     with open(path, "rb") as file:
         os.fsync(file.fileno())
         os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
-def mappingOf(pid, path):
+def mapping_of(pid, path):
     """Rss and Pss of a mapped file in a process, in bytes; None if no page is resident."""
     sums = {"Rss": 0, "Pss": 0}
     inside = False
@@ -83,7 +83,7 @@ def load(program, path, folder, processes, view):
         )
     seen = [None] * processes
     while all(run.poll() is None for run, _ in runs):
-        now = [mappingOf(run.pid, path) for run, _ in runs]
+        now = [mapping_of(run.pid, path) for run, _ in runs]
         if all(now):
             seen = now
         time.sleep(0.01)
@@ -134,7 +134,7 @@ def main():
                 opened, used, first, rss, pss, inMemory = [], [], [], [], [], []
                 for _ in range(options.repeat):
                     if isCold:
-                        letGo(path)
+                        evict(path)
                     records, seen = load(options.program, path, folder, processes, view)
                     opened += [r["openSeconds"] for r in records]
                     used += [r["openProcessorSeconds"] for r in records]

@@ -26,7 +26,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import whole_file  # noqa: E402
-from measure_files import letGo, mappingOf  # noqa: E402
+from measure_files import evict, mapping_of  # noqa: E402
 from reporting import scale  # noqa: E402
 
 GIB = 2**30
@@ -61,7 +61,7 @@ class Run:
                 pass
             if self.mapped:
                 self.most_mapped = max(
-                    self.most_mapped, (mappingOf(self.process.pid, self.mapped) or {"Rss": 0})["Rss"]
+                    self.most_mapped, (mapping_of(self.process.pid, self.mapped) or {"Rss": 0})["Rss"]
                 )
             time.sleep(0.1)
 
@@ -140,7 +140,7 @@ def measure_herd(program, folder, options):
     build = Run([program, *small, "--save", path], folder / "build.json")
     built = build.finish()
     view = ["--load", path, "--size", options.size, "--view", options.view]
-    letGo(path)
+    evict(path)
     cold = Run(
         [program, *view, "--output", folder / "picture", "--samples", options.samples], folder / "cold.json", path
     )

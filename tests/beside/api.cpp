@@ -24,14 +24,14 @@ namespace {
 struct Context
 {
   CbvhContext handle = nullptr;
-  std::vector<std::pair<CbvhError, std::string>> told;
+  std::vector<std::pair<CbvhError, std::string>> reported;
 
   Context()
   {
     EXPECT_EQ(cbvhNewContext(
                 nullptr,
                 [](void* self, CbvhError code, const char* text) {
-                  ((Context*)self)->told.push_back({code, text});
+                  ((Context*)self)->reported.push_back({code, text});
                 },
                 this, &handle),
               CBVH_OK);
@@ -46,10 +46,10 @@ struct Context
   {
     EXPECT_EQ(found, code);
     EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
-    ASSERT_EQ(told.size(), 1u);
-    EXPECT_EQ(told[0].first, code);
-    EXPECT_EQ(told[0].second, cbvhGetErrorText());
-    told.clear();
+    ASSERT_EQ(reported.size(), 1u);
+    EXPECT_EQ(reported[0].first, code);
+    EXPECT_EQ(reported[0].second, cbvhGetErrorText());
+    reported.clear();
   }
 };
 
@@ -200,7 +200,7 @@ TEST(Beside, ClustersMatchOurEmbree)
   ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
   EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
     << "not committed";
-  context.told.clear();
+  context.reported.clear();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   Scene scene(device);
   RTCGeometry geometry = newSurface(device, cage, settings);
@@ -237,7 +237,7 @@ TEST(Beside, ClustersMatchOurEmbree)
             CBVH_OK);
   EXPECT_EQ(calls, 3u) << "a callback that returns 0 ends the calls";
   EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
-  context.told.clear();
+  context.reported.clear();
   context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr),
                  CBVH_ERROR_INVALID_ARGUMENT, "7");
 }
@@ -274,7 +274,7 @@ TEST(Beside, CageHitsMatchOurEmbree)
       EXPECT_EQ(statistics.numMovingQuads, timeSteps > 1 ? statistics.numQuads : 0);
       EXPECT_GT(statistics.bytes, statistics.numQuads);
     }
-  EXPECT_TRUE(context.told.empty());
+  EXPECT_TRUE(context.reported.empty());
 }
 
 // The commit reads vertices of grids and meshes; they are released before rays are traced.
@@ -362,7 +362,7 @@ TEST(Beside, LosslessHitsMatchOurEmbree)
       }
     }
   }
-  EXPECT_TRUE(context.told.empty());
+  EXPECT_TRUE(context.reported.empty());
 }
 
 // Both libraries open the other's files.
@@ -393,7 +393,7 @@ TEST(Beside, FilesAreInterchangeableWithOurEmbree)
     EXPECT_EQ(bytesOf(folder/"ours"), bytesOf(folder/"beside"));
     cbvhReleaseSurface(surface);
   }
-  EXPECT_TRUE(context.told.empty());
+  EXPECT_TRUE(context.reported.empty());
 
   CbvhSurface none = nullptr;
   writeBytes(folder/"ours", bytesOf(folder/"ours").substr(0, 5000));
@@ -579,16 +579,16 @@ TEST(Beside, CommitsReportProgressAndCanBeCanceled)
   const CageInput input(sheetCage(8), settings);
   const Surface surface(context);
   ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
-  struct Told { std::atomic<unsigned> calls{0}; unsigned most; } told;
+  struct Reported { std::atomic<unsigned> calls{0}; unsigned most; } reported;
   const auto progress = [](void* self, double done) {
-    Told& told = *(Told*)self;
-    return int(done >= 0 && done <= 1 && ++told.calls <= told.most);
+    Reported& reported = *(Reported*)self;
+    return int(done >= 0 && done <= 1 && ++reported.calls <= reported.most);
   };
-  told.most = 3;
-  context.expect(cbvhCommitSurface(surface, progress, &told), CBVH_ERROR_CANCELLED, "");
-  EXPECT_GT(told.calls, 3u);
-  told.most = ~0u;
-  ASSERT_EQ(cbvhCommitSurface(surface, progress, &told), CBVH_OK) << cbvhGetErrorText();
+  reported.most = 3;
+  context.expect(cbvhCommitSurface(surface, progress, &reported), CBVH_ERROR_CANCELLED, "");
+  EXPECT_GT(reported.calls, 3u);
+  reported.most = ~0u;
+  ASSERT_EQ(cbvhCommitSurface(surface, progress, &reported), CBVH_OK) << cbvhGetErrorText();
   const SurfaceScene scene(device, sheetCage(8), settings);
   const Group group(context, {surface});
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 1000)));

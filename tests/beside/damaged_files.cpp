@@ -12,7 +12,7 @@
 namespace cbvh::test {
 namespace {
 
-struct Told
+struct Reported
 {
   unsigned errors = 0;
   CbvhError code = CBVH_OK;
@@ -20,17 +20,17 @@ struct Told
 
   static void function(void* self, CbvhError code, const char* text)
   {
-    Told& told = *(Told*)self;
-    told.errors++;
-    told.code = code;
-    told.text = text;
+    Reported& reported = *(Reported*)self;
+    reported.errors++;
+    reported.code = code;
+    reported.text = text;
     cbvhReleaseContext(nullptr); // functions of the library may be called in callbacks
   }
 };
 
 struct Damaged : testing::Test
 {
-  Told told;
+  Reported reported;
   CbvhContext context = nullptr;
   Folder folder;
   const std::string path = folder/"surface.cbvh";
@@ -38,7 +38,7 @@ struct Damaged : testing::Test
 
   Damaged()
   {
-    EXPECT_EQ(cbvhNewContext(nullptr, Told::function, &told, &context), CBVH_OK);
+    EXPECT_EQ(cbvhNewContext(nullptr, Reported::function, &reported, &context), CBVH_OK);
     const Cage cage = cubeCage();
     const float* const steps[] = {cage.positions[0].data()};
     CbvhCage input = CbvhCage();
@@ -76,18 +76,18 @@ struct Damaged : testing::Test
     EXPECT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
     cbvhReleaseSurface(surface);
-    EXPECT_EQ(told.errors, 0u) << told.text;
+    EXPECT_EQ(reported.errors, 0u) << reported.text;
     return group;
   }
 
   void expectOne(const char* by)
   {
-    EXPECT_EQ(told.errors, 1u) << by;
-    EXPECT_EQ(told.code, CBVH_ERROR_INVALID_ARGUMENT) << by;
-    EXPECT_NE(told.text.find("is damaged"), std::string::npos) << by << ": " << told.text;
-    EXPECT_NE(told.text.find(path), std::string::npos) << by << ": " << told.text;
+    EXPECT_EQ(reported.errors, 1u) << by;
+    EXPECT_EQ(reported.code, CBVH_ERROR_INVALID_ARGUMENT) << by;
+    EXPECT_NE(reported.text.find("is damaged"), std::string::npos) << by << ": " << reported.text;
+    EXPECT_NE(reported.text.find(path), std::string::npos) << by << ": " << reported.text;
     EXPECT_NE(std::string(cbvhGetErrorText()).find("is damaged"), std::string::npos) << by;
-    told = Told();
+    reported = Reported();
   }
 
   static std::vector<RTCRayHit> rays()
@@ -152,11 +152,11 @@ TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
     SCOPED_TRACE(name);
     CbvhGroup group = load();
     EXPECT_EQ(call(cbvhGetGroupSurface(group, 0)), CBVH_ERROR_INVALID_OPERATION);
-    EXPECT_EQ(told.errors, 1u);
+    EXPECT_EQ(reported.errors, 1u);
     for (const std::string& part : {path, std::string("the geometry's file is damaged"), std::string("the block at ")})
-      EXPECT_NE(told.text.find(part), std::string::npos) << told.text << " lacks " << part;
-    EXPECT_EQ(cbvhGetErrorText(), told.text);
-    told = Told();
+      EXPECT_NE(reported.text.find(part), std::string::npos) << reported.text << " lacks " << part;
+    EXPECT_EQ(cbvhGetErrorText(), reported.text);
+    reported = Reported();
     cbvhReleaseGroup(group);
   }
 }
@@ -184,7 +184,7 @@ TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
     EXPECT_EQ(report.bytes, sums.bytes);
     EXPECT_EQ(report.numClustersOf[3], 0u);
     most = std::max(most, report.numClusters);
-    told = Told();
+    reported = Reported();
     cbvhReleaseGroup(group);
   }
   EXPECT_GT(most, 0u);
@@ -212,8 +212,8 @@ TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
     return 1;
   };
   EXPECT_EQ(cbvhCommitSurface(surface, progress, &callback), CBVH_OK) << cbvhGetErrorText();
-  EXPECT_EQ(told.errors, 1u);
-  EXPECT_NE(told.text.find("is damaged"), std::string::npos) << told.text;
+  EXPECT_EQ(reported.errors, 1u);
+  EXPECT_NE(reported.text.find("is damaged"), std::string::npos) << reported.text;
   cbvhReleaseSurface(surface);
   cbvhReleaseGroup(callback.group);
 }

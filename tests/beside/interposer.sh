@@ -62,12 +62,12 @@ row()
       { cat "$work/$way.log"; fail "$name, $way"; }
     if ! awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time"; then cat "$work/$way.time"; fail "$name, $way"; fi
   done
-  if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then told="left to Embree"; else told=; fi
+  if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then note="left to Embree"; else note=; fi
   differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name differs: $differing"
-  awk -v name="$name" -v differing="$differing" -v told="$told" '{ peak[NR] = $1/1024; seconds[NR] = $2 }
+  awk -v name="$name" -v differing="$differing" -v note="$note" '{ peak[NR] = $1/1024; seconds[NR] = $2 }
     END {
       printf "| %-36s | %22s | %7.1f | %7.1f | %5.2f | %5.2f | %s\n",
-        name, differing, peak[1], peak[2], seconds[1], seconds[2], told
+        name, differing, peak[1], peak[2], seconds[1], seconds[2], note
     }' "$work/without.time" "$work/with.time"
 }
 

@@ -431,24 +431,24 @@ TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
 
 TEST(OddContexts, ErrorFunctionMayCauseErrors)
 {
-  struct Told { CbvhContext context = nullptr; std::string before, after; } told;
+  struct Reported { CbvhContext context = nullptr; std::string before, after; } reported;
   const auto tell = [](void* self, CbvhError, const char* text) {
-    Told& told = *(Told*)self;
-    if (!told.before.empty()) return;
-    told.before = text;
+    Reported& reported = *(Reported*)self;
+    if (!reported.before.empty()) return;
+    reported.before = text;
     CbvhSurface none = nullptr;
     for (int i = 0; i < 100; i++)
-      cbvhLoadSurface(told.context, ("/no/such/file/with/a/long/name/" + std::to_string(i)).c_str(), &none);
-    told.after = text;
+      cbvhLoadSurface(reported.context, ("/no/such/file/with/a/long/name/" + std::to_string(i)).c_str(), &none);
+    reported.after = text;
   };
-  ASSERT_EQ(cbvhNewContext(nullptr, tell, &told, &told.context), CBVH_OK);
+  ASSERT_EQ(cbvhNewContext(nullptr, tell, &reported, &reported.context), CBVH_OK);
   CbvhSurface none = nullptr;
-  EXPECT_EQ(cbvhLoadSurface(told.context, "/no/such/folder/of/the/application/first.cbvh", &none),
+  EXPECT_EQ(cbvhLoadSurface(reported.context, "/no/such/folder/of/the/application/first.cbvh", &none),
             CBVH_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(told.before.find("first.cbvh"), std::string::npos);
-  EXPECT_EQ(told.after, told.before);
-  EXPECT_EQ(cbvhGetErrorText(), told.before);
-  cbvhReleaseContext(told.context);
+  EXPECT_NE(reported.before.find("first.cbvh"), std::string::npos);
+  EXPECT_EQ(reported.after, reported.before);
+  EXPECT_EQ(cbvhGetErrorText(), reported.before);
+  cbvhReleaseContext(reported.context);
 }
 
 TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)

@@ -62,7 +62,7 @@ struct StructSizes : ::testing::Test
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr, other = nullptr;
   CbvhGroup group = nullptr;
-  std::string told;
+  std::string reported;
   Device device;
   Scene scene{device};
   Folder folder;
@@ -73,7 +73,7 @@ struct StructSizes : ::testing::Test
   StructSizes()
   {
     const auto keep = [](void* self, CbvhError, const char* text) { *(std::string*)self = text; };
-    EXPECT_EQ(cbvhNewContext(nullptr, keep, &told, &context), CBVH_OK);
+    EXPECT_EQ(cbvhNewContext(nullptr, keep, &reported, &context), CBVH_OK);
     const CbvhCage input = cube();
     for (CbvhSurface* s : {&surface, &other}) {
       EXPECT_EQ(cbvhNewSurface(context, s), CBVH_OK);
@@ -97,7 +97,7 @@ struct StructSizes : ::testing::Test
     file = rtcOpenCompressedFile(device, (folder/"one").c_str());
     EXPECT_NE(file, nullptr) << device.message;
     addCases();
-    addCasesBeside();
+    addCbvhCases();
   }
 
   ~StructSizes() override
@@ -162,7 +162,7 @@ struct StructSizes : ::testing::Test
       }));
   }
 
-  void addCasesBeside()
+  void addCbvhCases()
   {
     cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(),
       [=](CbvhCage* input) { return error(cbvhSetCage(other, input)); }));
@@ -187,19 +187,19 @@ struct StructSizes : ::testing::Test
       [=](CbvhInterpolation* points) { return error(cbvhInterpolatePoints(surface, points)); }));
     const auto trace = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
-        told.clear();
+        reported.clear();
         CbvhRayHit r = CbvhRayHit();
         r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
         const int isHit = isOcclusion ? cbvhOccluded1(group, &r.ray, query) : cbvhIntersect1(group, &r, query);
-        EXPECT_EQ(isHit != 0, told.empty()) << told;
-        return told;
+        EXPECT_EQ(isHit != 0, reported.empty()) << reported;
+        return reported;
       };
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(false)));
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(true)));
     const auto packet = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
-        told.clear();
+        reported.clear();
         alignas(16) RTCRayHit4 rays = RTCRayHit4();
         for (int i = 0; i < 4; i++) {
           rays.ray.org_x[i] = rays.ray.org_y[i] = 0.01f; rays.ray.org_z[i] = 5; rays.ray.dir_z[i] = -1;
@@ -207,8 +207,8 @@ struct StructSizes : ::testing::Test
         }
         const unsigned hits = isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query)
             : cbvhIntersect4(group, nullptr, &rays, query);
-        EXPECT_EQ(hits, told.empty() ? 15u : 0u) << told;
-        return told;
+        EXPECT_EQ(hits, reported.empty() ? 15u : 0u) << reported;
+        return reported;
       };
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(false)));

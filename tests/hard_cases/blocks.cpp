@@ -17,14 +17,14 @@ protected:
   // share of rays that must have exactly the reference's hit
   double exact = 0.75;
 
-  void trace(const std::vector<Shape>& shapes, const std::vector<Placement>& placements, unsigned raysOfAKind)
+  void trace(const std::vector<Shape>& shapes, const std::vector<Placement>& placements, unsigned raysPerKind)
   {
     Random random(33);
     ReferenceCheck check(device, compression());
     for (unsigned height : {0, 1, 2, 3, 4, 5})
       for (const Placement& at : placements)
         for (Shape shape : shapes) {
-          check.trace(random, randomSheet(random, shape, height, at), allRays, raysOfAKind);
+          check.trace(random, randomSheet(random, shape, height, at), allRays, raysPerKind);
           if (HasFatalFailure()) return;
         }
     check.conclude(exact);

@@ -179,7 +179,7 @@ TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
   Scene scene(device);
   recorder.build(device, scene, cubeCage(), settings());
   Random random(35);
-  const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 16384);
+  const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 16384);
   std::vector<RTCRayHit> ofUnitLength = rays;
   trace(scene, {Single, false, false}, ofUnitLength);
   for (bool flush : {false, true})

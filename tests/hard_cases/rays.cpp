@@ -13,13 +13,13 @@ namespace {
 class HardRays : public HardCase
 {
 protected:
-  void trace(const std::vector<RayKind>& kinds, unsigned raysOfAKind, bool unitLength = true)
+  void trace(const std::vector<RayKind>& kinds, unsigned raysPerKind, bool unitLength = true)
   {
     Random random(31);
     ReferenceCheck check(device, compression());
     for (unsigned height : {0, 1, 3, 5})
       for (Shape shape : allShapes) {
-        check.trace(random, randomSheet(random, shape, height, {1, {0, 0, 0}}), kinds, raysOfAKind, unitLength);
+        check.trace(random, randomSheet(random, shape, height, {1, {0, 0, 0}}), kinds, raysPerKind, unitLength);
         if (HasFatalFailure()) return;
       }
     check.conclude();

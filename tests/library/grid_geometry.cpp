@@ -493,12 +493,12 @@ TEST(GridSurfaces, MemoryIsSmall)
     rtcCommitScene(scene);
     const double bytes = double(memory.live - before)/double(diced.quads());
     const RTCCompressionStatistics stats = statisticsOf(scene);
-    const auto aQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
+    const auto perQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
     std::printf(
       "%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), "
       "%.2f more during the build\n",
-      s.n, s.n, s.quads, s.quads, bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes),
-      aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
+      s.n, s.n, s.quads, s.quads, bytes, perQuad(stats.topLevelBytes), perQuad(stats.frameBytes), perQuad(stats.nodeBytes),
+      perQuad(stats.leafBytes), perQuad(size_t(memory.peak - memory.live)));
     EXPECT_LE(bytes, s.bytes) << s.quads << " quads";
   }
 }

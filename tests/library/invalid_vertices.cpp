@@ -265,15 +265,15 @@ TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
   settings.compression = GetParam();
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings);
-  unsigned told[4] = {};
+  unsigned reported[4] = {};
   std::vector<std::thread> threads;
-  for (unsigned& n : told)
+  for (unsigned& n : reported)
     threads.emplace_back([&]() {
       rtcJoinCommitScene(scene);
       n = rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT;
     });
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(told[0] + told[1] + told[2] + told[3], 1u);
+  EXPECT_EQ(reported[0] + reported[1] + reported[2] + reported[3], 1u);
   EXPECT_EQ(device.errors, 1u);
 }
 

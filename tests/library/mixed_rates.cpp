@@ -69,7 +69,7 @@ struct BorderRecorder : public VertexRecorder
 
   // Points halfway between the borders and those of a finer tessellation. A face that kept all its vertices would
   // leave a hole there next to a face with this border.
-  std::vector<Vec> targetsBeside(const BorderRecorder& fine) const
+  std::vector<Vec> targetsNextTo(const BorderRecorder& fine) const
   {
     std::vector<Vec> out;
     for (const auto& border : borders)
@@ -358,13 +358,13 @@ TEST_P(MixedRates, NeighborsAreClosedWithoutGridFallback)
         settings.compression = RTC_COMPRESSION_NONE;
         fine.build(device, fineGrid, cage.cage, settings);
         const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
-        const std::vector<RTCRayHit> beside = raysTowards(recorder.targetsBeside(fine), random);
-        const unsigned misses = countMisses(scene, rays), missesBeside = countMisses(scene, beside);
+        const std::vector<RTCRayHit> beside = raysTowards(recorder.targetsNextTo(fine), random);
+        const unsigned misses = countMisses(scene, rays), missesNextTo = countMisses(scene, beside);
         if (GetParam() != RTC_COMPRESSION_GRID) {
           EXPECT_EQ(misses, 0u) << "of " << rays.size();
-          EXPECT_EQ(missesBeside, 0u) << "of " << beside.size();
+          EXPECT_EQ(missesNextTo, 0u) << "of " << beside.size();
         }
-        leaks += misses + missesBeside;
+        leaks += misses + missesNextTo;
         gridLeaks += countMisses(grid, rays) + countMisses(grid, beside);
       }
   EXPECT_LE(leaks, gridLeaks);

@@ -295,7 +295,7 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveStitchedVerticesOfGrid)
 
 // Cosine of a triangle's normal and the normal of GRID's vertices: negative if the triangle is flipped, 0 if it has
 // no area.
-double likeness(const VertTriangle& t, const EveryVertex& grid)
+double normalCosine(const VertTriangle& t, const EveryVertex& grid)
 {
   double normals[2][3];
   for (int side = 0; side < 2; side++) {
@@ -333,7 +333,7 @@ TEST(VertSurfaces, FlippedQuadsAreCounted)
       const std::vector<VertTriangle> triangles = vertTriangles(scene);
       size_t certain = 0, possible = 0; // the vertices of a face's border match GRID's except for some ulps
       for (size_t i = 0; i < triangles.size(); i += 2) { // two per quad
-        const double likenesses[2] = {likeness(triangles[i], grid), likeness(triangles[i+1], grid)};
+        const double likenesses[2] = {normalCosine(triangles[i], grid), normalCosine(triangles[i+1], grid)};
         const auto isOf = [&](double bound) {
           return std::any_of(likenesses, likenesses+2, [&](double l) { return l != 0 && l < bound; });
         };

@@ -267,14 +267,14 @@ typedef std::function<bool(unsigned x, unsigned y)> Exempt; // true for vertices
 
 // Embree, with or without compression, leaves out primitives with a vertex beyond 1.844e18. Rounding may move a
 // vertex beyond that limit.
-constexpr float mostOfEmbree = 1.8e18f;
+constexpr float largestOfEmbree = 1.8e18f;
 
 // Marks vertices that belong to a quad that Embree does not leave out.
 std::vector<bool> vertexIsUsed(const Sheet& sheet)
 {
   const unsigned w = sheet.width;
   const auto isValid = [&](size_t i) {
-    for (const auto& vertices : sheet.steps) for (float x : vertices[i]) if (std::fabs(x) > mostOfEmbree) return false;
+    for (const auto& vertices : sheet.steps) for (float x : vertices[i]) if (std::fabs(x) > largestOfEmbree) return false;
     return true;
   };
   std::vector<bool> isUsed(sheet.steps[0].size());

@@ -25,15 +25,15 @@ def long_model():
 
 class Progress(unittest.TestCase):
     def test_phases_start_at_0_rise_and_end_at_1(self):
-        told, threads = {}, set()
+        reported, threads = {}, set()
 
         def progress(phase, fraction):
-            told.setdefault(phase, []).append(fraction)
+            reported.setdefault(phase, []).append(fraction)
             threads.add(threading.get_ident())
 
         cbvh.build(bumpy_model(), "naive", 5, progress=progress)
-        self.assertEqual(list(told), ["NAIVE: tessellation", "NAIVE: build"])
-        for fractions in told.values():
+        self.assertEqual(list(reported), ["NAIVE: tessellation", "NAIVE: build"])
+        for fractions in reported.values():
             self.assertEqual((fractions[0], fractions[-1]), (0, 1))
             self.assertEqual(fractions, sorted(set(fractions)))
         self.assertEqual(threads, {threading.get_ident()})
@@ -134,9 +134,9 @@ class Threads(unittest.TestCase):
         found, phases = {}, {}
 
         def work(name):
-            told = phases.setdefault(name, set())
+            reported = phases.setdefault(name, set())
             for _ in range(3):
-                found[name] = cbvh.build(model, name, 5, progress=lambda phase, _: told.add(phase)).intersect(*rays).t
+                found[name] = cbvh.build(model, name, 5, progress=lambda phase, _: reported.add(phase)).intersect(*rays).t
 
         threads = [threading.Thread(target=work, args=(name,)) for name in expected]
         for thread in threads:

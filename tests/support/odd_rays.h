@@ -50,7 +50,7 @@ struct AllVertices : public VertexRecorder
 
 // Block bounds end at vertices. Returns a ray from inside the cube that passes close to a vertex: along an axis,
 // nearly along an axis, or in the plane of two axes.
-inline RTCRayHit rayBesideVertex(Random& random, const std::vector<Vec>& vertices)
+inline RTCRayHit rayNextToVertex(Random& random, const std::vector<Vec>& vertices)
 {
   const unsigned across = random.below(3), other = (across + 1 + random.below(2)) % 3, zeros = 1 + random.below(2);
   while (true) {
@@ -68,10 +68,10 @@ inline RTCRayHit rayBesideVertex(Random& random, const std::vector<Vec>& vertice
   }
 }
 
-inline std::vector<RTCRayHit> raysBesideVertices(Random& random, const std::vector<Vec>& vertices, unsigned count)
+inline std::vector<RTCRayHit> raysNextToVertices(Random& random, const std::vector<Vec>& vertices, unsigned count)
 {
   std::vector<RTCRayHit> rays;
-  for (unsigned i = 0; i < count; i++) rays.push_back(rayBesideVertex(random, vertices));
+  for (unsigned i = 0; i < count; i++) rays.push_back(rayNextToVertex(random, vertices));
   return rays;
 }
 

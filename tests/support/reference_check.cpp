@@ -219,7 +219,7 @@ bool nearEdge(double u, double v)
 
 } // namespace
 
-void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysOfAKind,
+void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysPerKind,
                            bool unitLength)
 {
   Scene scene(device), grid(device);
@@ -232,7 +232,7 @@ void ReferenceCheck::trace(Random& random, const Sheet& sheet, const std::vector
   std::vector<RTCRayHit> closest;
   std::vector<RTCRay> any;
   for (RayKind kind : kinds)
-    for (unsigned i = 0; i < raysOfAKind; i++) {
+    for (unsigned i = 0; i < raysPerKind; i++) {
       const RTCRayHit ray = randomRay(random, kind, sheet, unitLength ? 1 : random.magnitude(1e-15, 1e18));
       answers.push_back({ray, ray, ray, false, false, kind});
       closest.push_back(ray);

@@ -40,7 +40,7 @@ public:
 
   // Traces random rays of the given kinds at a sheet, with directions of length 1 or of all lengths that Embree
   // supports. A sheet that is not compressed must have GRID's hits.
-  void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysOfAKind,
+  void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysPerKind,
              bool unitLength = true);
 
   // Fails if the rays were not conclusive. share: minimum share of rays with equal t, because a tolerance that

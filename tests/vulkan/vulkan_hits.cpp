@@ -318,7 +318,7 @@ TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
     recorder.build(embree, scene, cubeCage(), settings(kind, 32));
     const VulkanScene onDevice = newVulkanScene(device, scene);
     ASSERT_NE(onDevice, nullptr) << embree.message;
-    const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 4096);
+    const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 4096);
     std::vector<RTCRayHit> ofUnitLength = rays;
     intersectOnDevice(onDevice, ofUnitLength);
     for (int exponent : oddExponents) {

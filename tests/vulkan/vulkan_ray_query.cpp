@@ -159,7 +159,7 @@ TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
   recorder.build(embree, scene, cubeCage(), settings(RTC_COMPRESSION_VERT, 32));
   const VulkanScene query = newQueryScene(device, scene);
   ASSERT_NE(query, nullptr) << embree.message;
-  const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 8192);
+  const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 8192);
   for (int exponent : oddExponents) {
     std::vector<RTCRayHit> found = withDirections(rays, std::ldexp(1.0f, exponent));
     std::vector<RTCRay> any = withoutHits(found);
