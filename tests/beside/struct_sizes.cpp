@@ -45,7 +45,7 @@ struct Case
 {
   std::string name;
   bool isWritten;
-  Bytes valid;                              // as this version has it
+  Bytes valid;                              // of this version
   std::function<std::string(void*)> call;   // returns the text of the error, empty if there is none
 };
 

@@ -231,7 +231,7 @@ TEST(HitRule, CrossingALeafMatchesTables)
 
 TEST(HitRule, PassedBoxesAreWantedAsInTable)
 {
-  Table table("Whether a box that is passed is wanted", "wanted");
+  Table table("Is a passed box wanted?", "wanted");
   for (const WalkState& state : allStates()) {
     const Facts facts = factsOf(state);
     withRow(table, facts, [&](const Cells& row) { EXPECT_EQ(wantsPassed(state), facts.flag(row.at("wanted"), "")); });

@@ -139,7 +139,7 @@ TEST_P(HardOddRays, NonFiniteRaysMiss)
     "rays of a packet or a stream have the same hits as alone");
   const SurfaceScene scene(device, cubeCage(), settings());
   Random random(34);
-  std::vector<RTCRayHit> rays; // as a picture has them, from outside and from inside
+  std::vector<RTCRayHit> rays; // rays of a picture, from outside and from inside
   for (unsigned i = 0; i < 64*64; i++) {
     const float x = 0.8f*float(i % 64)/64 - 0.4f, y = 0.8f*float(i/64)/64 - 0.4f;
     rays.push_back(i % 1024 < 768 ? makeRay({0.1f, 0.2f, 4}, {x, y, -4}) : makeRay({0.1f, 0.2f, 0.1f}, {x, y, 1}));

@@ -274,7 +274,9 @@ std::vector<bool> vertexIsUsed(const Sheet& sheet)
 {
   const unsigned w = sheet.width;
   const auto isValid = [&](size_t i) {
-    for (const auto& vertices : sheet.steps) for (float x : vertices[i]) if (std::fabs(x) > largestOfEmbree) return false;
+    for (const auto& vertices : sheet.steps)
+      for (float x : vertices[i])
+        if (std::fabs(x) > largestOfEmbree) return false;
     return true;
   };
   std::vector<bool> isUsed(sheet.steps[0].size());

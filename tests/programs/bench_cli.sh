@@ -254,7 +254,7 @@ kill -INT $process
 wait $process
 status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(tail -3 "$folder/stderr")"
-grep -q "cancell\?ed" "$folder/stderr" || complain "no message about the cancellation"
+grep -q "cancel*ed" "$folder/stderr" || complain "no message about the cancellation"
 /usr/bin/python3 -B -c '
 import json, sys
 record = json.load(open(sys.argv[1]))

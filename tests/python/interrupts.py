@@ -136,7 +136,8 @@ class Threads(unittest.TestCase):
         def work(name):
             reported = phases.setdefault(name, set())
             for _ in range(3):
-                found[name] = cbvh.build(model, name, 5, progress=lambda phase, _: reported.add(phase)).intersect(*rays).t
+                scene = cbvh.build(model, name, 5, progress=lambda phase, _: reported.add(phase))
+                found[name] = scene.intersect(*rays).t
 
         threads = [threading.Thread(target=work, args=(name,)) for name in expected]
         for thread in threads:
