@@ -8,9 +8,9 @@
     prose.py dialect     no phrase of dialect.txt occurs in comments, strings or pages
     prose.py spelling    codespell finds no error, except for the words of spelling.txt
 
-The files are those that git tracks, and new ones that it does not ignore. not_yet.txt lists folders and files that are
-not checked yet. Exits with 0 if there are no findings, with 1 if there are, and with 77 (skipped) outside of a
-repository.
+The files are those that git tracks, and new ones that it does not ignore. not_yet.txt lists folders and files whose
+lines and phrases are not checked yet. Exits with 0 if there are no findings, with 1 if there are, and with 77 (skipped)
+outside of a git repository.
 """
 
 import argparse
@@ -27,8 +27,8 @@ C_LIKE = (".h", ".cpp", ".c", ".glsl", ".comp", ".rint")
 HASH_LIKE = (".py", ".sh", ".cmake", "CMakeLists.txt", ".h.in", "scripts/packages", ".ci/run")
 # text of others, and data: patches with lines of Embree, an ABI that abidw wrote, licenses, pictures
 NOT_OURS = ("*.patch", "*.abi", "LICENSE", "kernels/upstream/patches/series", "*.jpg")
-# the rejected phrases, and accepted words that codespell does not know
-LISTS = ("tests/docs/dialect.txt", "tests/docs/spelling.txt")
+# the rejected phrases, accepted words that codespell does not know, and examples of both
+LISTS = ("tests/docs/dialect.txt", "tests/docs/spelling.txt", "tests/docs/prose_parser.py")
 
 
 def entries_of(name):
@@ -37,13 +37,12 @@ def entries_of(name):
     return [line for line in lines if line and not line.startswith("#")]
 
 
-def files():
-    """Paths of the files to check, relative to the root. None outside of a git repository."""
+def files(not_yet):
+    """Paths of all files relative to the root, except for those in `not_yet`. None outside of a git repository."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
         return None
-    not_yet = [Path(entry) for entry in entries_of("not_yet.txt")]
     paths = sorted({Path(name) for name in done.stdout.split("\0") if name})
     return [
         path
@@ -82,10 +81,7 @@ C_TOKEN = re.compile(
     re.DOTALL,
 )
 PYTHON_TOKEN = re.compile(
-    r'"""(?P<raw>.*?)"""'
-    r'|"(?P<string>(?:[^"\\\n]|\\.)*)"'
-    r"|'(?P<quoted>(?:[^'\\\n]|\\.)*)'"
-    r"|#(?P<line>[^\n]*)",
+    r'"""(?P<raw>.*?)"""' r'|"(?P<string>(?:[^"\\\n]|\\.)*)"' r"|'(?P<quoted>(?:[^'\\\n]|\\.)*)'" r"|#(?P<line>[^\n]*)",
     re.DOTALL,
 )
 # Single-quoted strings are skipped, because here-documents contain apostrophes.
@@ -101,6 +97,10 @@ def paragraphs_of_code(text, token):
         if kind is None or match.group(kind) is None:
             continue
         content = match.group(kind)
+        if kind == "block":
+            content = re.sub(r"(?m)^[ \t]*\*+", "", content)
+        if kind in ("line", "block"):
+            content = re.sub(r"^[!/*<]*[ \t]*", "", content)  # the markers of Doxygen
         if kind == "line":
             between = text[previous_end : match.start()] if previous_end is not None else None
             if between is not None and between.count("\n") == 1 and not between.strip() and content.strip():
@@ -178,7 +178,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("check", choices=("lines", "dialect", "spelling"))
     options = parser.parse_args()
-    paths = files()
+    not_yet = [] if options.check == "spelling" else [Path(entry) for entry in entries_of("not_yet.txt")]
+    paths = files(not_yet)
     if paths is None:
         print("skipped: this is not a git repository")
         return SKIPPED
