@@ -34,6 +34,7 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/stored/stored_clusters.cpp
   cbvh/stored/surface_blocks.cpp
   cbvh/surface/input_checks.cpp
+  cbvh/surface/mesh_parts.cpp
   cbvh/surface/quad_regions.cpp
   cbvh/vert/tables.cpp
   cbvh/traversal/thread_cache.cpp

@@ -8,9 +8,8 @@
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/input_checks.h"
+#include "../surface/mesh_parts.h"
 #include "../surface/plan.h"
-#include "../surface/quad_regions.h"
-#include "../../cvert/format/block.h"
 
 namespace embree
 {
@@ -82,12 +81,6 @@ namespace embree
       return true;
     }
 
-    /*! About what the blocks of a grid take, with their part of the tree: as was seen, 130 bytes each, 8 more with numbers that follow a pattern,
-     *  and 1 a quad. */
-    size_t bytesOfBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
-      return (haveNumbers ? 138 : 130)*size_t(cbvh::vertBlocksAlong(uint32_t(quadsX)))*cbvh::vertBlocksAlong(uint32_t(quadsY)) + quadsX*quadsY;
-    }
-
     /*! Whether blocks take less memory than Embree's own kernel of grids. Input that is let go is worth more than either. */
     bool takeLessAsBlocks (const GridMesh* mesh)
     {
@@ -103,7 +96,7 @@ namespace embree
             const GridMesh::Grid& grid = mesh->grid(i);
             if (grid.resX < 2 || grid.resY < 2) continue;
             const size_t x = grid.resX-1, y = grid.resY-1;
-            sum = sum + Bytes{ bytesOfBlocks(x,y,false),bytesOfGridInEmbree(x,y) };
+            sum = sum + Bytes{ bytesOfGridBlocks(x,y,false),bytesOfGridInEmbree(x,y) };
           }
           return sum;
         },std::plus<Bytes>());
@@ -112,14 +105,6 @@ namespace embree
 
     /*! a mesh of less is left to Embree's kernels */
     const size_t fewPrimitives = 256;
-
-    /*! numbers that follow no pattern are not known yet */
-    size_t bytesOfBlocks (const QuadRegions& regions)
-    {
-      size_t bytes = 0;
-      for (const QuadRegions::Region& region : regions.regions) bytes += bytesOfBlocks(region.width,region.height,true);
-      return bytes;
-    }
 
     /*! to who asks to be told */
     void say (const CompressibleGeometry* geometry, const std::string& what)
@@ -180,7 +165,7 @@ namespace embree
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
-    try { return QuadRegions::find(mesh); }
+    try { return findParts(mesh); }
     catch (const rtcore_error& error) { if (error.error != RTC_ERROR_OUT_OF_MEMORY) throw; }
     catch (const std::bad_alloc&) {}
     std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>(mesh->device);
@@ -189,7 +174,7 @@ namespace embree
   }
 
   template<typename Mesh>
-  static bool beginCommitOfMesh (Mesh* mesh, size_t bytesInEmbree, bool hasInput, const char* primitives)
+  static bool beginCommitOfMesh (Mesh* mesh, bool hasInput, const char* primitives)
   {
     if (!begin(mesh,hasInput,"vertices and indices")) return false;
     const bool asks = asksForCompression(mesh);
@@ -199,7 +184,7 @@ namespace embree
     if (asks && !whyNot)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
-      whyNot = !regions || (!regions->isOutOfMemory && 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size()) ? "do not lie in grids" : nullptr;
+      whyNot = regions ? nullptr : "move and do not lie in grids";
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
       if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
     }
@@ -207,8 +192,8 @@ namespace embree
     return true;
   }
 
-  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfQuadInEmbree(1),mesh->vertices[0] && mesh->quads,"quads"); }
-  bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfTriangleInEmbree(1),mesh->vertices[0] && mesh->triangles,"triangles"); }
+  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads"); }
+  bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->triangles,"triangles"); }
 
   void endCommit (SubdivMesh* mesh) {
     if (compressNow(mesh)) releaseInput(mesh);

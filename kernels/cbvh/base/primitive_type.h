@@ -22,7 +22,8 @@ namespace embree
       GRID_SOA_ROOT = 1,
       FRAMED_BLOCK = 2,   //!< framed/block.h, whose info has the kind
       VERT_BLOCK = 3,     //!< cvert/format/block.h
-      MOVING_VERT_BLOCK = 4 //!< cvert/format/motion.h; in a tree of its own
+      MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a tree of its own
+      MESH_BLOCK = 5        //!< cvert/format/mesh_block.h
     };
 
     /*! whether it is none of Embree's own */

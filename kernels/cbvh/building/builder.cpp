@@ -23,6 +23,16 @@ namespace embree
 
     typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
 
+    /*! Builder of a mesh: of its grids, and of the primitives that lie in none. */
+    template<typename Grids>
+    static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
+    {
+      std::unique_ptr<LooseBlocks> loose;
+      if (partsOf(mesh)->areAllLoose)
+        loose.reset(new LooseBlocks(TrianglesOfMesh(mesh),nullptr,plan,mesh->device));
+      return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(loose)));
+    }
+
     static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
                                              const CompressionPlan& plan)
     {
@@ -30,9 +40,9 @@ namespace embree
       case Geometry::GTY_GRID_MESH:
         return BuilderPointer(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
       case Geometry::GTY_QUAD_MESH:
-        return BuilderPointer(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number,plan));
+        return newMeshBuilder<GridsOfQuadMesh>((QuadMesh*)geometry,number,plan);
       case Geometry::GTY_TRIANGLE_MESH:
-        return BuilderPointer(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number,plan));
+        return newMeshBuilder<GridsOfTriangleMesh>((TriangleMesh*)geometry,number,plan);
       default:
         return BuilderPointer(new BuilderOf<CageSource>((SubdivMesh*)geometry,number,plan));
       }

@@ -11,6 +11,7 @@
 #include "../base/tasks.h"
 #include "../vert/writer.h"
 #include "build_results.h"
+#include "loose_blocks.h"
 #include "../stored/surface_blocks.h"
 #include "../stored/tree.h"
 #include <functional>
@@ -45,12 +46,14 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan outlive it */
+      /*! mesh and plan outlive it. loose: what the source leaves out of a mesh, or null */
       template<typename Mesh>
-      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan)
-        : device(mesh->device), number(number), plan(plan), source(mesh,plan),
-          ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
-          estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
+      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
+                 std::unique_ptr<LooseBlocks> loose = nullptr)
+        : device(mesh->device), number(number), plan(plan), source(mesh,plan), loose(std::move(loose)),
+          ofGeometry(double(mesh->size()-looseSize())/double(max(source.size(),size_t(1)))),
+          estimatedBlocks(source.estimateBlocks() + (this->loose ? this->loose->estimateBlocks() : 0)),
+          perTask(source.perTask(isSmall())) {}
 
       bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
       bool isLarge () const override { return estimatedBlocks > 4096; }
@@ -60,11 +63,13 @@ namespace embree
         std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
         blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*(sizeof(BVH4::AABBNode)/2 + expectedBlockBytes));
         source.prepare(perTask,progress);
+        if (loose) loose->prepare(progress);
         mvector<PrimRef> prims(device,0);
         {
           BuildResults results;
           buildPrimitives(*blocks,results,progress);
           source.release();
+          if (loose) loose->release();
           std::shared_ptr<mvector<cbvh::StepBox>> boxes = std::make_shared<mvector<cbvh::StepBox>>(device,0);
           results.collect(prims,*boxes);
           if (plan.moves()) blocks->boxes = boxes;
@@ -78,6 +83,7 @@ namespace embree
       void buildPrimitives (SurfaceBlocks& blocks, BuildResults& results, const Progress& progress)
       {
         forRanges(source.size(),perTask,[&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
+        if (loose) loose->build(blocks.memory,results,source.size(),progress);
         blocks.statistics = results.statistics;
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
       }
@@ -171,10 +177,14 @@ namespace embree
         isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
       }
 
+      /*! primitives of the geometry that are not the source's */
+      size_t looseSize () const { return loose ? loose->numPrimitives() : 0; }
+
       Device* device;
       const std::shared_ptr<const cbvh::SurfaceNumber> number;
       const CompressionPlan& plan;
       Source source;
+      const std::unique_ptr<LooseBlocks> loose;
       const double ofGeometry; //!< its primitives, for each of the source's
       const size_t estimatedBlocks;
       const size_t perTask;

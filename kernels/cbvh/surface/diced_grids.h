@@ -30,7 +30,7 @@
 #include "embree_bytes.h"
 #include "../base/codec.h"
 #include "../../cvert/encoder/lattice.h"
-#include "quad_regions.h"
+#include "mesh_parts.h"
 #include "source.h"
 
 namespace embree
@@ -119,7 +119,7 @@ namespace embree
       static double spacingOfEdge () { return cbvh::spacingOfMeshEdge; }
       typedef DicedGrid<Corners> Grid;
 
-      explicit GridsOfRegions (const MeshType* mesh) : regions(regionsOf(mesh)), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
+      explicit GridsOfRegions (const MeshType* mesh) : regions(partsOf(mesh)), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
       GridsOfRegions (const GridsOfRegions&) = delete;
 
       size_t size () const { return regions->regions.size(); }
@@ -146,15 +146,6 @@ namespace embree
     private:
       static QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions&) { return QuadsOfMesh{ mesh }; }
       static PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& regions) { return regions.pairs(mesh); }
-
-      /*! those that its commit found */
-      static std::shared_ptr<const QuadRegions> regionsOf (const MeshType* mesh)
-      {
-        std::shared_ptr<const QuadRegions> found = std::atomic_load(&mesh->surface.regions);
-        if (!found) found = QuadRegions::find(mesh);
-        if (found && found->isOutOfMemory) throw_RTCError(RTC_ERROR_OUT_OF_MEMORY,"not enough memory to find the grids of a mesh");
-        return found ? found : std::make_shared<const QuadRegions>(mesh->device);
-      }
 
       const std::shared_ptr<const QuadRegions> regions;
       const MeshType* const mesh;

@@ -99,6 +99,7 @@ namespace embree
     mvector<unsigned> quads;  //!< of each region, row by row from its v0
     mvector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
     bool isOutOfMemory = false; //!< there was not enough to find them
+    bool areAllLoose = false;   //!< the mesh has no regions, and all of it is stored in mesh blocks
     size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
 
     explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0) {}

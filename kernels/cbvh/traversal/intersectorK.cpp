@@ -9,6 +9,7 @@
 #include "compressed_intersector1.h"
 #include "packet_traversal.h"
 #include "../vert/intersectorK.h"
+#include "../vert/mesh_intersectorK.h"
 #include "../base/primitive_type.h"
 #if defined(EMBREE_CBVH_NO_PAPER)
 #include "no_framed_raysK.h"
@@ -64,6 +65,7 @@ namespace embree
       {
         using namespace cbvh;
         if (type == VERT_BLOCK) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        if (type == MESH_BLOCK) return MeshIntersectorK<K,Rays>::intersect(valid,rays,context,vert,prim);
         return framed.intersect(valid,rays,context,prim);
       }
 

@@ -8,6 +8,7 @@
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../vert/intersector1.h"
+#include "../vert/mesh_intersector1.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/framed_rays1.h"
 #endif
@@ -36,6 +37,7 @@ namespace embree
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed, VertRay& vertRay, const void* prim, bool& found)
       {
         if (type == VERT_BLOCK) { found = intersectVert(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        if (type == MESH_BLOCK) { found = intersectMesh(ray,context,vertRay,prim); return true; }
         if (type != FRAMED_BLOCK) return false;
         found = framed.intersect(ray,context,prim);
         return true;

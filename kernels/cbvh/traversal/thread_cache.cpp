@@ -7,7 +7,7 @@
 #if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/node_cache.h"
 #endif
-#include "../vert/cache.h"
+#include "../vert/mesh_cache.h"
 #include <mm_malloc.h>
 #include <new>
 
@@ -46,5 +46,6 @@ namespace embree
 #endif
     template class ThreadCache<VertEntries>;
     template class ThreadCache<MotionEntries>;
+    template class ThreadCache<MeshEntries>;
   }
 }

@@ -15,6 +15,13 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! Returns the primitive of a hit in triangle h of a group, and the parameters there. */
+      template<typename Cached>
+      __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t h,
+                                             const VertTriangle::Sides& sides) {
+        return surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
+      }
+
       /*! Target: the ray; it has tnear(), tfar(), report(block,primID,hit), which is true if the hit is accepted, isRead(block), which is
        *  false if nothing of it is looked at, and ids(), of the scene's surfaces. Cached: as in intersector1.h */
       template<typename Target, typename Cached>
@@ -97,7 +104,7 @@ namespace embree
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(vertRay,normal);
-          const SurfacePoint point = surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
+          const SurfacePoint point = pointOfHit(cached,block,g,h,sides);
           hit.u = point.u; hit.v = point.v;
           if (!target.report(block,point.primID,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);

@@ -30,6 +30,37 @@ namespace embree
         __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->surface,primID,hit); }
       };
 
+      /*! Returns the lanes of groups whose boxes a ray meets between tnear and tfar. enter: where it enters them */
+      __forceinline uint32_t meetBoxes (const VertRay& vertRay, float tnear, float tfar, const GroupBoxes& boxes, float enter[16])
+      {
+        const int vectors = QuadCornersV::vectors;
+        vfloatV tNear[vectors], tFar[vectors];
+        for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
+        auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
+          const int nearSide = reciprocal < 0.0f; // an index: a branch would not be foreseen
+          const float* near = planes.at[nearSide];
+          const float* far  = planes.at[1-nearSide];
+          const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
+          for (int j=0; j<vectors; j++) {
+            tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
+            tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
+          }
+        };
+        const int m = boxes.axis;
+        for (int k=0; k<3; k++)
+          if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],boxSlack(vertRay.org[k],boxes.origin[k],boxes.extent[k]));
+        if (likely(m < 3)) {
+          const ShearedRay<float> sheared(vertRay,boxes);
+          clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
+        }
+        uint32_t open = 0;
+        for (int j=0; j<vectors; j++) {
+          vfloatV::store(enter+vectorWidth*j,tNear[j]);
+          open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
+        }
+        return open & boxes.lanes;
+      }
+
       /*! takes the group out that begins first */
       __forceinline uint32_t takeFirst (uint32_t& open, const float enter[16])
       {
@@ -75,7 +106,7 @@ namespace embree
             if (!cached.isUsable() || !cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
-          uint32_t open = meetBoxes(*boxes);
+          uint32_t open = meetBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
           VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,cached);
           bool found = false;
           while (open)
@@ -88,37 +119,6 @@ namespace embree
             found = true;
           }
           return found;
-        }
-
-        /*! lanes of groups whose boxes the ray meets; sets enter */
-        __forceinline uint32_t meetBoxes (const GroupBoxes& boxes)
-        {
-          const int vectors = QuadCornersV::vectors;
-          vfloatV tNear[vectors], tFar[vectors];
-          for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
-          auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
-            const int nearSide = reciprocal < 0.0f; // an index: a branch would not be foreseen
-            const float* near = planes.at[nearSide];
-            const float* far  = planes.at[1-nearSide];
-            const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
-            for (int j=0; j<vectors; j++) {
-              tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
-              tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
-            }
-          };
-          const int m = boxes.axis;
-          for (int k=0; k<3; k++)
-            if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],boxSlack(vertRay.org[k],boxes.origin[k],boxes.extent[k]));
-          if (likely(m < 3)) {
-            const ShearedRay<float> sheared(vertRay,boxes);
-            clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
-          }
-          uint32_t open = 0;
-          for (int j=0; j<vectors; j++) {
-            vfloatV::store(enter+vectorWidth*j,tNear[j]);
-            open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
-          }
-          return open & boxes.lanes;
         }
 
         RayType& ray;

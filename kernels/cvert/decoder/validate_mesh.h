@@ -53,7 +53,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (header.motion != 0)
         return Reason::unsupported("it is a mesh block that moves, which this library does not read");
       if (header.spacings >> 24) return Reason::unsupported("reserved bits of its spacings are set");
-      if (header.form & 0x3C000000u) return Reason::unsupported("reserved bits of its form are set");
+      if (header.form & 0x38000000u) return Reason::unsupported("reserved bits of its form are set");
       for (float x : header.origin)
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       for (uint32_t k=0; k<3; k++)

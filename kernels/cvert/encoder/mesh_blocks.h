@@ -104,7 +104,6 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! A cluster with a group that must be stored as two may need several blocks. */
     template<typename OnBlock>
     void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics,
       const OnBlock& onBlock)
@@ -113,19 +112,10 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const uint32_t index = cluster[i].index;
         for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[index][c]],triangles[i].corners[c]);
-        triangles[i].primID = index;
+        triangles[i].number = index;
       }
-      uint32_t stored;
-      for (uint32_t first=0; first<count; first+=stored)
-      {
-        uint32_t ends[maxMeshTriangles], groups = 0;
-        for (uint32_t end=(first/settings.groupTriangles+1)*settings.groupTriangles; ; end+=settings.groupTriangles) {
-          ends[groups++] = std::min(end,count)-first;
-          if (end >= count) break;
-        }
-        encoder->encode(triangles+first,ends,groups,settings.surface,block,stored,statistics);
-        onBlock((const MeshHeader*)block);
-      }
+      encoder->encodeCluster(triangles,count,settings.groupTriangles,settings.surface,block,statistics,
+        [&](size_t, uint32_t, uint32_t) { onBlock((const MeshHeader*)block); });
     }
 
     const MeshSettings settings;

@@ -37,11 +37,9 @@ namespace cvert { inline namespace CVERT_ISA
     template<typename BoundsOf, typename OnCluster>
     void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster)
     {
-      const size_t most = partTriangles/clusterTriangles*clusterTriangles;
-      if (count > most)
+      if (count > maxPart())
       {
-        const size_t half = halfOf(count,clusterTriangles);
-        cutAcrossLongest(triangles,count,half);
+        const size_t half = halve(triangles,count);
         cut(triangles,half,boundsOf,onCluster);
         cut(triangles+half,count-half,boundsOf,onCluster);
         return;
@@ -52,6 +50,18 @@ namespace cvert { inline namespace CVERT_ISA
       for (size_t i=0; i<count; i++) triangles[i] = part->centers[part->items[i].at[6]];
       for (size_t i=0; i<count; i+=clusterTriangles)
         onCluster(triangles+i,uint32_t(std::min(count-i,size_t(clusterTriangles))));
+    }
+
+    /*! Triangles that cut() first cuts in two with halve(), if there are more. Several threads can cut the halves. */
+    size_t maxPart () const { return partTriangles/clusterTriangles*clusterTriangles; }
+
+    /*! Reorders more than maxPart() triangles into two parts. Returns the size of the first, which has only full
+     *  clusters. */
+    size_t halve (MeshCenter* triangles, size_t count) const
+    {
+      const size_t half = halfOf(count,clusterTriangles);
+      cutAcrossLongest(triangles,count,half);
+      return half;
     }
 
     const uint32_t groupTriangles, clusterTriangles;

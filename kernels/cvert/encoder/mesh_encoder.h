@@ -22,7 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshTriangle
   {
     float corners[3][3]; //!< by corner and axis; finite, and three different points
-    uint32_t primID;
+    uint32_t number;       //!< of its primitive, or as for meshIsOfQuads
   };
 
   struct MeshStatistics
@@ -57,6 +57,24 @@ namespace cvert { inline namespace CVERT_ISA
       return write(surface,block,statistics);
     }
 
+    /*! Encodes a cluster of MeshClusters, whose groups have groupTriangles each. Calls onBlock(bytes,first,count) for each
+     *  block: one, or several if a group must be stored as two. first, count: its triangles. block: as for encode() */
+    template<typename OnBlock>
+    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, uint32_t surface,
+      uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
+    {
+      uint32_t stored;
+      for (uint32_t first=0; first<count; first+=stored)
+      {
+        uint32_t ends[maxMeshTriangles], groups = 0;
+        for (uint32_t end=(first/groupTriangles+1)*groupTriangles; ; end+=groupTriangles) {
+          ends[groups++] = std::min(end,count)-first;
+          if (end >= count) break;
+        }
+        onBlock(encode(triangles+first,ends,groups,surface,block,stored,statistics),first,stored);
+      }
+    }
+
   private:
     struct Group
     {
@@ -65,7 +83,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint64_t newMask;                                        //!< a bit per vertex of the stream
       uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
       uint16_t numbers[maxGroupVertices];                      //!< in the block
-      uint32_t primIDs[maxGroupTriangles];
+      uint32_t given[maxGroupTriangles];                       //!< numbers of triangles
       uint32_t lower[3], extent[3];                            //!< of its box
     };
 
@@ -152,7 +170,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
       for (uint32_t t=0; t<count; t++) {
         group.turns[t] = strips.turns[t];
-        group.primIDs[t] = triangles[strips.order[t]].primID;
+        group.given[t] = triangles[strips.order[t]].number;
       }
       numTriangles += count;
     }
@@ -300,7 +318,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t lowest = ~0u, highestBase = 0, base[maxMeshGroups], numberBits[maxMeshGroups];
       for (uint32_t g=0; g<groups; g++)
       {
-        const uint32_t* const ids = all[g].primIDs;
+        const uint32_t* const ids = all[g].given;
         base[g] = *std::min_element(ids,ids+all[g].triangles);
         numberBits[g] = bitsOf(*std::max_element(ids,ids+all[g].triangles)-base[g]);
         if (numberBits[g] == 31) numberBits[g] = 32;
@@ -361,7 +379,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t sumOfNumberBits = 0;
       for (uint32_t g=0; g<groups; g++) {
         numbers.put(base[g]-lowest,baseBits);
-        for (uint32_t t=0; t<all[g].triangles; t++) numbers.put(all[g].primIDs[t]-base[g],numberBits[g]);
+        for (uint32_t t=0; t<all[g].triangles; t++) numbers.put(all[g].given[t]-base[g],numberBits[g]);
         sumOfNumberBits += baseBits + all[g].triangles*numberBits[g];
         statistics.restarts += all[g].restarts;
       }

@@ -67,7 +67,8 @@ struct MeshHeader
   //! bits 0..9: vertices less 1, 10..13: groups less 1; 16..23: triangles less 1, 24..29: bits of a group's base
   //! number
   uint32_t counts;
-  //! bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26..29: 0
+  //! bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26: the triangles
+  //! are halves of quads; 27..29: 0
   uint32_t form;
 };
 
@@ -116,6 +117,18 @@ CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 
 
 /*! in 1/16, of the axis m+1 (i = 1) and m+2 (i = 2), where m is the sheared axis */
 CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
+
+/*! Bit of `form`: the primitives are quads, of which each has two triangles, (v0,v1,v3) and (v2,v3,v1). The number of a
+ *  triangle is twice the primitive's, and 1 more for the second. */
+CVERT_CONSTANT uint32_t meshIsOfQuads = 1u << 26;
+
+/*! number: of a triangle */
+CVERT_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
+  return (form & meshIsOfQuads) != 0u ? number >> 1 : number;
+}
+CVERT_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
+  return (form & meshIsOfQuads) != 0u && (number & 1u) != 0u;
+}
 
 /*! Returns what is added to a coordinate of the sheared axis. c1, c2: coordinates on the axes m+1 and m+2. Rounded to
  *  the nearest integer, halves up. */

@@ -1,0 +1,87 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Builds the mesh blocks of the triangles of a mesh that lie in no grid. Triangles are cut into parts of some clusters by all
+ * threads, and each part is clustered and encoded by one task. */
+
+#include "../vert/mesh_writer.h"
+#include "build_results.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class LooseBlocks
+    {
+    public:
+      LooseBlocks (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
+                   Device* device)
+        : device(device), plan(plan), triangles(mesh,primitives,plan,device) {}
+
+      size_t numPrimitives () const { return triangles.numPrimitives(); }
+      size_t estimateBlocks () const { return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles; }
+
+      template<typename Progress>
+      void prepare (const Progress& progress) { triangles.prepare([&] { progress(0.0); }); }
+      void release () { triangles.release(); }
+
+      /*! Adds the blocks and their statistics to the results, after all primitives of grids. numGrids: of the geometry */
+      template<typename Progress>
+      void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
+      {
+        const cbvh::MeshClusters cutter(MeshWriter::groupTriangles);
+        std::vector<range<size_t>> parts;
+        if (triangles.centers.size()) parts.push_back(range<size_t>(0,triangles.centers.size()));
+        while (cut(cutter,parts)) progress(0.0);
+        const double perTriangle = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
+        parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+            cbvh::MeshClusters clusters(MeshWriter::groupTriangles);
+            for (size_t i=r.begin(); i!=r.end(); i++)
+            {
+              BlockStore store(device,&memory);
+              cbvh::BuildStatistics statistics;
+              const std::unique_ptr<MeshWriter> writer(new MeshWriter(triangles,plan.surface,store,statistics)); // large
+              clusters.cut(triangles.centers.data()+parts[i].begin(),parts[i].size(),
+                [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
+                [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
+              results.add(numGrids+i,0,0,store);
+              results.add(statistics);
+              progress(perTriangle*double(parts[i].size()));
+            }
+          });
+        cbvh::BuildStatistics statistics;
+        statistics.bytesInEmbree = triangles.bytesInEmbree();
+        statistics.sums.numInvalidQuads = (triangles.numInvalid+1)/2;
+        statistics.sums.maxVertexSpacing = triangles.spacing();
+        results.add(statistics);
+      }
+
+    private:
+      /*! Halves all parts that are too large. Returns false if there are none. */
+      bool cut (const cbvh::MeshClusters& cutter, std::vector<range<size_t>>& parts)
+      {
+        std::vector<size_t> halves(parts.size(),0);
+        parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              if (parts[i].size() > cutter.maxPart())
+                halves[i] = cutter.halve(triangles.centers.data()+parts[i].begin(),parts[i].size());
+          });
+        std::vector<range<size_t>> next;
+        for (size_t i=0; i<parts.size(); i++) {
+          const size_t middle = parts[i].begin() + halves[i];
+          if (halves[i]) next.push_back(range<size_t>(parts[i].begin(),middle));
+          next.push_back(range<size_t>(middle,parts[i].end()));
+        }
+        const bool changed = next.size() != parts.size();
+        parts.swap(next);
+        return changed;
+      }
+
+      Device* const device;
+      const CompressionPlan& plan;
+      LooseTriangles triangles;
+    };
+  }
+}

@@ -1,0 +1,218 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The triangles of a mesh that lie in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All have one lattice;
+ * its exceptions are found before a block is encoded, so that blocks agree about the vertices that they share. */
+
+#include "../base/resize_to_fit.h"
+#include "../base/tasks.h"
+#include "../../cvert/encoder/mesh_clusters.h"
+#include "../../cvert/encoder/mesh_lattice.h"
+#include "border_lattices.h"
+#include "embree_bytes.h"
+#include <memory>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! The triangles of a mesh, by number. A quad has two, as Embree cuts it, with the numbers 2 primID and 2 primID + 1. */
+    class TrianglesOfMesh
+    {
+    public:
+      explicit TrianglesOfMesh (const TriangleMesh* mesh)
+        : perPrimitive(1), numPrimitives(mesh->triangles.size()), numVertices(mesh->numVertices()),
+          vertices(mesh->vertices0), indices(mesh->triangles.getPtr()), stride(mesh->triangles.getStride()) {}
+      explicit TrianglesOfMesh (const QuadMesh* mesh)
+        : perPrimitive(2), numPrimitives(mesh->quads.size()), numVertices(mesh->numVertices()),
+          vertices(mesh->vertices0), indices(mesh->quads.getPtr()), stride(mesh->quads.getStride()) {}
+
+      const uint32_t perPrimitive;
+      const size_t numPrimitives;
+
+      bool areOfQuads () const { return perPrimitive == 2; }
+
+      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false for a triangle that Embree
+       *  leaves out with its primitive: an index is not a vertex, or a vertex is not finite. */
+      bool corners (size_t triangle, const float* out[3]) const
+      {
+        static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
+        const uint32_t n = areOfQuads() ? 4 : 3;
+        unsigned v[4];
+        memcpy(v,indices + (triangle >> (perPrimitive-1))*stride,n*sizeof(unsigned));
+        const float* p[4];
+        for (uint32_t i=0; i<n; i++) {
+          if (v[i] >= numVertices) return false;
+          p[i] = (const float*)vertices.getPtr(v[i]);
+          if (!cbvh::isFinite(p[i])) return false;
+        }
+        for (int c=0; c<3; c++) out[c] = p[areOfQuads() ? ofQuad[triangle & 1][c] : c];
+        return true;
+      }
+
+    private:
+      const size_t numVertices;
+      const BufferView<Vec3fa> vertices;
+      const char* const indices;
+      const size_t stride;
+    };
+
+    class LooseTriangles
+    {
+    public:
+      /*! primitives: of the mesh, ascending; null for all. plan and primitives outlive this. */
+      LooseTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
+                      Device* device)
+        : mesh(mesh), primitives(primitives), plan(plan), device(device), centers(device,0) {}
+
+      /*! primitives, including those that are left out */
+      size_t numPrimitives () const { return primitives ? primitives->size() : mesh.numPrimitives; }
+      size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
+
+      size_t bytesInEmbree () const {
+        return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
+      }
+
+      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. Calls progress() now and
+       *  then, which may cancel by an exception. */
+      template<typename Progress>
+      void prepare (const Progress& progress)
+      {
+        lattice.reset(new cbvh::MeshLattice(chooseExponent()));
+        cbvh::resizeToFit(centers,numTriangles());
+        const size_t tasks = (numTriangles()+perTask-1)/perTask;
+        std::vector<Found> found(tasks);
+        parallel_for(size_t(0),tasks,size_t(1),[&](const range<size_t>& r) {
+            for (size_t task=r.begin(); task!=r.end(); task++) find(task,found[task]);
+            progress();
+          });
+        size_t n = 0;
+        for (size_t task=0; task<tasks; task++) {
+          if (n != task*perTask) std::copy_n(centers.begin() + task*perTask,found[task].count,centers.begin() + n);
+          n += found[task].count;
+          numInvalid += found[task].numInvalid;
+        }
+        centers.resize(n);
+        settle(found,progress);
+      }
+
+      void release ()
+      {
+        centers.clear();
+        lattice.reset();
+      }
+
+      /*! Stored corners of a triangle. Returns the square of how far the farthest of them moved. */
+      double store (uint32_t triangle, float out[3][3]) const
+      {
+        const float* p[3];
+        mesh.corners(triangle,p);
+        double farthest = 0;
+        for (int c=0; c<3; c++)
+        {
+          lattice->snap(p[c],out[c]);
+          double square = 0;
+          for (int k=0; k<3; k++) { const double d = double(out[c][k])-p[c][k]; square += d*d; }
+          farthest = max(farthest,square);
+        }
+        return farthest;
+      }
+
+      void bound (uint32_t triangle, float lower[3], float upper[3]) const
+      {
+        const float* p[3];
+        mesh.corners(triangle,p);
+        for (int k=0; k<3; k++) {
+          lower[k] = min(min(p[0][k],p[1][k]),p[2][k]);
+          upper[k] = max(max(p[0][k],p[1][k]),p[2][k]);
+        }
+      }
+
+      float spacing () const { return spacingOfLattice; }
+
+      const TrianglesOfMesh mesh;
+      size_t numInvalid = 0;               //!< triangles that are left out because of their indices or vertices
+
+    private:
+      static const size_t perTask = 1 << 14, sampledTriangles = 1 << 16;
+
+      /*! of a task */
+      struct Found
+      {
+        size_t count = 0, numInvalid = 0;
+        std::vector<uint32_t> fragile;     //!< that the lattice may turn over
+      };
+
+      uint32_t numberOf (size_t i) const
+      {
+        const size_t shift = mesh.perPrimitive-1, primitive = i >> shift;
+        return uint32_t((primitives ? (*primitives)[primitive] : primitive) << shift | (i & shift));
+      }
+
+      int chooseExponent ()
+      {
+        LatticeChoice choice(cbvh::spacingOfMeshEdge);
+        const size_t step = max(numTriangles()/sampledTriangles,size_t(1));
+        for (size_t i=0; i<numTriangles(); i+=step)
+        {
+          const float* p[3];
+          if (!mesh.corners(numberOf(i),p)) continue;
+          float line[4][3];
+          for (int c=0; c<4; c++) memcpy(line[c],p[c % 3],sizeof(line[c]));
+          choice.addLine(true,line,4);
+        }
+        const int exponent = choice.exponent(plan,0.0);
+        spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
+        return exponent;
+      }
+
+      void find (size_t task, Found& out)
+      {
+        const size_t begin = task*perTask, end = min(begin+perTask,numTriangles());
+        for (size_t i=begin; i<end; i++)
+        {
+          const uint32_t triangle = numberOf(i);
+          const float* p[3];
+          if (!mesh.corners(triangle,p)) { out.numInvalid++; continue; }
+          if (!lattice->isRobust(p[0],p[1],p[2])) {
+            if (cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2])) continue; // no ray hits it
+            out.fragile.push_back(triangle);
+          }
+          cbvh::MeshCenter& center = centers[begin+out.count++];
+          float lower[3], upper[3];
+          bound(triangle,lower,upper);
+          for (int k=0; k<3; k++) center.at[k] = 0.5f*(lower[k]+upper[k]);
+          center.index = triangle;
+        }
+      }
+
+      /*! A finer vertex may turn over the other triangles that it belongs to: checks until none does. */
+      template<typename Progress>
+      void settle (const std::vector<Found>& found, const Progress& progress)
+      {
+        for (bool changed=true; changed; ) {
+          changed = false;
+          for (const Found& task : found) {
+            for (uint32_t triangle : task.fragile) {
+              const float* p[3];
+              mesh.corners(triangle,p);
+              changed |= lattice->check(p[0],p[1],p[2]);
+            }
+            progress();
+          }
+        }
+      }
+
+      const mvector<unsigned>* const primitives;
+      const CompressionPlan& plan;
+      Device* const device;
+      std::unique_ptr<cbvh::MeshLattice> lattice;
+      float spacingOfLattice = 0.0f;
+
+    public:
+      mvector<cbvh::MeshCenter> centers;   //!< of the triangles that can be hit; prepare() fills them, users reorder them
+    };
+  }
+}

@@ -1,0 +1,62 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decoded mesh blocks in the cache of a thread (thread_cache.h): boxes per block, triangles per group. */
+
+#include "../base/codec.h"
+#include "../../cvert/format/mesh_block.h"
+#include "cache.h"
+
+namespace embree
+{
+  namespace cbvh
+  {
+    /*! Boxes of the groups of a mesh block, and where each group is in the block. Group g is in lane g. */
+    struct MeshBoxes : public GroupBoxes
+    {
+      const void* block;             //!< that the boxes belong to; null if none
+      uint32_t topology[16];         //!< first bit of a group's topology, from the start of the block
+      uint32_t vertices[16];         //!< first bit of the fields of its vertices
+      uint32_t numbers[16];          //!< first bit of its primitive numbers
+      uint32_t fieldBits[16];        //!< of a vertex that belongs to it: bits 0..7: x, 8..15: y, 16..23: z; 24..31: all
+      alignas(16) uint16_t firstVertex[16]; //!< number in the block; 0x7FFF in lanes without a group
+      uint32_t lower[3][16];         //!< coordinates that its fields count from, by axis
+    };
+
+    /*! The triangles of a group of a mesh block, one per lane. */
+    struct MeshTriangles
+    {
+      const void* block;             //!< that the group belongs to; null if none
+      uint32_t lane;
+      uint32_t lanes;                //!< lanes that have a triangle, as a mask
+      alignas(64) float at[3][3][maxGroupTriangles]; //!< by corner, in the order of the application, and axis
+    };
+
+    class MeshEntries
+    {
+    public:
+      /*! Returns the slot of a block (of a group). It belongs to the caller's block if `block` (and `lane`) say so;
+       *  otherwise the caller fills it. */
+      __forceinline MeshBoxes& slot (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
+      __forceinline MeshTriangles& slot (const void* block, uint32_t lane) {
+        return groups[(hashOfBlock(block)*5 + lane) % numGroups];
+      }
+
+      void clear ()
+      {
+        for (MeshBoxes& block : blocks) block.block = nullptr;
+        for (MeshTriangles& group : groups) group.block = nullptr;
+      }
+
+    private:
+      static const size_t numBlocks = 256, numGroups = 256;
+
+      MeshBoxes blocks[numBlocks];
+      MeshTriangles groups[numGroups];
+    };
+
+    typedef ThreadCache<MeshEntries> MeshCache;
+  }
+}

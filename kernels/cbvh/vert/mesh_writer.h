@@ -1,0 +1,74 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Writer of mesh blocks: rounds the corners of a cluster's triangles, encodes them, and puts the blocks into a store. */
+
+#include "../base/block_store.h"
+#include "../base/build_statistics.h"
+#include "../surface/loose_triangles.h"
+#include "../../cvert/encoder/mesh_encoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class MeshWriter
+    {
+    public:
+      static const uint32_t groupTriangles = 16; //!< of a full group
+
+      MeshWriter (const LooseTriangles& from, uint32_t surface, BlockStore& store, cbvh::BuildStatistics& statistics)
+        : from(from), surface(surface), store(store), statistics(statistics) {}
+
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last. */
+      void write (const cbvh::MeshCenter* cluster, uint32_t count)
+      {
+        double moved = 0;
+        for (uint32_t i=0; i<count; i++) {
+          moved = max(moved,from.store(cluster[i].index,triangles[i].corners));
+          triangles[i].number = cluster[i].index;
+        }
+        statistics.addDeviation(moved);
+        cbvh::MeshStatistics ofBlocks;
+        encoder.encodeCluster(triangles,count,groupTriangles,surface,block,ofBlocks,
+          [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
+        store.flushIfFull();
+      }
+
+    private:
+      void add (size_t bytes, const cbvh::MeshTriangle* of, uint32_t count)
+      {
+        cbvh::WorldBounds bounds;
+        for (uint32_t i=0; i<count; i++)
+          for (const float (&p)[3] : of[i].corners) bounds.extend(p[0],p[1],p[2]);
+        if (from.mesh.areOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshIsOfQuads;
+        memcpy(store.begin(bytes),block,bytes);
+        store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readBehindVert);
+        store.hitBounds.extend(bounds);
+
+        const cbvh::MeshHeader& header = *(const cbvh::MeshHeader*)block;
+        const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
+        const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+        cbvh::CompressionStatistics& sums = statistics.sums;
+        sums.frameBytes += layout.boxes;
+        sums.nodeBytes += layout.topology - layout.boxes;
+        sums.leafBytes += stride - layout.topology;
+        sums.numBlocks++;
+        /* two triangles count as a quad */
+        sums.numQuads += (count+1)/2;
+        sums.numMeshQuads += (count+1)/2;
+        sums.numLooseQuads += (count+1)/2;
+      }
+
+      const LooseTriangles& from;
+      const uint32_t surface;
+      BlockStore& store;
+      cbvh::BuildStatistics& statistics;
+      cbvh::MeshEncoder encoder;
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
+      alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
+    };
+  }
+}

@@ -1,0 +1,46 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Meshes in which no grid can be found. */
+
+#include "support/diced_mesh.h"
+
+namespace cbvh::test {
+
+// Each quad cut along a random diagonal into two triangles that begin at random corners.
+inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool shuffled = true)
+{
+  DicedMesh out;
+  out.vertices = mesh.vertices;
+  for (const auto& q : mesh.quads) {
+    const unsigned d = random.below(2);
+    for (unsigned half : {0u, 2u}) {
+      const unsigned corners[] = {q[(d + half) % 4], q[(d + half + 1) % 4], q[(d + half + 2) % 4]}, turn = random.below(3);
+      out.triangles.push_back({corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]});
+    }
+  }
+  for (size_t i = shuffled ? out.triangles.size() : 0; i-- > 1;)
+    std::swap(out.triangles[i], out.triangles[random.below(unsigned(i + 1))]);
+  return out;
+}
+
+// The quads, beginning at random corners, in random order.
+inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random)
+{
+  DicedMesh out = mesh;
+  for (auto& q : out.quads) std::rotate(q.begin(), q.begin() + random.below(4), q.end());
+  for (size_t i = out.quads.size(); i-- > 1;) std::swap(out.quads[i], out.quads[random.below(unsigned(i + 1))]);
+  return out;
+}
+
+// Vertices moved at random.
+inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double lattice = 0)
+{
+  for (Vec& p : mesh.vertices)
+    for (float& x : p) x = roundTo(x + size*random.uniform(-1, 1), lattice);
+  return mesh;
+}
+
+} // namespace cbvh::test
