@@ -40,7 +40,9 @@ std::vector<Shape> shapes(Random& random)
     }
     heap.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
   }
-  return {{"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
+  const DicedMesh fine = meshOf(dicedSheet(1, 80, lattice), QuadOrder::Rows, random);
+  return {{"a sheet of triangles with irregular stripes", partlyIrregular(fine, random, true)},
+    {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)}, {"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
     {"a ball of triangles", irregularTriangles(ball, random)}, {"a ball of quads", irregularQuads(ball, random)},
     {"a heap of triangles", heap}};
 }
@@ -50,7 +52,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   const RTCCompressionStatistics stats = statisticsOf(scene);
   ASSERT_GE(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
-  ASSERT_EQ(stats.numLooseQuads, stats.numQuads);
+  ASSERT_GE(stats.numLooseQuads, stats.numQuads/8);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
   const std::vector<RTCRayHit> rays = raysAt(random, mesh, 1003);
   for (QueryForm form : allQueryForms) {
@@ -115,10 +117,11 @@ TEST_P(LooseMeshes, AreClosed)
     if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
     Random random(153);
     const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
-    for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random)}) {
+    for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random),
+      partlyIrregular(ball, random, true), partlyIrregular(ball, random, false)}) {
       SCOPED_TRACE(std::string(error) + (mesh.isOfTriangles() ? ", triangles" : ", quads"));
       const MeshScene scene(device, mesh);
-      ASSERT_GT(statisticsOf(scene).numLooseQuads, 2000u);
+      ASSERT_GT(statisticsOf(scene).numLooseQuads, 1500u);
       std::vector<RTCRayHit> rays;
       for (unsigned i = 0; i < 20000; i++) {
         const unsigned* v = mesh.isOfTriangles() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()

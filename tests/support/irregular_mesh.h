@@ -35,6 +35,26 @@ inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random)
   return out;
 }
 
+// The quads as they are, or as triangles, but those in stripes along an axis irregular.
+inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asTriangles)
+{
+  DicedMesh regular = mesh, others = mesh, out;
+  regular.quads.clear();
+  others.quads.clear();
+  for (const auto& q : mesh.quads)
+    (std::fmod(std::fabs(mesh.vertices[q[0]][1]), 0.6f) < 0.4f ? regular : others).quads.push_back(q);
+  if (!asTriangles) {
+    out = regular;
+    others = irregularQuads(others, random);
+    out.quads.insert(out.quads.end(), others.quads.begin(), others.quads.end());
+    return out;
+  }
+  out = trianglesOf(regular);
+  others = irregularTriangles(others, random);
+  out.triangles.insert(out.triangles.end(), others.triangles.begin(), others.triangles.end());
+  return out;
+}
+
 // Vertices moved at random.
 inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double lattice = 0)
 {

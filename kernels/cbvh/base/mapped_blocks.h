@@ -7,6 +7,7 @@
  * is decoded first, by whoever decodes it (files/mapped_blocks.h). Decoders and all who read more of a block than its header ask here. */
 
 #include "../embree/simd.h"
+#include "primitive_type.h"
 #include <atomic>
 #include <cstddef>
 
@@ -18,13 +19,13 @@ namespace embree
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
     /*! The same as isUsable, of a block between those addresses. */
-    extern std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood;
+    extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood;
 
     /*! Whether a block may be decoded. Of one that may not the device was told, once for its geometry; it has no surface. */
-    __forceinline bool isUsable (const void* block, bool isVert)
+    __forceinline bool isUsable (const void* block, BlockForm form)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
-      return likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed)) || isMappedBlockGood.load(std::memory_order_relaxed)(block,isVert);
+      return likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed)) || isMappedBlockGood.load(std::memory_order_relaxed)(block,form);
     }
   }
 }

@@ -14,6 +14,12 @@
 
 namespace embree
 {
+  namespace cbvh
+  {
+    /*! How the bytes of a block are laid out: one type in the library's parts of all instruction sets. */
+    enum BlockForm : uint32_t { FRAMED_FORM, VERT_FORM, MESH_FORM };
+  }
+
   namespace cbvh { inline namespace CBVH_ISA
   {
     enum PrimitiveType : uint32_t
@@ -25,6 +31,11 @@ namespace embree
       MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a tree of its own
       MESH_BLOCK = 5        //!< cvert/format/mesh_block.h
     };
+
+    /*! type: of a block */
+    constexpr BlockForm formOfBlock (std::size_t type) {
+      return type == FRAMED_BLOCK ? FRAMED_FORM : type == MESH_BLOCK ? MESH_FORM : VERT_FORM;
+    }
 
     /*! whether it is none of Embree's own */
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }

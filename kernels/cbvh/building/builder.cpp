@@ -28,8 +28,8 @@ namespace embree
     static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
     {
       std::unique_ptr<LooseBlocks> loose;
-      if (partsOf(mesh)->areAllLoose)
-        loose.reset(new LooseBlocks(TrianglesOfMesh(mesh),nullptr,plan,mesh->device));
+      const std::shared_ptr<const QuadRegions> parts = partsOf(mesh);
+      if (parts->hasLoose()) loose.reset(new LooseBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
       return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(loose)));
     }
 

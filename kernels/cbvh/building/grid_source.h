@@ -32,6 +32,9 @@ namespace embree
 
       size_t estimateBlocks () const { return sumOverGrids([](const Grid& grid) { return size_t(cbvh::vertBlocksAlong(grid.quads(0)))*cbvh::vertBlocksAlong(grid.quads(1)); }); }
 
+      /*! For primitives of the mesh that are in no grid. */
+      const StoredBorders& storedBorders () const { return borders; }
+
       /*! some blocks a task */
       size_t perTask (bool isSmall) const
       {

@@ -6,6 +6,7 @@
 /* Builds the mesh blocks of the triangles of a mesh that lie in no grid. Triangles are cut into parts of some clusters by all
  * threads, and each part is clustered and encoded by one task. */
 
+#include "../surface/mesh_parts.h"
 #include "../vert/mesh_writer.h"
 #include "build_results.h"
 
@@ -16,15 +17,17 @@ namespace embree
     class LooseBlocks
     {
     public:
-      LooseBlocks (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
+      /*! parts: of the mesh; they have loose primitives. plan outlives this. */
+      LooseBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts, const CompressionPlan& plan,
                    Device* device)
-        : device(device), plan(plan), triangles(mesh,primitives,plan,device) {}
+        : device(device), plan(plan), parts(parts), triangles(mesh,parts->areAllLoose ? nullptr : &parts->loose,plan,device) {}
 
       size_t numPrimitives () const { return triangles.numPrimitives(); }
       size_t estimateBlocks () const { return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles; }
 
+      /*! borders: of the geometry's grids, or null; must exist until release() */
       template<typename Progress>
-      void prepare (const Progress& progress) { triangles.prepare([&] { progress(0.0); }); }
+      void prepare (const StoredBorders* borders, const Progress& progress) { triangles.prepare(borders,[&] { progress(0.0); }); }
       void release () { triangles.release(); }
 
       /*! Adds the blocks and their statistics to the results, after all primitives of grids. numGrids: of the geometry */
@@ -53,6 +56,9 @@ namespace embree
           });
         cbvh::BuildStatistics statistics;
         statistics.bytesInEmbree = triangles.bytesInEmbree();
+        /* two triangles count as a quad */
+        const size_t quads = (triangles.centers.size()+1)/2;
+        statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numLooseQuads = quads;
         statistics.sums.numInvalidQuads = (triangles.numInvalid+1)/2;
         statistics.sums.maxVertexSpacing = triangles.spacing();
         results.add(statistics);
@@ -81,6 +87,7 @@ namespace embree
 
       Device* const device;
       const CompressionPlan& plan;
+      const std::shared_ptr<const QuadRegions> parts;
       LooseTriangles triangles;
     };
   }

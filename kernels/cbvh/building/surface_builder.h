@@ -63,7 +63,7 @@ namespace embree
         std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
         blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*(sizeof(BVH4::AABBNode)/2 + expectedBlockBytes));
         source.prepare(perTask,progress);
-        if (loose) loose->prepare(progress);
+        if (loose) loose->prepare(bordersOf(source,0),progress);
         mvector<PrimRef> prims(device,0);
         {
           BuildResults results;
@@ -176,6 +176,12 @@ namespace embree
         blocks.statistics.sums.topLevelBytes = nodes*sizeof(BVH4::AABBNode);
         isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
       }
+
+      /*! null for a source without such */
+      template<typename S>
+      static auto bordersOf (const S& source, int) -> decltype(&source.storedBorders()) { return &source.storedBorders(); }
+      template<typename S>
+      static const StoredBorders* bordersOf (const S&, long) { return nullptr; }
 
       /*! primitives of the geometry that are not the source's */
       size_t looseSize () const { return loose ? loose->numPrimitives() : 0; }

@@ -58,13 +58,23 @@ namespace embree
         Ref leaf (FileChild type, uint64_t offset)
         {
           if (type == FILE_MOVING_VERT) { // its boxes are decoded at once
-            if (const Reason reason = mapped.validate(size_t(offset),true)) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-            mapped.number(size_t(offset),true);
+            if (const Reason reason = mapped.validate(size_t(offset),VERT_FORM)) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+            mapped.number(size_t(offset),VERT_FORM);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
           if (type == FILE_FRAMED) file.failUnsupported(i,"it has blocks with frames, and this library was built without the paper's representations");
 #endif
-          return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),type == FILE_MOVING_VERT ? MOVING_VERT_BLOCK : type == FILE_VERT ? VERT_BLOCK : FRAMED_BLOCK);
+          return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),typeOf(type));
+        }
+
+        static PrimitiveType typeOf (FileChild child)
+        {
+          switch (child) {
+          case FILE_MOVING_VERT: return MOVING_VERT_BLOCK;
+          case FILE_VERT: return VERT_BLOCK;
+          case FILE_MESH: return MESH_BLOCK;
+          default: return FRAMED_BLOCK;
+          }
         }
 
         BVH4::AABBNode* beginNode ()

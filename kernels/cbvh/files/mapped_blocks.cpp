@@ -5,6 +5,7 @@
 
 #include "mapped_blocks.h"
 #include "../embree/scene.h"
+#include "../stored/block_bytes.h"
 #include "validate_framed.h"
 #include "../../cvert/file/record.h"
 #include <algorithm>
@@ -67,14 +68,14 @@ namespace embree
         Place last = { nullptr, 0, nullptr }; //!< whose block was the last that was asked for
       };
 
-      static bool isGood (const void* block, bool isVert)
+      static bool isGood (const void* block, BlockForm form)
       {
         const Known* const mine = known;
-        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block))) return mine->last.blocks->isGood(block,isVert);
-        return find(block,isVert);
+        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block))) return mine->last.blocks->isGood(block,form);
+        return find(block,form);
       }
 
-      static bool find (const void* block, bool isVert)
+      static bool find (const void* block, BlockForm form)
       {
         struct Owner { ~Owner () { delete known; known = nullptr; } };
         if (!known) {
@@ -91,7 +92,7 @@ namespace embree
         const Place place = known->list ? placeIn(*known->list,block) : placeOfLiving(block);
         if (!place.blocks) return true;
         known->last = place;
-        return place.blocks->isGood(block,isVert);
+        return place.blocks->isGood(block,form);
       }
 
       static Place placeOf (const MappedBlocks* blocks) { return Place{ blocks->begin, blocks->bytes, blocks }; }
@@ -168,41 +169,44 @@ namespace embree
       free(good);
     }
 
-    Reason MappedBlocks::validate (size_t offset, bool isVert) const
+    Reason MappedBlocks::validate (size_t offset, BlockForm form) const
     {
       if (offset >= bytes || offset % blockAlignment) return Reason::damaged("no block can be at %",offset);
-      const Reason reason = isVert ? validateVertBlock(record,begin+offset,bytes-offset) : validateFramedBlock(begin+offset,bytes-offset,record.numPrimitives);
+      const char* const block = begin+offset;
+      const Reason reason = form == MESH_FORM ? validateMeshBlock(record,block,bytes-offset)
+        : form == VERT_FORM ? validateVertBlock(record,block,bytes-offset)
+        : validateFramedBlock(block,bytes-offset,record.numPrimitives);
       if (reason) return reason;
-      return isOwnSurface(offset,isVert) ? Reason() : Reason::damaged("it belongs to another surface");
+      return isOwnSurface(offset,form) ? Reason() : Reason::damaged("it belongs to another surface");
     }
 
-    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, bool isVert) const {
-      return AtomicRef<uint32_t>(isVert ? ((VertHeader*)(begin+offset))->surface : ((BlockHeader*)(begin+offset))->surface);
+    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, BlockForm form) const {
+      return AtomicRef<uint32_t>(*(uint32_t*)(begin+offset+offsetOfSurface(form)));
     }
 
-    bool MappedBlocks::isOwnSurface (size_t offset, bool isVert) const
+    bool MappedBlocks::isOwnSurface (size_t offset, BlockForm form) const
     {
-      const uint32_t surface = surfaceOf(offset,isVert).load(std::memory_order_acquire);
+      const uint32_t surface = surfaceOf(offset,form).load(std::memory_order_acquire);
       return surface == record.surface || surface == surfaceNumber;
     }
 
-    void MappedBlocks::number (size_t offset, bool isVert) const
+    void MappedBlocks::number (size_t offset, BlockForm form) const
     {
       /* Several threads may check a block at the same time; one of them writes, before any of them calls it good. */
       uint32_t expected = record.surface;
-      if (record.surface != surfaceNumber) surfaceOf(offset,isVert).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
+      if (record.surface != surfaceNumber) surfaceOf(offset,form).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
     }
 
-    bool MappedBlocks::check (size_t offset, bool isVert) const
+    bool MappedBlocks::check (size_t offset, BlockForm form) const
     {
-      if (const Reason reason = validate(offset,isVert)) {
+      if (const Reason reason = validate(offset,form)) {
         if (!isReported.exchange(true)) {
           const std::string message = name + ": the block at " + std::to_string(offset) + " is damaged, and maybe others: " + reason.message() + "; rays miss it";
           Device::process_error(device,RTC_ERROR_INVALID_ARGUMENT,message.c_str());
         }
         return false;
       }
-      number(offset,isVert);
+      number(offset,form);
       good[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
       return true;
     }

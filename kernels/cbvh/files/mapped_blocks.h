@@ -32,26 +32,26 @@ namespace embree
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
       /*! Checks the block at an offset from the first. */
-      cvert::Reason validate (size_t offset, bool isVert) const;
+      cvert::Reason validate (size_t offset, BlockForm form) const;
 
       /*! Returns true if a block may be decoded. Remembers the result. Reports an error to the device for the first block that is damaged. */
-      bool isGood (const void* block, bool isVert) const
+      bool isGood (const void* block, BlockForm form) const
       {
         const size_t offset = size_t((const char*)block-begin);
-        return likely(((good[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0) || check(offset,isVert);
+        return likely(((good[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0) || check(offset,form);
       }
 
       /*! Writes the number of the surface into a block that has another. */
-      void number (size_t offset, bool isVert) const;
+      void number (size_t offset, BlockForm form) const;
 
       const char* first () const { return begin; }
 
     private:
       friend class MappedPlaces;
 
-      bool check (size_t offset, bool isVert) const;
-      AtomicRef<uint32_t> surfaceOf (size_t offset, bool isVert) const;
-      bool isOwnSurface (size_t offset, bool isVert) const;
+      bool check (size_t offset, BlockForm form) const;
+      AtomicRef<uint32_t> surfaceOf (size_t offset, BlockForm form) const;
+      bool isOwnSurface (size_t offset, BlockForm form) const;
 
       Device* device;
       std::shared_ptr<const cvert::File> file;

@@ -44,10 +44,20 @@ namespace embree
           const void* const block = ref.leaf(type);
           if (!isBlock(type))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a part of the geometry is left to GRID, for its edge rates or because it has no good frame: only compressed blocks can be saved, which cVERT has of all");
-          const bool moves = type == MOVING_VERT_BLOCK, vert = type != FRAMED_BLOCK;
-          if (!moves && !isUsable(block,vert))
+          const BlockForm form = formOfBlock(type);
+          if (type != MOVING_VERT_BLOCK && !isUsable(block,form))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's own file is damaged: one of its blocks cannot be read");
-          return to.append(moves ? FILE_MOVING_VERT : vert ? FILE_VERT : FILE_FRAMED,block,bytesOfBlock(block,vert),vert ? offsetof(VertHeader,surface) : offsetof(BlockHeader,surface));
+          return to.append(childOf(type),block,bytesOfBlock(block,form),offsetOfSurface(form));
+        }
+
+        static FileChild childOf (size_t type)
+        {
+          switch (type) {
+          case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;
+          case VERT_BLOCK: return FILE_VERT;
+          case MESH_BLOCK: return FILE_MESH;
+          default: return FILE_FRAMED;
+          }
         }
 
         uint64_t child (BVH4::NodeRef ref)

@@ -27,7 +27,7 @@ namespace embree
         template<typename Rays>
         __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const void* prim)
         {
-          if (unlikely(!isUsable(prim,false))) return vbool<K>(false);
+          if (unlikely(!isUsable(prim,FRAMED_FORM))) return vbool<K>(false);
           const Block* const block = (const Block*)prim;
           state.set(rays);
           switch (kindOf(block->info)) {

@@ -28,7 +28,7 @@ namespace embree
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          whyFloats = !block.isVert ? ClusterReason::RAW : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
+          whyFloats = block.isMesh() ? ClusterReason::RANGE : !block.isVert() ? ClusterReason::RAW : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
               : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
               : ClusterReason::RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };

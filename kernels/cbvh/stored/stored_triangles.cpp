@@ -7,6 +7,7 @@
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
+#include "../../cvert/decoder/decoded_mesh.h"
 #include "vertices_at_time.h"
 #include "surface_blocks.h"
 #include <algorithm>
@@ -31,12 +32,11 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        const bool isVert = type == VERT_BLOCK || type == MOVING_VERT_BLOCK;
-        if (type != MOVING_VERT_BLOCK && !isUsable(block,isVert))
+        if (isBlock(type) && type != MOVING_VERT_BLOCK && !isUsable(block,formOfBlock(type)))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's file is damaged: one of its blocks is none");
-        if (!isVert && (type != FRAMED_BLOCK || ((const Block*)block)->kind() != Kind::GRID))
+        if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT or cGRID as a whole: only those hand out triangles");
-        closure(StoredBlock{ block,isVert });
+        closure(StoredBlock{ block,formOfBlock(type) });
       }
 
       template<typename Closure>
@@ -55,7 +55,7 @@ namespace embree
 
         explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
         {
-          if (stored.isVert)
+          if (stored.isVert())
           {
             const VertHeader* block = stored.vert();
             patchQuads[0] = patchQuadsX(block->patchQuads); patchQuads[1] = patchQuadsY(block->patchQuads);
@@ -91,7 +91,7 @@ namespace embree
           const uint32_t width = place.quads[0]+1, count = width*(place.quads[1]+1);
           vertices.resize(count);
           parameters.resize(count);
-          if (stored.isVert) memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
+          if (stored.isVert()) memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
           else {
             const float* const planes = (const float*)stored.framed()->leaves();
             for (uint32_t i=0; i<count; i++)
@@ -113,6 +113,24 @@ namespace embree
           for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y,numberOfQuad(block,x,y));
       }
 
+      /*! Calls closure(number, corners) for the triangles of a mesh block. */
+      template<typename Closure>
+      void forEachTriangle (const MeshHeader* block, const Closure& closure)
+      {
+        const MeshView view(block);
+        for (uint32_t g=0; g<view.groups; g++)
+        {
+          const DecodedMeshGroup group(view,g);
+          for (uint32_t t=0; t<group.numTriangles; t++)
+          {
+            float corners[3][3];
+            for (int c=0; c<3; c++)
+              for (int k=0; k<3; k++) corners[c][k] = group.corners[c][k][t];
+            closure(group.numbers[t],corners);
+          }
+        }
+      }
+
       /*! the triangles of a primitive that a hit may be on, and which it is most likely */
       class Search
       {
@@ -125,8 +143,9 @@ namespace embree
         /*! a block that has it */
         void look (const StoredBlock& block, uint32_t primID)
         {
-          if (block.isVert && !VerticesAtTime::isThere(block.vert(),time)) return;
-          if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
+          if (block.isVert() && !VerticesAtTime::isThere(block.vert(),time)) return;
+          if (block.isMesh()) lookInMesh(block.mesh(),primID);
+          else if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
           else lookForParameters(block);
         }
 
@@ -150,6 +169,18 @@ namespace embree
                 }
                 consider(p,s,t);
               }
+            });
+        }
+
+        void lookInMesh (const MeshHeader* block, uint32_t primID)
+        {
+          slack = slackOf(u) + slackOf(v);
+          forEachTriangle(block,[&](uint32_t number, const float (&corners)[3][3]) {
+              if (primitiveOfMesh(block->form,number) != primID) return;
+              const float* const p[3] = { corners[0],corners[1],corners[2] };
+              const float first[2][3] = { { 0,1,0 },{ 0,0,1 } }, second[2][3] = { { 1,0,1 },{ 1,1,0 } };
+              const float (&parameters)[2][3] = isSecondOfQuad(block->form,number) ? second : first;
+              consider(p,parameters[0],parameters[1]);
             });
         }
 
@@ -248,14 +279,29 @@ namespace embree
       std::sort(blocks.begin(),blocks.end(),[](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
       for (size_t i=0; i<blocks.size(); i++)
       {
+        if (blocks[i].isMesh()) {
+          const MeshHeader* const block = blocks[i].mesh();
+          const MeshView view(block);
+          for (uint32_t g=0; g<view.groups; g++)
+            for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++)
+              add(primitiveOfMesh(block->form,view.number(g,t)),uint32_t(i));
+        }
         if (!blocks[i].numbersQuads()) continue;
         forEachQuad(blocks[i].vert(),[&](uint32_t, uint32_t, uint32_t number) {
-            const uint32_t last = primitiveOfNumber(blocks[i].vert()->patchQuads,number,true);
-            if (last >= blockOf.size()) blockOf.resize(std::max(size_t(last)+1,2*blockOf.size()),uint32_t(none));
-            blockOf[number] = blockOf[last] = uint32_t(i);
+            add(number,uint32_t(i));
+            add(primitiveOfNumber(blocks[i].vert()->patchQuads,number,true),uint32_t(i));
           });
       }
       blockOf.shrink_to_fit();
+      std::sort(secondBlockOf.begin(),secondBlockOf.end());
+    }
+
+    void BlockIndex::add (uint32_t primID, uint32_t block)
+    {
+      if (primID >= blockOf.size()) blockOf.resize(std::max(size_t(primID)+1,2*blockOf.size()),uint32_t(none));
+      uint32_t& known = blockOf[primID];
+      if (known == none) known = block;
+      else if (known != block) secondBlockOf.emplace_back(primID,block);
     }
 
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
@@ -265,6 +311,8 @@ namespace embree
       Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
+        auto second = std::lower_bound(secondBlockOf.begin(),secondBlockOf.end(),std::make_pair(primID,0u));
+        for (; second != secondBlockOf.end() && second->first == primID; ++second) search.look(blocks[second->second],primID);
         return search.found();
       }
       for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
@@ -273,12 +321,58 @@ namespace embree
       return search.found();
     }
 
+    /*! Calls closure(block, part) for each triangle of a mesh block, or each quad, until it returns false. A quad with a
+     *  triangle elsewhere is two parts. Returns what the last call returned. */
+    static bool forEachMeshPart (const StoredBlock& block, const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
+    {
+      struct Triangle
+      {
+        uint32_t number;
+        float corners[3][3];
+        bool operator< (const Triangle& other) const { return number < other.number; }
+      };
+      std::vector<Triangle> triangles;
+      forEachTriangle(block.mesh(),[&](uint32_t number, const float (&corners)[3][3]) {
+          triangles.emplace_back();
+          triangles.back().number = number;
+          memcpy(triangles.back().corners,corners,sizeof(corners));
+        });
+      std::sort(triangles.begin(),triangles.end());
+      const uint32_t form = block.mesh()->form;
+      for (size_t i=0; i<triangles.size(); i++)
+      {
+        const float (&p)[3][3] = triangles[i].corners;
+        const uint32_t primID = primitiveOfMesh(form,triangles[i].number), primIDs[2] = { primID,primID };
+        float vertices[4][3]; // 00, 10, 01, 11 of a quad
+        auto set = [&](const float* v0, const float* v1, const float* v3, const float* v2) {
+          const float* const from[4] = { v0,v1,v3,v2 };
+          for (int c=0; c<4; c++) memcpy(vertices[c],from[c],sizeof(vertices[c]));
+        };
+        const bool isSecond = isSecondOfQuad(form,triangles[i].number);
+        if (isSecond) set(p[2],p[2],p[1],p[0]);
+        else if (i+1 < triangles.size() && isSecondOfQuad(form,triangles[i+1].number) && triangles[i+1].number == triangles[i].number+1) {
+          set(p[0],p[1],p[2],triangles[i+1].corners[0]);
+          i++;
+        }
+        else set(p[0],p[1],p[2],p[1]);
+        StoredPart part = StoredPart();
+        part.primID = primID;
+        part.width = part.height = 2;
+        part.vertices = vertices[0];
+        part.primIDs = primIDs;
+        part.primitivesPerQuad = (form & meshIsOfQuads) ? 1 : 2;
+        if (!closure(block,part)) return false;
+      }
+      return true;
+    }
+
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
-          if (!goesOn || (block.isVert && !VerticesAtTime::isThere(block.vert(),time))) return;
+          if (goesOn && block.isMesh()) { goesOn = forEachMeshPart(block,closure); return; }
+          if (!goesOn || (block.isVert() && !VerticesAtTime::isThere(block.vert(),time))) return;
           StoredPart part = StoredPart();
           part.primID = block.primID();
           const Place place(block);

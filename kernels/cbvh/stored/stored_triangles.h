@@ -7,7 +7,8 @@
 
 #include "../framed/block.h"
 #include "../base/codec.h"
-#include "../../cvert/format/block.h"
+#include "../base/primitive_type.h"
+#include "../../cvert/format/mesh_block.h"
 #include "part.h"
 #include <cstddef>
 #include <cstdint>
@@ -27,19 +28,23 @@ namespace embree
       bool isFused;
     };
 
-    /*! a block of cVERT or cGRID */
+    /*! a block of cVERT or cGRID, or a mesh block */
     struct StoredBlock
     {
       const void* data;
-      bool isVert;
+      BlockForm form;
+
+      bool isVert () const { return form == VERT_FORM; }
+      bool isMesh () const { return form == MESH_FORM; }
 
       const VertHeader* vert () const { return (const VertHeader*)data; }
       const Block* framed () const { return (const Block*)data; }
+      const MeshHeader* mesh () const { return (const MeshHeader*)data; }
 
-      uint32_t primID () const { return isVert ? vert()->primID : framed()->primID; }
+      uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
       /*! whether each of its quads is a primitive */
-      bool numbersQuads () const { return isVert && hasNumbers(vert()->boxForm); }
+      bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
     /*! Blocks of a surface by their primitives. */
@@ -57,10 +62,15 @@ namespace embree
       enum : uint32_t { none = 0xFFFFFFFFu };
 
       std::vector<StoredBlock> blocks; //!< in the order of primitives
-      std::vector<uint32_t> blockOf;   //!< of each primitive, if blocks number their quads; empty if they do not
+      std::vector<uint32_t> blockOf;   //!< of each primitive, if they are those of a mesh; else empty
+      /*! Primitive and block, in order: quads with triangles in a second mesh block. */
+      std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
+
+      void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
+    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each triangle of a mesh block is a part of its own, and
+     *  each quad, if both of its triangles are in the block. Throws where a block is none of cVERT or cGRID. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

@@ -16,6 +16,8 @@
  *       Which vertices a grid has.
  *   const float* position (size_t vertex, unsigned step) const
  *       Position of a vertex of the buffer at a time step; it may be not finite.
+ *   bool hasLoose () const
+ *       True if the geometry has primitives that are in no grid, and share vertices with grids.
  *   bool number (size_t i, QuadNumbers& out) const
  *       False if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
  *   static double spacingOfEdge ()
@@ -76,6 +78,8 @@ namespace embree
       size_t size () const { return mesh->size(); }
       Grid operator[] (size_t i) const { const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY }); }
 
+      bool hasLoose () const { return false; }
+
       bool isValid (size_t i) const
       {
         if (i >= mesh->grids.size()) return false;
@@ -124,6 +128,7 @@ namespace embree
 
       size_t size () const { return regions->regions.size(); }
       Grid operator[] (size_t i) const { const QuadRegions::Region& r = regions->regions[i]; return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 }); }
+      bool hasLoose () const { return regions->hasLoose(); }
       bool isValid (size_t) const { return true; }
       const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
 

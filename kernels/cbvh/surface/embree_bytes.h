@@ -19,6 +19,9 @@ namespace embree
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
+  /*! The same for triangles of mesh blocks. */
+  inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
+
   /*! of a quad of a quad mesh */
   inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64; }
 

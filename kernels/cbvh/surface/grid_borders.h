@@ -12,6 +12,7 @@
 
 #include "border_lattices.h"
 #include "diced_grids.h"
+#include "loose_triangles.h"
 #include "patch_vertices.h"
 #include "shared_border.h"
 #include "stitched_vertices.h"
@@ -22,7 +23,7 @@ namespace embree
   {
     /*! Grids: see diced_grids.h */
     template<typename Grids>
-    class GridBorders
+    class GridBorders : public StoredBorders
     {
     public:
       typedef typename Grids::Grid Grid;
@@ -45,7 +46,7 @@ namespace embree
       void build (size_t gridsPerTask, const Progress& progress)
       {
         lattices.choose(*this,gridsPerTask,progress);
-        if (size() < 2 || plan.isLossless()) return;
+        if ((size() < 2 && !grids.hasLoose()) || size() == 0 || plan.isLossless()) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
               size_t n = 0;
               for (size_t i=r.begin(); i!=r.end(); i++)
@@ -76,6 +77,16 @@ namespace embree
         const cbvh::Double3 d = stitched.stored(entry,step);
         const float onEdge[3] = { float(d.x),float(d.y),float(d.z) };
         return SharedVertex(onEdge,cbvh::exactLattice);
+      }
+
+      /*! A vertex of a mesh that does not move. */
+      bool find (size_t vertex, float out[3]) const override
+      {
+        if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
+        const SharedVertex v = shared(vertex,cbvh::exactLattice,0);
+        const cbvh::WorldLattice common(v.exponent);
+        for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
+        return true;
       }
 
       /*! Of PositionTable. Values that are not numbers are equal. */

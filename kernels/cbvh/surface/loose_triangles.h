@@ -38,6 +38,13 @@ namespace embree
        *  leaves out with its primitive: an index is not a vertex, or a vertex is not finite. */
       bool corners (size_t triangle, const float* out[3]) const
       {
+        unsigned numbers[3];
+        return corners(triangle,out,numbers);
+      }
+
+      /*! The same with the numbers of the vertices. */
+      bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
+      {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
         const uint32_t n = areOfQuads() ? 4 : 3;
         unsigned v[4];
@@ -48,7 +55,11 @@ namespace embree
           p[i] = (const float*)vertices.getPtr(v[i]);
           if (!cbvh::isFinite(p[i])) return false;
         }
-        for (int c=0; c<3; c++) out[c] = p[areOfQuads() ? ofQuad[triangle & 1][c] : c];
+        for (int c=0; c<3; c++) {
+          const int i = areOfQuads() ? ofQuad[triangle & 1][c] : c;
+          out[c] = p[i];
+          numbers[c] = v[i];
+        }
         return true;
       }
 
@@ -57,6 +68,17 @@ namespace embree
       const BufferView<Vec3fa> vertices;
       const char* const indices;
       const size_t stride;
+    };
+
+    /*! Where the grids of a mesh store the vertices on their borders, for the triangles next to them. */
+    class StoredBorders
+    {
+    public:
+      /*! Returns false for a vertex that is on no border. vertex: of the mesh, finite */
+      virtual bool find (size_t vertex, float out[3]) const = 0;
+
+    protected:
+      ~StoredBorders () {}
     };
 
     class LooseTriangles
@@ -75,11 +97,13 @@ namespace embree
         return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
       }
 
-      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. Calls progress() now and
-       *  then, which may cancel by an exception. */
+      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's grids,
+       *  null if there are none; must exist until release(). Calls progress() now and then, which may cancel by an
+       *  exception. */
       template<typename Progress>
-      void prepare (const Progress& progress)
+      void prepare (const StoredBorders* borders, const Progress& progress)
       {
+        this->borders = borders;
         lattice.reset(new cbvh::MeshLattice(chooseExponent()));
         cbvh::resizeToFit(centers,numTriangles());
         const size_t tasks = (numTriangles()+perTask-1)/perTask;
@@ -104,15 +128,17 @@ namespace embree
         lattice.reset();
       }
 
-      /*! Stored corners of a triangle. Returns the square of how far the farthest of them moved. */
+      /*! Stored corners of a triangle: those on borders of grids as the grids store them. Returns the square of how far the
+       *  farthest of them moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
-        mesh.corners(triangle,p);
+        unsigned vertices[3];
+        mesh.corners(triangle,p,vertices);
         double farthest = 0;
         for (int c=0; c<3; c++)
         {
-          lattice->snap(p[c],out[c]);
+          if (!borders || !borders->find(vertices[c],out[c])) lattice->snap(p[c],out[c]);
           double square = 0;
           for (int k=0; k<3; k++) { const double d = double(out[c][k])-p[c][k]; square += d*d; }
           farthest = max(farthest,square);
@@ -208,6 +234,7 @@ namespace embree
       const mvector<unsigned>* const primitives;
       const CompressionPlan& plan;
       Device* const device;
+      const StoredBorders* borders = nullptr;
       std::unique_ptr<cbvh::MeshLattice> lattice;
       float spacingOfLattice = 0.0f;
 

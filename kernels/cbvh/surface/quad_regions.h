@@ -99,10 +99,13 @@ namespace embree
     mvector<unsigned> quads;  //!< of each region, row by row from its v0
     mvector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
     bool isOutOfMemory = false; //!< there was not enough to find them
-    bool areAllLoose = false;   //!< the mesh has no regions, and all of it is stored in mesh blocks
+    mvector<unsigned> loose;  //!< primitives of no region that are stored in mesh blocks (mesh_parts.h), ascending
+    bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
     size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
 
-    explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0) {}
+    explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0), loose(device,0) {}
+
+    bool hasLoose () const { return areAllLoose || !loose.empty(); }
 
     PairsOfMesh pairs (const TriangleMesh* mesh) const { return PairsOfMesh{ mesh,firsts.empty() ? nullptr : &firsts }; }
 

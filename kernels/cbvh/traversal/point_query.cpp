@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries: the application's function is called for the primitives whose blocks are near enough, several times if several of
- * their blocks are; for those of a block that numbers its quads, if the primitive's own box is. As in Embree, they see grids,
+ * their blocks are; for those of a block that numbers its quads, or of a mesh block, if the box of the primitive, or of a triangle, is. As in Embree, they see grids,
  * quads and triangles, where they are at the query's time, and no subdivision surfaces. */
 
 #include "point_query.h"
@@ -10,6 +10,7 @@
 #include "../base/primitive_type.h"
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
+#include "../../cvert/decoder/decoded_mesh.h"
 #include "../embree/scene.h"
 #include "../stored/compressed_tree.h"
 #include "../stored/vertices_at_time.h"
@@ -95,13 +96,16 @@ namespace embree
         {
           size_t type;
           const void* block = leaf.leaf(type);
-          if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK) return false;
+          const bool isMesh = type == MESH_BLOCK;
+          if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK && !isMesh) return false;
           const VertHeader* header = (const VertHeader*)block;
-          if (type == VERT_BLOCK && !embree::cbvh::isUsable(block,true)) return false;
-          const uint32_t geomID = context->scene->surfaceIDs[header->surface];
+          if (type != MOVING_VERT_BLOCK && !embree::cbvh::isUsable(block,isMesh ? MESH_FORM : VERT_FORM)) return false;
+          const uint32_t geomID = context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
           Geometry* const geometry = context->scene->get(geomID);
-          if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH || !embree::cbvh::VerticesAtTime::isThere(header,time())) return false;
+          if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return false;
           context->geomID = geomID;
+          if (isMesh) return callTriangles(geometry,(const MeshHeader*)block);
+          if (!embree::cbvh::VerticesAtTime::isThere(header,time())) return false;
           if (hasNumbers(header->boxForm)) return callQuads(geometry,header);
           context->primID = header->primID;
           return geometry->pointQuery(query,context);
@@ -123,6 +127,33 @@ namespace embree
               if (!isOfTriangles(form)) changed |= call(geometry,number,{ diagonal[0],diagonal[1],ends[0],ends[1] });
               else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++) changed |= call(geometry,number+i,{ diagonal[0],diagonal[1],ends[i] });
             }
+          return changed;
+        }
+
+        /*! The primitives of a mesh block with a triangle that is near enough; returns true if a call changed the query. */
+        bool callTriangles (Geometry* geometry, const MeshHeader* block)
+        {
+          const MeshView view(block);
+          bool changed = false;
+          for (uint32_t g=0; g<view.groups; g++)
+          {
+            BBox3fa bounds;
+            view.groupBox(g,&bounds.lower.x,&bounds.upper.x);
+            if (view.isSheared()) {
+              const uint32_t m = meshShearedAxis(block->form);
+              bounds.lower[m] = neg_inf;
+              bounds.upper[m] = pos_inf;
+            }
+            if (!(distanceOf(bounds) <= reach())) continue;
+            const DecodedMeshGroup group(view,g);
+            for (uint32_t t=0; t<group.numTriangles; t++)
+            {
+              float corners[3][3];
+              for (int c=0; c<3; c++)
+                for (int k=0; k<3; k++) corners[c][k] = group.corners[c][k][t];
+              changed |= call(geometry,primitiveOfMesh(block->form,group.numbers[t]),{ corners[0],corners[1],corners[2] });
+            }
+          }
           return changed;
         }
 

@@ -19,7 +19,7 @@ namespace embree
 
     /* set by who maps blocks, so that codecs need nothing else of the library */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
-    std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood(nullptr);
+    std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
 
     void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
 

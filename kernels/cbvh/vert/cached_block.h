@@ -32,7 +32,7 @@ namespace embree
         }
 
         /*! Returns false if the block is damaged: nothing of it may be read, not even its header. */
-        __forceinline bool isUsable () const { return cbvh::isUsable(block,true); }
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
 
         /*! corners and boxes of groups of a usable block */
         __forceinline const VertBoxes& boxes () const

@@ -34,7 +34,7 @@ namespace embree
         __forceinline bool mayMeet (const VertRayAxes<float>&, float, float) const { return true; }
 
         /*! Returns false if the block is damaged. Then no byte of it may be read. */
-        __forceinline bool isUsable () const { return cbvh::isUsable(block,true); }
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
 
         __forceinline const MeshBoxes& boxes () const
         {

@@ -56,10 +56,6 @@ namespace embree
         sums.nodeBytes += layout.topology - layout.boxes;
         sums.leafBytes += stride - layout.topology;
         sums.numBlocks++;
-        /* two triangles count as a quad */
-        sums.numQuads += (count+1)/2;
-        sums.numMeshQuads += (count+1)/2;
-        sums.numLooseQuads += (count+1)/2;
       }
 
       const LooseTriangles& from;

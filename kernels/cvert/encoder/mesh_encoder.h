@@ -71,7 +71,8 @@ namespace cvert { inline namespace CVERT_ISA
           ends[groups++] = std::min(end,count)-first;
           if (end >= count) break;
         }
-        onBlock(encode(triangles+first,ends,groups,surface,block,stored,statistics),first,stored);
+        const size_t bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        onBlock(bytes,first,stored);
       }
     }
 

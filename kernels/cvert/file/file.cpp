@@ -67,7 +67,7 @@ namespace cvert
                                            "is of a newer version of these files, %; this library reads versions up to %"))
       return reason;
     if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum))) return Reason::damaged("is damaged: the checksum of its header differs");
-    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,vertFormatVersion,"has blocks of an older version of cVERT, %; this library reads % and later",
+    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,meshFormatVersion,"has blocks of an older version of cVERT, %; this library reads % and later",
                                            "has blocks of a newer version of cVERT, %; this library reads versions up to %"))
       return reason;
     if (const Reason reason = checkVersion(h.framedVersion,fileFramedVersion,fileFramedVersion,"has blocks with frames of an older version, %; this library reads % and later",
@@ -108,7 +108,7 @@ namespace cvert
         const char* const block = blocks(i)+offset;
         const size_t bytes = size_t(record.blockBytes-offset);
         Reason reason = type == FILE_FRAMED ? other(record,block,bytes)
-            : validateVertBlock(record,(const VertHeader*)block,bytes);
+            : type == FILE_MESH ? validateMeshBlock(record,block,bytes) : validateVertBlock(record,block,bytes);
         if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
           reason = Reason::damaged("it belongs to another surface");
         if (reason) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());

@@ -7,6 +7,7 @@
  * the blocks of each geometry, then a directory of the geometries. Offsets are relative to the start of the file; numbers
  * are little-endian. A file contains no addresses, so it is traced as it lies on disk. */
 
+#include "../format/mesh_block.h"
 #include "../format/motion.h"
 #include "checksum.h"
 #include <cstddef>
@@ -32,7 +33,8 @@ namespace cvert
   {
     char magic[8];
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
-    uint32_t vertVersion, framedVersion;   //!< of the blocks: vertFormatVersion, fileFramedVersion
+    /*! Of the blocks: vertFormatVersion, or meshFormatVersion of a file with mesh blocks; fileFramedVersion */
+    uint32_t vertVersion, framedVersion;
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
     uint64_t fileBytes, directory;         //!< the size of all, and where the geometries' records are
     uint32_t directoryChecksum;
@@ -68,7 +70,8 @@ namespace cvert
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");
 
   /*! a child: what it is in the lower 4 bits, and above them, times 16, where it is from the tree's or the blocks' start */
-  enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4, FILE_CHILD_MASK = 15 };
+  enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4, FILE_MESH = 5,
+    FILE_CHILD_MASK = 15 };
 
   /*! Nodes come in the order in which they are met from the root, first children first, and so do the blocks. */
   struct FileNode

@@ -59,4 +59,19 @@ namespace cvert
     }
     return validatePrimitives(block,record.numPrimitives);
   }
+
+  Reason validateMeshBlock (const FileGeometry& record, const void* data, size_t bytes)
+  {
+    if (const Reason reason = validateMesh(data,bytes)) return reason;
+    if (record.form == FILE_MOVING) return Reason::damaged("it has no time steps");
+    const MeshHeader* const block = (const MeshHeader*)data;
+    const MeshView view(block);
+    for (uint32_t g=0; g<view.groups; g++)
+      for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++) {
+        const uint32_t primID = primitiveOfMesh(block->form,view.number(g,t));
+        if (primID >= record.numPrimitives)
+          return Reason::damaged("primitive % is out of range: the geometry has %",primID,record.numPrimitives);
+      }
+    return Reason();
+  }
 }

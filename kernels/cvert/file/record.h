@@ -8,6 +8,7 @@
 
 #include "format.h"
 #include "../decoder/validate.h"
+#include "../decoder/validate_mesh.h"
 
 namespace cvert
 {
@@ -20,4 +21,7 @@ namespace cvert
   /*! Checks a cVERT block of a geometry, which starts at data and takes at most that many bytes, but not the number of its surface. Whatever its
    *  fields are, decoders then read only the block and readBehindVert bytes after it, and report primitives that the geometry has. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
+
+  /*! The same for a mesh block. */
+  Reason validateMeshBlock (const FileGeometry& record, const void* data, size_t bytes);
 }

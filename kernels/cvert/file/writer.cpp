@@ -14,6 +14,7 @@ namespace cvert
     const uint64_t begin = end;
     blocks.push_back({ data,bytes,surface });
     end = (begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1);
+    hasMeshBlocks |= type == FILE_MESH;
     return begin | type;
   }
 
@@ -112,13 +113,15 @@ namespace cvert
     }
     const std::string anew = "; without it the file is begun anew";
     if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is no file of compressed surfaces");
-    if (header.byteOrder != fileByteOrder || header.version != fileVersion || header.vertVersion != vertFormatVersion || header.framedVersion != fileFramedVersion)
+    if (header.byteOrder != fileByteOrder || header.version != fileVersion || (header.vertVersion != vertFormatVersion && header.vertVersion != meshFormatVersion)
+        || header.framedVersion != fileFramedVersion)
       refuse("was begun by another version of the library" + anew);
     const uint64_t count = header.numGeometries;
     if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum)) || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
         header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
       refuse("is damaged" + anew);
     if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32)) refuse("was begun with something else" + anew);
+    hasMeshBlocks = header.vertVersion == meshFormatVersion;
     directory.resize(size_t(count));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
@@ -188,6 +191,7 @@ namespace cvert
     padTo(filePage);
     if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
     directory.push_back(record);
+    hasMeshBlocks |= surface.hasMeshBlocks;
     /* starts writing to the disk, so that the next checkpoint need not wait */
     if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
   }
@@ -217,7 +221,7 @@ namespace cvert
     memcpy(header.magic,fileMagic,sizeof(header.magic));
     header.byteOrder = fileByteOrder;
     header.version = fileVersion;
-    header.vertVersion = vertFormatVersion;
+    header.vertVersion = hasMeshBlocks ? meshFormatVersion : vertFormatVersion;
     header.framedVersion = fileFramedVersion;
     header.numGeometries = uint32_t(directory.size());
     header.recordBytes = sizeof(FileGeometry);

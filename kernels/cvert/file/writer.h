@@ -34,7 +34,7 @@ namespace cvert
     };
     std::vector<Block> blocks;
 
-    /*! Appends a block. type: FILE_FRAMED, FILE_VERT or FILE_MOVING_VERT; surface: offset in the block of the number of its surface. Returns
+    /*! Appends a block. type: FILE_FRAMED, FILE_VERT, FILE_MOVING_VERT or FILE_MESH; surface: offset in the block of the number of its surface. Returns
      *  the child that refers to it. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surface);
 
@@ -47,6 +47,7 @@ namespace cvert
     friend class FileWriter;
 
     uint64_t end = 0;        //!< of the blocks, from their start
+    bool hasMeshBlocks = false;
   };
 
   /*! One thread at a time may use it. Errors are thrown as Error. After an error while writing, only the destructor may be called. */
@@ -105,6 +106,7 @@ namespace cvert
     bool failed = false;
     uint64_t key = 0;
     uint64_t at = 0, saved = 0;           //!< written, and known to the header on the disk
+    bool hasMeshBlocks = false;           //!< a surface that was added has some
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;
   };
