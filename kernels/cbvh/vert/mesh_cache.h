@@ -17,21 +17,24 @@ namespace embree
     struct MeshBoxes : public GroupBoxes
     {
       const void* block;             //!< that the boxes belong to; null if none
-      uint32_t topology[16];         //!< first bit of a group's topology, from the start of the block
-      uint32_t vertices[16];         //!< first bit of the fields of its vertices
-      uint32_t numbers[16];          //!< first bit of its primitive numbers
-      uint32_t fieldBits[16];        //!< of a vertex that belongs to it: bits 0..7: x, 8..15: y, 16..23: z; 24..31: all
-      alignas(16) uint16_t firstVertex[16]; //!< number in the block; 0x7FFF in lanes without a group
-      uint32_t lower[3][16];         //!< coordinates that its fields count from, by axis
+      uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections, from the start of the block
+      alignas(16) uint16_t topology[16];    //!< first bit of a group's topology, from the section's
+      alignas(16) uint16_t vertices[16];    //!< first bit of the fields of its vertices, from the section's
+      alignas(16) uint16_t numbers[16];     //!< first bit of its primitive numbers, from the section's
+      alignas(16) uint16_t firstVertex[16]; //!< number in the block; above 0x7000 in lanes without a group
+      alignas(16) uint32_t fieldBits[16];   //!< of a vertex that belongs to it: bits 0..7: x, 8..15: y, 16..23: z; 24..31: all
+      alignas(64) uint32_t lower[3][16];    //!< coordinates that its fields count from, by axis
     };
 
-    /*! The triangles of a group of a mesh block, one per lane. */
+    /*! The triangles of a group of a mesh block, and the vertices that they use. */
     struct MeshTriangles
     {
       const void* block;             //!< that the group belongs to; null if none
       uint32_t lane;
+      uint32_t numVertices;
       uint32_t lanes;                //!< lanes that have a triangle, as a mask
-      alignas(64) float at[3][3][maxGroupTriangles]; //!< by corner, in the order of the application, and axis
+      alignas(64) float at[3][32];   //!< vertices, by axis
+      alignas(32) uint8_t corners[3][maxGroupTriangles]; //!< of the triangle in a lane, in the order of the application
     };
 
     class MeshEntries
@@ -51,7 +54,7 @@ namespace embree
       }
 
     private:
-      static const size_t numBlocks = 256, numGroups = 256;
+      static const size_t numBlocks = 512, numGroups = 512;
 
       MeshBoxes blocks[numBlocks];
       MeshTriangles groups[numGroups];

@@ -41,7 +41,7 @@ namespace embree
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
             locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
             repeatBits = bitsFor(locals);
-          Bits at(block,boxes.topology[g]);
+          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
           const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
           uint64_t turns = at.take(min(2*count,32u));
           if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
@@ -50,11 +50,10 @@ namespace embree
           const uint32_t owns = at.take(locals);
           Bits repeats = at;
           at.skip((stream-locals)*repeatBits);
+          decodeVertices(boxes,g,locals,owns,at,out.at);
+          out.numVertices = locals;
+          out.lanes = 0xFFFFFFFFu >> (32-count);
 
-          alignas(64) float positions[3][32];
-          decodeVertices(boxes,g,locals,owns,at,positions);
-
-          alignas(32) uint8_t corners[3][maxGroupTriangles];
           Strip strip;
           uint32_t fresh = 3;
           auto next = [&]() {
@@ -62,10 +61,11 @@ namespace embree
             news >>= 1;
             const uint32_t v = isNew ? fresh : old;
             fresh += isNew;
-            repeats.skip(isNew ? 0 : repeatBits);
+            repeats.skip(repeatBits & (isNew-1));
             return v;
           };
-          for (uint32_t t=0; t<count; t++)
+          set(out,0,strip.corners(uint32_t(turns) & 3));
+          for (uint32_t t=1; t<count; t++)
           {
             if (unlikely((restarts >> t) & 1)) {
               strip.a = next();
@@ -73,19 +73,17 @@ namespace embree
               strip.c = next();
               strip.isFlipped = 0;
             }
-            else if (t > 0) strip.add(next(),(fans >> t) & 1);
-            const uint32_t v = strip.corners(uint32_t(turns >> (2*t)) & 3);
-            for (int c=0; c<3; c++) corners[c][t] = uint8_t(v >> (8*c));
+            else strip.add(next(),(fans >> t) & 1);
+            turns >>= 2;
+            set(out,t,strip.corners(uint32_t(turns) & 3));
           }
-          out.lanes = 0xFFFFFFFFu >> (32-count);
-          gather(corners,positions,count,locals,out);
         }
 
         /*! Returns the number of triangle t of group g (primitiveOfMesh). */
         __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
-          Bits at(block,boxes.numbers[g]);
+          Bits at(block,boxes.numbersBegin+boxes.numbers[g]);
           const uint32_t base = at.take(baseBits);
           at.skip(t*bits);
           return block->primID + base + at.take(bits);
@@ -124,7 +122,7 @@ namespace embree
 
           __forceinline void add (uint32_t vertex, uint32_t isFan)
           {
-            a = isFan ? a : b;
+            a ^= (a ^ b) & (isFan-1); // without a branch, which a processor would not foresee
             b = c;
             c = vertex;
             isFlipped ^= isFan ^ 1;
@@ -133,10 +131,15 @@ namespace embree
           /*! Returns the corners in the order of the application, 8 bits each. */
           __forceinline uint32_t corners (uint32_t turn) const
           {
-            const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
+            const uint32_t swapped = (a ^ b) & (0-isFlipped);
+            const uint64_t v = (a ^ swapped) | (b ^ swapped) << 8 | c << 16;
             return uint32_t((v | v << 24) >> (8*turn));
           }
         };
+
+        static __forceinline void set (MeshTriangles& out, uint32_t t, uint32_t corners) {
+          for (int c=0; c<3; c++) out.corners[c][t] = uint8_t(corners >> (8*c));
+        }
 
         /*! bitsForBelow() */
         static __forceinline uint32_t bitsFor (uint32_t count) { return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1)); }
@@ -236,40 +239,95 @@ namespace embree
 #endif
         }
 
-        /*! sums over groups: MeshView */
+        /*! bits of the numbers in 16 bytes */
+        static __forceinline __m128i lengthsOf (__m128i bytes)
+        {
+#if defined(__SSSE3__)
+          const __m128i nibble = _mm_set1_epi8(15);
+          return _mm_max_epu8(_mm_shuffle_epi8(_mm_setr_epi8(0,1,2,2,3,3,3,3,4,4,4,4,4,4,4,4),_mm_and_si128(bytes,nibble)),
+            _mm_shuffle_epi8(_mm_setr_epi8(0,5,6,6,7,7,7,7,8,8,8,8,8,8,8,8),_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
+#else
+          __m128i lengths = _mm_setzero_si128();
+          for (int bit=0; bit<8; bit++) // a number has more than `bit` bits if it is at least 2^bit
+            lengths = _mm_sub_epi8(lengths,_mm_cmpeq_epi8(_mm_max_epu8(bytes,_mm_set1_epi8(char(1 << bit))),bytes));
+          return lengths;
+#endif
+        }
+
+        /*! Stores sums over the numbers before each of 16; returns the sum of all. */
+        static __forceinline uint32_t storeSums (const __m128i numbers[2], uint16_t out[16])
+        {
+          uint32_t before = 0;
+          for (int half=0; half<2; half++)
+          {
+            __m128i sum = _mm_add_epi16(numbers[half],_mm_slli_si128(numbers[half],2));
+            sum = _mm_add_epi16(sum,_mm_slli_si128(sum,4));
+            sum = _mm_add_epi16(sum,_mm_slli_si128(sum,8));
+            _mm_store_si128((__m128i*)(out+8*half),
+              _mm_add_epi16(_mm_sub_epi16(sum,numbers[half]),_mm_set1_epi16(short(before))));
+            before += uint32_t(_mm_extract_epi16(sum,7)) & 0xFFFF;
+          }
+          return before;
+        }
+
+        /*! Sums over groups, as MeshView has them. All of them have less than 16 bits. */
         __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
           const MeshLayout layout = meshLayout(block->counts);
-          const uint32_t otherBits = bitsFor(meshVertices(block->counts)), baseBits = baseNumberBits(block->counts);
-          uint32_t shifts[3], topology = 8*layout.topology, vertices = 0, numbers = 0, firstVertex = 0;
-          for (uint32_t k=0; k<3; k++) shifts[k] = meshBoxShift(block->spacings,block->form,k);
-          for (uint32_t g=0; g<groups; g++)
+          const __m128i none = _mm_setzero_si128(), group = _mm_loadu_si128((const __m128i*)block->groups);
+
+          /* a field has the bits of the extent, and the shift's */
+          __m128i bits[3], all = none;
+          for (uint32_t k=0; k<3; k++) {
+            const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
+            bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->form,k))));
+            all = _mm_add_epi8(all,bits[k]);
+          }
+          const __m128i xy[2] = { _mm_unpacklo_epi8(bits[0],bits[1]),_mm_unpackhi_epi8(bits[0],bits[1]) },
+            zs[2] = { _mm_unpacklo_epi8(bits[2],all),_mm_unpackhi_epi8(bits[2],all) };
+          for (int half=0; half<2; half++) {
+            _mm_store_si128((__m128i*)(out.fieldBits+8*half),_mm_unpacklo_epi16(xy[half],zs[half]));
+            _mm_store_si128((__m128i*)(out.fieldBits+8*half+4),_mm_unpackhi_epi16(xy[half],zs[half]));
+          }
+
+          const uint8_t* const records = bytes + layout.records;
+          const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
+            groups > 8 ? _mm_loadu_si128((const __m128i*)(records+16)) : none }; // a short block ends there
+          const __m128i five = _mm_set1_epi16(31);
+          __m128i locals[2], topology[2], vertices[2], numbers[2], own[2];
+          for (int half=0; half<2; half++) locals[half] = _mm_and_si128(record[half],five);
+          const __m128i repeats = lengthsOf(_mm_sub_epi8(_mm_packus_epi16(locals[0],locals[1]),_mm_set1_epi8(1)));
+          const __m128i otherBits = _mm_set1_epi16(short(bitsFor(meshVertices(block->counts)))),
+            baseBits = _mm_set1_epi16(short(baseNumberBits(block->counts)));
+          for (int half=0; half<2; half++)
           {
-            const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
-              stream = streamLength(count,groupRestarts(group,record)), locals = groupVertices(record),
-              own = groupOwnVertices(record);
-            uint32_t bits[3];
-            for (uint32_t k=0; k<3; k++) bits[k] = bitsFor((bytes[layout.boxes + (3+k)*groups + g]+1u) << shifts[k]);
-            for (uint32_t k=0; k<3; k++) // 2^32 wraps to 0, and has 32 bits; 1 has none
-              if (unlikely(((bytes[layout.boxes + (3+k)*groups + g]+1u) << shifts[k]) == 0)) bits[k] = 32;
-            const uint32_t sum = bits[0]+bits[1]+bits[2];
-            out.topology[g] = topology;
-            out.vertices[g] = vertices;
-            out.numbers[g] = numbers;
-            out.fieldBits[g] = bits[0] | bits[1] << 8 | bits[2] << 16 | sum << 24;
-            out.firstVertex[g] = uint16_t(firstVertex);
-            topology += 2*(count-1) + 2*count + stream-3 + locals + (stream-locals)*bitsFor(locals) + (locals-own)*otherBits;
-            vertices += own*sum;
-            numbers += baseBits + count*groupNumberBits(record);
-            firstVertex += own;
+            auto wide = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
+            const __m128i lane = _mm_add_epi16(_mm_setr_epi16(0,1,2,3,4,5,6,7),_mm_set1_epi16(short(8*half))),
+              isThere = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
+            const __m128i of = wide(group), r = record[half],
+              restarts = _mm_or_si128(_mm_srli_epi16(of,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
+              count = _mm_add_epi16(_mm_and_si128(of,five),_mm_set1_epi16(1)),
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // of the stream, less 2
+            own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isThere);
+            __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
+            numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
+            /* restarts, fans, turns, news, owns; then repeats, and others */
+            __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,locals[half]));
+            sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
+              _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),locals[half])));
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(locals[half],own[half])));
+            topology[half] = _mm_and_si128(sum,isThere);
+            vertices[half] = _mm_mullo_epi16(own[half],wide(all));
+            numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isThere);
           }
+          out.topologyBegin = 8*layout.topology;
+          out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);
+          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.vertices)+7) & ~7u);
+          storeSums(numbers,out.numbers);
+          storeSums(own,out.firstVertex);
           for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;
-          const uint32_t verticesBegin = (topology+7) & ~7u, numbersBegin = (verticesBegin+vertices+7) & ~7u;
-          for (uint32_t g=0; g<groups; g++) {
-            out.vertices[g] += verticesBegin;
-            out.numbers[g] += numbersBegin;
-          }
         }
 
         /*! Returns the group that a vertex of the block belongs to. */
@@ -281,32 +339,51 @@ namespace embree
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
+        /*! The fields of a vertex of a group; bits: as in MeshBoxes */
+        struct VertexFields
+        {
+          const MeshBoxes& boxes;
+          const uint32_t g, bits;
+          const uint64_t masks[3];
+
+          static __forceinline uint64_t maskOf (uint32_t bits) { return (uint64_t(1) << bits)-1; }
+
+          __forceinline VertexFields (const MeshBoxes& boxes, uint32_t g)
+            : boxes(boxes), g(g), bits(boxes.fieldBits[g]),
+              masks{ maskOf(bits & 255),maskOf((bits >> 8) & 255),maskOf((bits >> 16) & 255) } {}
+
+          __forceinline uint32_t all () const { return bits >> 24; }
+
+          __forceinline void read (Bits at, uint32_t (*coordinates)[32], uint32_t i) const
+          {
+            uint64_t fields = at.wide();
+            if (likely(all() <= 57)) {
+              coordinates[0][i] = boxes.lower[0][g] + uint32_t(fields & masks[0]);
+              fields >>= bits & 255;
+              coordinates[1][i] = boxes.lower[1][g] + uint32_t(fields & masks[1]);
+              fields >>= (bits >> 8) & 255;
+              coordinates[2][i] = boxes.lower[2][g] + uint32_t(fields & masks[2]);
+            }
+            else for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.take((bits >> (8*k)) & 255);
+          }
+        };
+
         /*! Decodes the vertices that a group uses. owns: which belong to it; others: the numbers of the others */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns, Bits others,
                                            float (*positions)[32]) const
         {
           alignas(64) uint32_t coordinates[3][32];
           const uint32_t otherBits = bitsFor(meshVertices(block->counts));
-          uint32_t own = boxes.vertices[g];
-          for (uint32_t i=0; i<locals; i++)
+          const VertexFields own(boxes,g);
+          uint32_t bit = boxes.verticesBegin+boxes.vertices[g];
+          for (uint32_t rest=owns; rest; rest&=rest-1, bit+=own.all())
+            own.read(Bits(block,bit),coordinates,uint32_t(__builtin_ctz(rest)));
+          for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1)
           {
-            uint32_t of = g, bit = own;
-            if ((owns >> i) & 1) own += boxes.fieldBits[g] >> 24;
-            else {
-              const uint32_t v = others.take(otherBits);
-              of = groupOfVertex(boxes,v);
-              bit = boxes.vertices[of] + (v-boxes.firstVertex[of])*(boxes.fieldBits[of] >> 24);
-            }
-            const uint32_t bits = boxes.fieldBits[of];
-            Bits at(block,bit);
-            if (likely(bits >> 24 <= 57)) {
-              const uint64_t fields = at.wide();
-              const uint32_t x = bits & 255, xy = x + ((bits >> 8) & 255);
-              coordinates[0][i] = boxes.lower[0][of] + uint32_t(fields & ((uint64_t(1) << x)-1));
-              coordinates[1][i] = boxes.lower[1][of] + uint32_t((fields >> x) & ((uint64_t(1) << ((bits >> 8) & 255))-1));
-              coordinates[2][i] = boxes.lower[2][of] + uint32_t((fields >> xy) & ((uint64_t(1) << ((bits >> 16) & 255))-1));
-            }
-            else for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][of] + at.take((bits >> (8*k)) & 255);
+            const uint32_t v = others.take(otherBits);
+            const VertexFields of(boxes,groupOfVertex(boxes,v));
+            of.read(Bits(block,boxes.verticesBegin + boxes.vertices[of.g] + (v-boxes.firstVertex[of.g])*of.all()),coordinates,
+              uint32_t(__builtin_ctz(rest)));
           }
           if (isSheared()) unshear(locals,coordinates);
           for (uint32_t k=0; k<3; k++)
@@ -330,14 +407,6 @@ namespace embree
             * const c2 = (int*)coordinates[axisAfter(m,2)];
           for (uint32_t n=0; n<locals; n+=vectorWidth)
             vintV::store(c+n,vintV::load(c+n) - ((s1*vintV::load(c1+n) + s2*vintV::load(c2+n) + vintV(8)) >> 4));
-        }
-
-        static __forceinline void gather (const uint8_t (*corners)[maxGroupTriangles], const float (*positions)[32],
-                                          uint32_t count, uint32_t, MeshTriangles& out)
-        {
-          for (int c=0; c<3; c++)
-            for (uint32_t t=0; t<count; t++)
-              for (int k=0; k<3; k++) out.at[c][k][t] = positions[k][corners[c][t]];
         }
 
         const MeshHeader* const block;

@@ -26,18 +26,28 @@ namespace embree
       void write (const cbvh::MeshCenter* cluster, uint32_t count)
       {
         double moved = 0;
+        uint32_t n = 0;
         for (uint32_t i=0; i<count; i++) {
-          moved = max(moved,from.store(cluster[i].index,triangles[i].corners));
-          triangles[i].number = cluster[i].index;
+          moved = max(moved,from.store(cluster[i].index,triangles[n].corners));
+          triangles[n].number = cluster[i].index;
+          n += hasThreeCorners(triangles[n]); // the lattice of a grid may be too coarse for a triangle next to it
         }
         statistics.addDeviation(moved);
+        if (n == 0) return;
         cbvh::MeshStatistics ofBlocks;
-        encoder.encodeCluster(triangles,count,groupTriangles,surface,block,ofBlocks,
+        encoder.encodeCluster(triangles,n,groupTriangles,surface,block,ofBlocks,
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
         store.flushIfFull();
       }
 
     private:
+      static bool hasThreeCorners (const cbvh::MeshTriangle& triangle)
+      {
+        auto areEqual = [](const float* p, const float* q) { return p[0] == q[0] && p[1] == q[1] && p[2] == q[2]; };
+        const float (&c)[3][3] = triangle.corners;
+        return !areEqual(c[0],c[1]) && !areEqual(c[1],c[2]) && !areEqual(c[2],c[0]);
+      }
+
       void add (size_t bytes, const cbvh::MeshTriangle* of, uint32_t count)
       {
         cbvh::WorldBounds bounds;

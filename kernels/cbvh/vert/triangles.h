@@ -7,7 +7,7 @@
  * lanes. A side is computed once a quad; the diagonal serves both triangles. */
 
 #include "decoder.h"
-#include "mesh_cache.h"
+#include "mesh_corners.h"
 #include "ray.h"
 
 namespace embree
@@ -34,7 +34,7 @@ namespace embree
         __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
         {
           for (int k=0; k<3; k++)
-            for (int c=0; c<3; c++) vertices[k][c] = triangles.at[c][k][h];
+            for (int c=0; c<3; c++) vertices[k][c] = triangles.at[k][triangles.corners[c][h]];
         }
 
         __forceinline Sides sides (const VertRay& ray) const
@@ -136,15 +136,11 @@ namespace embree
         /*! Bits are lanes of a group of a mesh block. */
         __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles) : mask(0)
         {
+          const MeshCornersV corners(ray,triangles);
           for (uint32_t n=0; n<maxGroupTriangles && (triangles.lanes >> n) != 0; n+=vectorWidth)
           {
             vfloatV x[3], y[3];
-            for (int c=0; c<3; c++) {
-              const float (*at)[maxGroupTriangles] = triangles.at[c];
-              const vfloatV z = vfloatV::load(at[ray.kz]+n) - vfloatV(ray.org[ray.kz]);
-              x[c] = nmadd(vfloatV(ray.sx),z,vfloatV::load(at[ray.kx]+n) - vfloatV(ray.org[ray.kx]));
-              y[c] = nmadd(vfloatV(ray.sy),z,vfloatV::load(at[ray.ky]+n) - vfloatV(ray.org[ray.ky]));
-            }
+            corners.get(n,x,y);
             const vboolV inside = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
               edgeSide(x[0],y[0],x[1],y[1]));
             mask |= uint32_t(movemask(inside)) << n;
