@@ -4,6 +4,7 @@
 /* The codec alone, kernels/cvert, and Embree's library read each other's files. */
 
 #include "cvert/decoder/decoded_block.h"
+#include "cvert/decoder/decoded_mesh.h"
 #include "cvert/encoder/block_encoder.h"
 #include "cvert/encoder/motion_encoder.h"
 #include "cvert/file/file.h"
@@ -19,6 +20,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <set>
 
 namespace cbvh::test {
 namespace {
@@ -61,15 +63,27 @@ TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
     EXPECT_NO_THROW(file.verify());
     std::vector<const cvert::VertHeader*> blocks;
     bool hasFramed = false;
+    std::vector<const cvert::MeshHeader*> meshes;
     const cvert::Reason reason = cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
       if (type == cvert::FILE_FRAMED) hasFramed = true;
+      else if (type == cvert::FILE_MESH) meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
       else blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
     });
     EXPECT_EQ(reason.message(), "");
     if (!hasFramed) {
-      EXPECT_EQ(blocks.size(), file.geometry(0).numBlocks);
+      EXPECT_EQ(blocks.size() + meshes.size(), file.geometry(0).numBlocks);
       const std::vector<std::vector<Vertex>> parts = partsOf(geometry);
-      ASSERT_EQ(parts.size(), blocks.size());
+      if (meshes.empty()) { ASSERT_EQ(parts.size(), blocks.size()); }
+      std::set<Vertex> ofParts, ofMeshes; // primitives of mesh blocks are parts of four vertices
+      for (const auto& part : parts)
+        if (part.size() == 4) ofParts.insert(part.begin(), part.end());
+      for (const cvert::MeshHeader* block : meshes) {
+        const auto decoded = std::make_unique<cvert::DecodedMesh>(block);
+        for (uint32_t v = 0; v < decoded->numVertices; v++)
+          ofMeshes.insert({decoded->vertices[v][0], decoded->vertices[v][1], decoded->vertices[v][2]});
+        numBlocks++;
+      }
+      if (!meshes.empty()) { EXPECT_EQ(ofParts, ofMeshes); }
       std::vector<bool> isFound(parts.size());
       for (const cvert::VertHeader* block : blocks) {
         const auto decoded = std::make_unique<cvert::DecodedBlock>(block);
