@@ -66,7 +66,7 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          for (int line=1; line<24; line++) prefetchL1((const char*)block + 64*line);
+          for (int line=1; line<16; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           MeshDecoder(block).decode(slot);
         }

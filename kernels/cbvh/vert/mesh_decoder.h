@@ -54,29 +54,13 @@ namespace embree
           out.numVertices = locals;
           out.lanes = 0xFFFFFFFFu >> (32-count);
 
-          Strip strip;
-          uint32_t fresh = 3;
-          auto next = [&]() {
-            const uint32_t isNew = uint32_t(news) & 1, old = repeats.peek() & ((1u << repeatBits)-1);
-            news >>= 1;
-            const uint32_t v = isNew ? fresh : old;
-            fresh += isNew;
-            repeats.skip(repeatBits & (isNew-1));
-            return v;
-          };
-          set(out,0,strip.corners(uint32_t(turns) & 3));
-          for (uint32_t t=1; t<count; t++)
-          {
-            if (unlikely((restarts >> t) & 1)) {
-              strip.a = next();
-              strip.b = next();
-              strip.c = next();
-              strip.isFlipped = 0;
-            }
-            else strip.add(next(),(fans >> t) & 1);
-            turns >>= 2;
-            set(out,t,strip.corners(uint32_t(turns) & 3));
+#if defined(__AVX2__)
+          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
+            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,out.corners);
+            return;
           }
+#endif
+          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,out.corners);
         }
 
         /*! Returns the number of triangle t of group g (primitiveOfMesh). */
@@ -118,28 +102,131 @@ namespace embree
         /*! the last triangle of a strip; vertices are numbers in the group */
         struct Strip
         {
-          uint32_t a = 0, b = 1, c = 2, isFlipped = 0;
+          uint32_t a = 0, b = 1, c = 2;
+          bool isFlipped = false;
 
-          __forceinline void add (uint32_t vertex, uint32_t isFan)
+          void add (uint32_t vertex, bool isFan)
           {
-            a ^= (a ^ b) & (isFan-1); // without a branch, which a processor would not foresee
+            if (!isFan) a = b;
             b = c;
             c = vertex;
-            isFlipped ^= isFan ^ 1;
+            isFlipped ^= !isFan;
           }
 
           /*! Returns the corners in the order of the application, 8 bits each. */
-          __forceinline uint32_t corners (uint32_t turn) const
+          uint32_t corners (uint32_t turn) const
           {
-            const uint32_t swapped = (a ^ b) & (0-isFlipped);
-            const uint64_t v = (a ^ swapped) | (b ^ swapped) << 8 | c << 16;
+            const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
             return uint32_t((v | v << 24) >> (8*turn));
           }
         };
 
-        static __forceinline void set (MeshTriangles& out, uint32_t t, uint32_t corners) {
-          for (int c=0; c<3; c++) out.corners[c][t] = uint8_t(corners >> (8*c));
+        /*! Sets the corners of all triangles, one after the other. */
+        static void followStrips (uint32_t count, uint32_t restarts, uint32_t fans, uint64_t turns, uint64_t news, Bits repeats,
+                                  uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
+        {
+          Strip strip;
+          uint32_t fresh = 3;
+          auto next = [&]() {
+            const bool isNew = news & 1;
+            news >>= 1;
+            return isNew ? fresh++ : repeats.take(repeatBits);
+          };
+          for (uint32_t t=0; t<count; t++, turns>>=2)
+          {
+            if ((restarts >> t) & 1) {
+              strip.a = next();
+              strip.b = next();
+              strip.c = next();
+              strip.isFlipped = false;
+            }
+            else if (t > 0) strip.add(next(),(fans >> t) & 1);
+            const uint32_t v = strip.corners(uint32_t(turns) & 3);
+            for (int c=0; c<3; c++) corners[c][t] = uint8_t(v >> (8*c));
+          }
         }
+
+#if defined(__AVX2__)
+        /*! Bytes of ones where a bit is set, of 16. */
+        static __forceinline __m128i bytesOfBits (uint32_t bits)
+        {
+          const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi16(short(bits)),_mm_setr_epi8(0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1));
+          return _mm_cmpeq_epi8(_mm_and_si128(spread,each),each);
+        }
+
+        /*! sums up to each byte */
+        static __forceinline __m128i sumsOfBytes (__m128i x)
+        {
+          x = _mm_add_epi8(x,_mm_slli_si128(x,1));
+          x = _mm_add_epi8(x,_mm_slli_si128(x,2));
+          x = _mm_add_epi8(x,_mm_slli_si128(x,4));
+          return _mm_add_epi8(x,_mm_slli_si128(x,8));
+        }
+
+        /*! greatest up to each byte */
+        static __forceinline __m128i greatestOfBytes (__m128i x)
+        {
+          x = _mm_max_epu8(x,_mm_slli_si128(x,1));
+          x = _mm_max_epu8(x,_mm_slli_si128(x,2));
+          x = _mm_max_epu8(x,_mm_slli_si128(x,4));
+          return _mm_max_epu8(x,_mm_slli_si128(x,8));
+        }
+
+        /*! Sets the corners of up to 16 triangles, whose stream has up to 32 entries, of which up to 8 are not new, by the
+         *  rule "in parallel" of docs/formats/mesh_block.md. Bit 0 of restarts is set. news: of all entries; repeats: bits */
+        static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news, uint64_t repeats,
+                                                uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
+        {
+          const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
+
+          /* fields of entries that are not new, a byte each */
+          const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
+          const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
+          const __m256i first = _mm256_srlv_epi64(fields,shifts),
+            second = _mm256_srlv_epi64(fields,_mm256_add_epi64(shifts,_mm256_slli_epi64(b,2)));
+          const __m256i mask = _mm256_set1_epi32((1 << repeatBits)-1);
+          const __m256i pairs = _mm256_and_si256(_mm256_blend_epi32(first,_mm256_slli_epi64(second,32),0xAA),mask);
+          const __m256i packed = _mm256_shuffle_epi8(pairs,_mm256_setr_epi8(0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,
+            -1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
+          const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
+
+          /* the stream */
+          __m128i entries[2];
+          __m128i before = _mm_setzero_si128(); // new entries
+          for (int half=0; half<2; half++)
+          {
+            const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
+            const __m128i fresh = _mm_add_epi8(before,_mm_sub_epi8(sumsOfBytes(isOne),isOne));
+            const __m128i rank = _mm_sub_epi8(_mm_add_epi8(places,_mm_set1_epi8(char(16*half))),fresh);
+            entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(old,rank),fresh,isNew);
+            before = _mm_set1_epi8(char(__builtin_popcount(news & 0xFFFF)));
+          }
+          auto entryAt = [&](__m128i place) {
+            return _mm_blendv_epi8(_mm_shuffle_epi8(entries[0],place),_mm_shuffle_epi8(entries[1],place),
+              _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
+          };
+
+          /* triangles */
+          const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
+          const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
+          const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
+          const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one)); // neither a fan's nor a start
+          const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
+          const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
+          const __m128i a = entryAt(kept), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
+          const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
+
+          /* turns: two bits each */
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),_mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3));
+          const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
+          const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low), is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
+          auto turn = [&](__m128i x, __m128i y, __m128i z) { return _mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2); };
+          _mm_store_si128((__m128i*)corners[0],turn(p,q,r));
+          _mm_store_si128((__m128i*)corners[1],turn(q,r,p));
+          _mm_store_si128((__m128i*)corners[2],turn(r,p,q));
+        }
+#endif
 
         /*! bitsForBelow() */
         static __forceinline uint32_t bitsFor (uint32_t count) { return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1)); }
