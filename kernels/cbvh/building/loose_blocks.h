@@ -34,13 +34,14 @@ namespace embree
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
-        const cbvh::MeshClusters cutter(MeshWriter::groupTriangles);
+        const uint32_t group = MeshWriter::groupPrimitives(triangles.mesh);
+        const cbvh::MeshClusters cutter(group);
         std::vector<range<size_t>> parts;
         if (triangles.centers.size()) parts.push_back(range<size_t>(0,triangles.centers.size()));
         while (cut(cutter,parts)) progress(0.0);
-        const double perTriangle = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
+        const double perCenter = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
         parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
-            cbvh::MeshClusters clusters(MeshWriter::groupTriangles);
+            cbvh::MeshClusters clusters(group);
             for (size_t i=r.begin(); i!=r.end(); i++)
             {
               BlockStore store(device,&memory);
@@ -51,15 +52,15 @@ namespace embree
                 [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
               results.add(numGrids+i,0,0,store);
               results.add(statistics);
-              progress(perTriangle*double(parts[i].size()));
+              progress(perCenter*double(parts[i].size()));
             }
           });
         cbvh::BuildStatistics statistics;
         statistics.bytesInEmbree = triangles.bytesInEmbree();
         /* two triangles count as a quad */
-        const size_t quads = (triangles.centers.size()+1)/2;
+        const size_t quads = triangles.mesh.areOfQuads() ? triangles.centers.size() : (triangles.centers.size()+1)/2;
         statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numLooseQuads = quads;
-        statistics.sums.numInvalidQuads = (triangles.numInvalid+1)/2;
+        statistics.sums.numInvalidQuads = triangles.mesh.areOfQuads() ? triangles.numInvalid : (triangles.numInvalid+1)/2;
         statistics.sums.maxVertexSpacing = triangles.spacing();
         results.add(statistics);
       }

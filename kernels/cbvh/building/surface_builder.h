@@ -38,6 +38,9 @@ namespace embree
     /*! bytes that are reserved for each block: those of cLEAF with 16 x 16 quads, more than most blocks of cVERT take */
     static const size_t expectedBlockBytes = 928;
 
+    /*! The same for mesh blocks: about what those of 256 triangles take. */
+    static const size_t expectedMeshBlockBytes = 1664;
+
     template<typename Source>
     class BuilderOf final : public SurfaceBuilder
     {
@@ -61,7 +64,9 @@ namespace embree
       std::shared_ptr<const SurfaceBlocks> build (const Progress& progress) override
       {
         std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
-        blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*(sizeof(BVH4::AABBNode)/2 + expectedBlockBytes));
+        const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
+        blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*sizeof(BVH4::AABBNode)/2
+          + (estimatedBlocks-meshBlocks)*expectedBlockBytes + meshBlocks*expectedMeshBlockBytes);
         source.prepare(perTask,progress);
         if (loose) loose->prepare(bordersOf(source,0),progress);
         mvector<PrimRef> prims(device,0);

@@ -34,6 +34,9 @@ namespace embree
 
       bool areOfQuads () const { return perPrimitive == 2; }
 
+      /*! Number of the first triangle of a primitive (i = 0), or the second. */
+      uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
+
       /*! Sets pointers to the corners of a triangle, in the application's order. Returns false for a triangle that Embree
        *  leaves out with its primitive: an index is not a vertex, or a vertex is not finite. */
       bool corners (size_t triangle, const float* out[3]) const
@@ -105,8 +108,8 @@ namespace embree
       {
         this->borders = borders;
         lattice.reset(new cbvh::MeshLattice(chooseExponent()));
-        cbvh::resizeToFit(centers,numTriangles());
-        const size_t tasks = (numTriangles()+perTask-1)/perTask;
+        cbvh::resizeToFit(centers,numPrimitives());
+        const size_t tasks = (numPrimitives()+perTask-1)/perTask;
         std::vector<Found> found(tasks);
         parallel_for(size_t(0),tasks,size_t(1),[&](const range<size_t>& r) {
             for (size_t task=r.begin(); task!=r.end(); task++) find(task,found[task]);
@@ -146,23 +149,31 @@ namespace embree
         return farthest;
       }
 
-      void bound (uint32_t triangle, float lower[3], float upper[3]) const
+      /*! True if a triangle has no area: no ray hits it. */
+      bool isDegenerate (uint32_t triangle) const
       {
         const float* p[3];
         mesh.corners(triangle,p);
+        return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
+      }
+
+      void bound (uint32_t primitive, float lower[3], float upper[3]) const
+      {
+        const float* p[6];
+        for (uint32_t i=0; i<mesh.perPrimitive; i++) mesh.corners(mesh.triangleOf(primitive,i),p+3*i);
         for (int k=0; k<3; k++) {
-          lower[k] = min(min(p[0][k],p[1][k]),p[2][k]);
-          upper[k] = max(max(p[0][k],p[1][k]),p[2][k]);
+          lower[k] = upper[k] = p[0][k];
+          for (uint32_t i=1; i<3*mesh.perPrimitive; i++) { lower[k] = min(lower[k],p[i][k]); upper[k] = max(upper[k],p[i][k]); }
         }
       }
 
       float spacing () const { return spacingOfLattice; }
 
       const TrianglesOfMesh mesh;
-      size_t numInvalid = 0;               //!< triangles that are left out because of their indices or vertices
+      size_t numInvalid = 0;               //!< primitives that are left out because of their indices or vertices
 
     private:
-      static const size_t perTask = 1 << 14, sampledTriangles = 1 << 16;
+      static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
 
       /*! of a task */
       struct Found
@@ -171,20 +182,16 @@ namespace embree
         std::vector<uint32_t> fragile;     //!< that the lattice may turn over
       };
 
-      uint32_t numberOf (size_t i) const
-      {
-        const size_t shift = mesh.perPrimitive-1, primitive = i >> shift;
-        return uint32_t((primitives ? (*primitives)[primitive] : primitive) << shift | (i & shift));
-      }
+      uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
 
       int chooseExponent ()
       {
         LatticeChoice choice(cbvh::spacingOfMeshEdge);
-        const size_t step = max(numTriangles()/sampledTriangles,size_t(1));
-        for (size_t i=0; i<numTriangles(); i+=step)
+        const size_t step = max(numPrimitives()/sampledPrimitives,size_t(1));
+        for (size_t i=0; i<numPrimitives(); i+=step)
         {
           const float* p[3];
-          if (!mesh.corners(numberOf(i),p)) continue;
+          if (!mesh.corners(mesh.triangleOf(primitiveAt(i),0),p)) continue;
           float line[4][3];
           for (int c=0; c<4; c++) memcpy(line[c],p[c % 3],sizeof(line[c]));
           choice.addLine(true,line,4);
@@ -196,21 +203,29 @@ namespace embree
 
       void find (size_t task, Found& out)
       {
-        const size_t begin = task*perTask, end = min(begin+perTask,numTriangles());
+        const size_t begin = task*perTask, end = min(begin+perTask,numPrimitives());
         for (size_t i=begin; i<end; i++)
         {
-          const uint32_t triangle = numberOf(i);
-          const float* p[3];
-          if (!mesh.corners(triangle,p)) { out.numInvalid++; continue; }
-          if (!lattice->isRobust(p[0],p[1],p[2])) {
-            if (cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2])) continue; // no ray hits it
-            out.fragile.push_back(triangle);
+          const uint32_t primitive = primitiveAt(i);
+          bool isValid = true, canBeHit = false;
+          for (uint32_t k=0; k<mesh.perPrimitive && isValid; k++)
+          {
+            const uint32_t triangle = mesh.triangleOf(primitive,k);
+            const float* p[3];
+            isValid = mesh.corners(triangle,p);
+            if (!isValid) continue;
+            const bool isRobust = lattice->isRobust(p[0],p[1],p[2]);
+            if (!isRobust && cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2])) continue;
+            canBeHit = true;
+            if (!isRobust) out.fragile.push_back(triangle);
           }
+          if (!isValid) out.numInvalid++;
+          if (!isValid || !canBeHit) continue;
           cbvh::MeshCenter& center = centers[begin+out.count++];
           float lower[3], upper[3];
-          bound(triangle,lower,upper);
+          bound(primitive,lower,upper);
           for (int k=0; k<3; k++) center.at[k] = 0.5f*(lower[k]+upper[k]);
-          center.index = triangle;
+          center.index = primitive;
         }
       }
 
@@ -239,7 +254,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      mvector<cbvh::MeshCenter> centers;   //!< of the triangles that can be hit; prepare() fills them, users reorder them
+      mvector<cbvh::MeshCenter> centers;   //!< of the primitives that can be hit; prepare() fills them, users reorder them
     };
   }
 }

@@ -22,20 +22,26 @@ namespace embree
       MeshWriter (const LooseTriangles& from, uint32_t surface, BlockStore& store, cbvh::BuildStatistics& statistics)
         : from(from), surface(surface), store(store), statistics(statistics) {}
 
+      /*! Primitives of a full group. */
+      static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
+
       /*! Writes a cluster of MeshClusters. The caller must flush the store after the last. */
       void write (const cbvh::MeshCenter* cluster, uint32_t count)
       {
         double moved = 0;
         uint32_t n = 0;
-        for (uint32_t i=0; i<count; i++) {
-          moved = max(moved,from.store(cluster[i].index,triangles[n].corners));
-          triangles[n].number = cluster[i].index;
-          n += hasThreeCorners(triangles[n]); // the lattice of a grid may be too coarse for a triangle next to it
-        }
+        for (uint32_t i=0; i<count; i++)
+          for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
+            cbvh::MeshTriangle& triangle = triangles[n];
+            triangle.number = from.mesh.triangleOf(cluster[i].index,k);
+            if (from.mesh.areOfQuads() && from.isDegenerate(triangle.number)) continue; // half of a quad
+            moved = max(moved,from.store(triangle.number,triangle.corners));
+            n += hasThreeCorners(triangle); // the lattice of a grid may be too coarse for a triangle next to it
+          }
         statistics.addDeviation(moved);
         if (n == 0) return;
         cbvh::MeshStatistics ofBlocks;
-        encoder.encodeCluster(triangles,n,groupTriangles,surface,block,ofBlocks,
+        encoder.encodeCluster(triangles,n,groupTriangles,from.mesh.areOfQuads(),surface,block,ofBlocks,
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
         store.flushIfFull();
       }
@@ -73,7 +79,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one more may be left out again
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

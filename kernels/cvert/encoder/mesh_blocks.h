@@ -114,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
         for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[index][c]],triangles[i].corners[c]);
         triangles[i].number = index;
       }
-      encoder->encodeCluster(triangles,count,settings.groupTriangles,settings.surface,block,statistics,
+      encoder->encodeCluster(triangles,count,settings.groupTriangles,false,settings.surface,block,statistics,
         [&](size_t, uint32_t, uint32_t) { onBlock((const MeshHeader*)block); });
     }
 

@@ -58,10 +58,11 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Encodes a cluster of MeshClusters, whose groups have groupTriangles each. Calls onBlock(bytes,first,count) for each
-     *  block: one, or several if a group must be stored as two. first, count: its triangles. block: as for encode() */
+     *  block: one, or several if a group must be stored as two. first, count: its triangles. areOfQuads: a block has both
+     *  triangles of a quad, which follow each other. block: as for encode() */
     template<typename OnBlock>
-    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, uint32_t surface,
-      uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
+    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areOfQuads,
+      uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
     {
       uint32_t stored;
       for (uint32_t first=0; first<count; first+=stored)
@@ -71,7 +72,14 @@ namespace cvert { inline namespace CVERT_ISA
           ends[groups++] = std::min(end,count)-first;
           if (end >= count) break;
         }
-        const size_t bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        const MeshStatistics before = statistics;
+        size_t bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        const uint32_t next = first+stored;
+        if (areOfQuads && next < count && triangles[next].number == (triangles[next-1].number | 1)) {
+          for (uint32_t g=0; g<groups; g++) ends[g] = std::min(ends[g],stored-1);
+          statistics = before;
+          bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        }
         onBlock(bytes,first,stored);
       }
     }
