@@ -7,9 +7,12 @@
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cbvh/vert/mesh_decoder.h"
+#include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -108,6 +111,46 @@ TEST(MeshDecoding, GroupsEqualTheScalarDecoder)
   EXPECT_GT(statistics.rankAxes, 100u);
   EXPECT_GT(statistics.shearedBlocks, 100u);
   EXPECT_GT(statistics.restarts, 100u);
+}
+
+// Triangles of any vertices, and rays through a vertex, or the middle of two: what contains the ray is found.
+TEST(MeshTriangles, WhatHasTheRayInItIsFound)
+{
+  using namespace embree::isa::cbvh;
+  using embree::Vec3fa;
+  Random random(97);
+  size_t found = 0, onEdges = 0;
+  for (int i = 0; i < 4000; i++) {
+    MeshTriangles group;
+    std::memset((void*)&group, random.below(256), sizeof(group));
+    group.numVertices = 3 + random.below(29);
+    const uint32_t count = 1 + random.below(32);
+    group.lanes = 0xFFFFFFFFu >> (32 - count);
+    for (auto& axis : group.at)
+      for (uint32_t v = 0; v < group.numVertices; v++) axis[v] = float(random.below(i % 2 ? 9 : 4096))/128;
+    for (auto& corner : group.corners)
+      for (uint32_t t = 0; t < count; t++) corner[t] = uint8_t(random.below(group.numVertices));
+    const uint32_t a = random.below(group.numVertices), b = random.below(group.numVertices);
+    float org[3], dir[3];
+    for (int k = 0; k < 3; k++) {
+      org[k] = float(random.below(64))/64 - (k == 2 ? 4 : 0);
+      dir[k] = 0.5f*(group.at[k][a] + group.at[k][b]) - org[k];
+    }
+    VertRay ray;
+    ray.set(embree::Ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY));
+    const GroupTriangles triangles(ray, group);
+    ASSERT_EQ(triangles.mask & ~group.lanes, 0u);
+    for (uint32_t t = 0; t < count; t++) {
+      const VertTriangle triangle(group, t);
+      const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(triangle.sides(ray));
+      if (isInside) { ASSERT_TRUE(triangles.mask >> t & 1) << "case " << i << ", triangle " << t; }
+      else { ASSERT_FALSE((triangles.mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
+      found += isInside;
+      onEdges += isInside && !isCertain;
+    }
+  }
+  EXPECT_GT(found, 5000u);
+  EXPECT_GT(onEdges, 1000u);
 }
 
 } // namespace

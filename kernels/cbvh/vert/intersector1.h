@@ -31,7 +31,7 @@ namespace embree
       };
 
       /*! Returns the lanes of groups whose boxes a ray meets between tnear and tfar. enter: where it enters them */
-      __forceinline uint32_t meetBoxes (const VertRay& vertRay, float tnear, float tfar, const GroupBoxes& boxes, float enter[16])
+      __forceinline uint32_t meetGroupBoxes (const VertRay& vertRay, float tnear, float tfar, const GroupBoxes& boxes, float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
         vfloatV tNear[vectors], tFar[vectors];
@@ -106,7 +106,7 @@ namespace embree
             if (!cached.isUsable() || !cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
-          uint32_t open = meetBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
+          uint32_t open = meetGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
           VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,cached);
           bool found = false;
           while (open)

@@ -78,6 +78,22 @@ namespace embree
         const MeshTriangles& triangles;
         vfloatV x[vectors], y[vectors];
       };
+
+      /*! Returns the lanes of triangles that a ray's line goes through, or may go through, as GroupTriangles does. */
+      __forceinline uint32_t trianglesAround (const VertRay& ray, const MeshTriangles& triangles)
+      {
+        const MeshCornersV corners(ray,triangles);
+        uint32_t mask = 0;
+        for (uint32_t n=0; n<maxGroupTriangles && (triangles.lanes >> n) != 0; n+=vectorWidth)
+        {
+          vfloatV x[3], y[3];
+          corners.get(n,x,y);
+          const vboolV inside = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
+            edgeSide(x[0],y[0],x[1],y[1]));
+          mask |= uint32_t(movemask(inside)) << n;
+        }
+        return mask & triangles.lanes;
+      }
     }
   }
 }

@@ -41,7 +41,7 @@ namespace embree
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
           ray.largest = vertRays.largest[k];
           alignas(64) float enter[16];
-          uint32_t open = meetBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
+          uint32_t open = meetGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
           typedef VertTargetK<K,Rays> Target;
           VertHits<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
           bool found = false;

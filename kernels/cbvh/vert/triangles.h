@@ -134,19 +134,8 @@ namespace embree
         }
 
         /*! Bits are lanes of a group of a mesh block. */
-        __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles) : mask(0)
-        {
-          const MeshCornersV corners(ray,triangles);
-          for (uint32_t n=0; n<maxGroupTriangles && (triangles.lanes >> n) != 0; n+=vectorWidth)
-          {
-            vfloatV x[3], y[3];
-            corners.get(n,x,y);
-            const vboolV inside = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
-              edgeSide(x[0],y[0],x[1],y[1]));
-            mask |= uint32_t(movemask(inside)) << n;
-          }
-          mask &= triangles.lanes;
-        }
+        __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles)
+          : mask(trianglesAround(ray,triangles)) {}
 
       private:
         /*! bits of quads to every second bit */
