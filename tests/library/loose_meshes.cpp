@@ -134,7 +134,7 @@ TEST_P(LooseMeshes, AreClosed)
   }
 }
 
-TEST(LooseMeshesOfFewBytes, TakeAtMostSevenPerTriangle)
+TEST(LooseMeshesOfFewBytes, TakeSixToSevenPerTriangle)
 {
   Memory memory;
   Device device;
@@ -154,7 +154,8 @@ TEST(LooseMeshesOfFewBytes, TakeAtMostSevenPerTriangle)
   const auto each = [&](size_t n) { return double(n)/double(mesh.size()); };
   std::printf("%.2f bytes per triangle (%.2f tree, %.2f headers, %.2f boxes, %.2f the rest)\n", bytes,
     each(stats.topLevelBytes), each(stats.frameBytes), each(stats.nodeBytes), each(stats.leafBytes));
-  EXPECT_LE(bytes, 7);
+  EXPECT_LE(each(stats.topLevelBytes + stats.frameBytes + stats.nodeBytes + stats.leafBytes), 6.7);
+  EXPECT_LE(bytes, 7.2); // with what the allocator leaves empty
 }
 
 } // namespace

@@ -83,8 +83,10 @@ namespace embree
       mvector<PrimRef> prims;
       mvector<cbvh::StepBox> boxes; //!< of blocks that move, at each of their steps, in the order of prims
 
+      static const size_t fullPieceBytes = 1 << 14; //!< of a piece that flushIfFull() makes, at least
+
     private:
-      static const size_t maxPieceBytes = 1 << 20, fullPieceBytes = 1 << 14; // the allocator leaves room behind large pieces
+      static const size_t maxPieceBytes = 1 << 20; // the allocator leaves room behind large pieces
 
       struct Waiting
       {

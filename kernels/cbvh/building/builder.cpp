@@ -265,7 +265,7 @@ namespace embree
                     << MAX_PATCH_VALENCE << " corners, or a vertex has more than " << MAX_RING_FACE_VALENCE << " faces, which Embree's subdivision does not support" << std::endl;
         if (total.sums.numMeshQuads)
           std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
-                    << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
+                    << total.sums.numLooseQuads << " are stored in mesh blocks, or in grids of fewer than " << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cerr << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
       }

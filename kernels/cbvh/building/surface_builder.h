@@ -65,8 +65,12 @@ namespace embree
       {
         std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
         const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
-        blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*sizeof(BVH4::AABBNode)/2
-          + (estimatedBlocks-meshBlocks)*expectedBlockBytes + meshBlocks*expectedMeshBlockBytes);
+        size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
+          + meshBlocks*expectedMeshBlockBytes;
+        /* Embree's allocator takes a twentieth of this at a time. Unless that is many pieces of a store, it should be less
+         * than one, as a rest that is smaller than a piece stays empty. */
+        if (meshBlocks && bytes < size_t(3) << 20) bytes = min(bytes,size_t(20)*BlockStore::fullPieceBytes);
+        blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
         if (loose) loose->prepare(bordersOf(source,0),progress);
         mvector<PrimRef> prims(device,0);

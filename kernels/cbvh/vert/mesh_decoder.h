@@ -277,7 +277,6 @@ namespace embree
             const bool sheared = isSheared() && uint32_t(k) == meshShearedAxis(block->form);
             const vfloatV spacing(meshSpacing(block->spacings,uint32_t(k))), origin(sheared ? 0.0f : block->origin[k]),
               rounding(sheared ? 0.5f : 0.0f);
-            vfloatV highest(zero);
             for (int n=0; n<16; n+=vectorWidth)
             {
               const vintV lower = loadBytes(bytes + uint32_t(k)*groups + n) << int(shift),
@@ -286,9 +285,8 @@ namespace embree
               const vfloatV begin(lower), end(upper);
               vfloatV::store(out.planes[k].at[0]+n,origin + (begin-rounding)*spacing);
               vfloatV::store(out.planes[k].at[1]+n,origin + end*spacing);
-              highest = max(highest,select(vintV(n)+vintV(step) < vintV(int(groups)),end,vfloatV(zero)));
             }
-            reach[k] = reduce_max(highest);
+            reach[k] = float(256u << shift); // L + E + 1 is at most 256
             out.extent[k] = reach[k]*meshSpacing(block->spacings,uint32_t(k));
           }
           if (likely(!isSheared())) return;
