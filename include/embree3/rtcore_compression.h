@@ -9,9 +9,9 @@
  * tessellated, compressed and dropped when its scene is committed, and traced
  * straight from the compressed form. So is what the application has diced, as cVERT, whatever kind
  * is asked for, with the same triangles and parameters as Embree's, of vertices that lie on a lattice:
- * grids (RTC_GEOMETRY_TYPE_GRID), and meshes of quads (RTC_GEOMETRY_TYPE_QUAD) and of triangles of which each two that follow
- * each other make a quad (RTC_GEOMETRY_TYPE_TRIANGLE), in which grids are found by their indices. Geometry of these types
- * that would gain nothing is left to Embree's own kernels. Which representation a geometry gets is
+ * grids (RTC_GEOMETRY_TYPE_GRID), and meshes of quads (RTC_GEOMETRY_TYPE_QUAD) and of triangles (RTC_GEOMETRY_TYPE_TRIANGLE),
+ * in which grids are found by their indices. Quads and triangles that lie in no grid are stored in mesh blocks, if the mesh
+ * does not move. Geometry of these types that would gain nothing is left to Embree's own kernels. Which representation a geometry gets is
  * decided by, in this order: rtcSetGeometryCompression, the device string
  * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
  * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT; "1,triangles=0" leaves
@@ -212,7 +212,8 @@ struct RTCCompressionStatistics
   size_t numExactQuads;         // cLEAF: quads of faces that are stored as cVERT, see RTCCompressionArguments::exactFaces
   size_t numFlippedQuads;       // quads whose normal, as it is traced, is turned by more than 90 degrees from that of
                                 // their vertices
-  size_t numMeshQuads;          // quads of quad meshes, and pairs of triangles, in blocks; of them
+  size_t numMeshQuads;          // quads of quad meshes, and pairs of triangles, in blocks (two triangles of mesh
+                                // blocks count as a pair); of them
   size_t numLooseQuads;         // those in none of the meshes' grids of 4 x 4 quads and more
   size_t numMovingQuads;        // quads with several time steps
   size_t motionBytes;           // of leafBytes: all their time steps but the first

@@ -102,7 +102,7 @@ FUNCTIONS = (
     Entry("CellDecoder", 4, DECODING),
     Entry("VertDecoder", 7, DECODING),
     Entry("MeshDecoder", 7, MESH_DECODING),
-    Entry("trianglesAround", 2, MESH_DECODING),
+    Entry("trianglesAround", 2, MESH_DECODING, {"y [ [3 => 4] ]": "an element more, which nothing reads"}),
     Entry("setWindows", 2, DECODING),
     Entry("::isInside", 2, TRIANGLES, {
         "isInside, word": "what is found beside the ray is left out by its own sides",

@@ -33,7 +33,7 @@ namespace embree
     bool hasBlocks (Geometry* geometry);
 
     /*! Returns why a geometry that asks for compression was left to Embree's kernels by its last commit, as the end of
-     *  a sentence: "do not lie in grids". Null if it was not, or if it has no primitives. The text is of static
+     *  a sentence: "are too few to matter". Null if it was not, or if it has no primitives. The text is of static
      *  storage. */
     const char* whyNotCompressed (Geometry* geometry);
 
