@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of mesh blocks against the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all groups,
- * to the last bit, and boxes that contain the triangles. Compiled once for every ISA, outside of the library. */
+/* The traversal's decoder of mesh blocks against the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all
+ * groups, to the last bit, and boxes that contain the triangles. Compiled once for every ISA, outside of the library.
+ * */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"

@@ -42,7 +42,8 @@ std::vector<Shape> shapes(Random& random)
   }
   const DicedMesh fine = meshOf(dicedSheet(1, 80, lattice), QuadOrder::Rows, random);
   return {{"a sheet of triangles with irregular stripes", partlyIrregular(fine, random, true)},
-    {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)}, {"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
+    {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)},
+    {"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
     {"a ball of triangles", irregularTriangles(ball, random)}, {"a ball of quads", irregularQuads(ball, random)},
     {"a heap of triangles", heap}};
 }
@@ -140,8 +141,8 @@ TEST(LooseMeshesOfFewBytes, TakeSixToSevenPerTriangle)
   Device device;
   rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
   Random random(154);
-  const DicedMesh mesh = irregularTriangles(jittered(meshOf(dicedSheet(1, 200), QuadOrder::Rows, random), random, 0.002), random,
-    false);
+  const DicedMesh quads = jittered(meshOf(dicedSheet(1, 200), QuadOrder::Rows, random), random, 0.002),
+    mesh = irregularTriangles(quads, random, false);
   Scene scene(device);
   const ssize_t empty = memory.live;
   RTCGeometry input = newMesh(device, mesh, RTC_COMPRESSION_NONE);

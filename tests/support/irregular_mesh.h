@@ -17,7 +17,8 @@ inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool 
   for (const auto& q : mesh.quads) {
     const unsigned d = random.below(2);
     for (unsigned half : {0u, 2u}) {
-      const unsigned corners[] = {q[(d + half) % 4], q[(d + half + 1) % 4], q[(d + half + 2) % 4]}, turn = random.below(3);
+      const unsigned corners[] = {q[(d + half) % 4], q[(d + half + 1) % 4], q[(d + half + 2) % 4]};
+      const unsigned turn = random.below(3);
       out.triangles.push_back({corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]});
     }
   }

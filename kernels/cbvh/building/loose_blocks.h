@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Builds the mesh blocks of the triangles of a mesh that lie in no grid. Triangles are cut into parts of some clusters by all
- * threads, and each part is clustered and encoded by one task. */
+/* Builds the mesh blocks of the triangles of a mesh that lie in no grid. Triangles are cut into parts of some
+ * clusters by all threads, and each part is clustered and encoded by one task. */
 
 #include "../surface/mesh_parts.h"
 #include "../vert/mesh_writer.h"
@@ -18,19 +18,25 @@ namespace embree
     {
     public:
       /*! parts: of the mesh; they have loose primitives. plan outlives this. */
-      LooseBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts, const CompressionPlan& plan,
-                   Device* device)
-        : device(device), plan(plan), parts(parts), triangles(mesh,parts->areAllLoose ? nullptr : &parts->loose,plan,device) {}
+      LooseBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
+                   const CompressionPlan& plan, Device* device)
+        : device(device), plan(plan), parts(parts),
+          triangles(mesh,parts->areAllLoose ? nullptr : &parts->loose,plan,device) {}
 
       size_t numPrimitives () const { return triangles.numPrimitives(); }
-      size_t estimateBlocks () const { return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles; }
+      size_t estimateBlocks () const {
+        return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles;
+      }
 
       /*! borders: of the geometry's grids, or null; must exist until release() */
       template<typename Progress>
-      void prepare (const StoredBorders* borders, const Progress& progress) { triangles.prepare(borders,[&] { progress(0.0); }); }
+      void prepare (const StoredBorders* borders, const Progress& progress) {
+        triangles.prepare(borders,[&] { progress(0.0); });
+      }
       void release () { triangles.release(); }
 
-      /*! Adds the blocks and their statistics to the results, after all primitives of grids. numGrids: of the geometry */
+      /*! Adds the blocks and their statistics to the results, after all primitives of grids. numGrids: of the
+       *  geometry */
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
@@ -46,7 +52,8 @@ namespace embree
             {
               BlockStore store(device,&memory);
               cbvh::BuildStatistics statistics;
-              const std::unique_ptr<MeshWriter> writer(new MeshWriter(triangles,plan.surface,store,statistics)); // large
+              /* not on the stack: it is large */
+              const std::unique_ptr<MeshWriter> writer(new MeshWriter(triangles,plan.surface,store,statistics));
               clusters.cut(triangles.centers.data()+parts[i].begin(),parts[i].size(),
                 [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
                 [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
@@ -58,9 +65,10 @@ namespace embree
         cbvh::BuildStatistics statistics;
         statistics.bytesInEmbree = triangles.bytesInEmbree();
         /* two triangles count as a quad */
-        const size_t quads = triangles.mesh.areOfQuads() ? triangles.centers.size() : (triangles.centers.size()+1)/2;
+        const bool areQuads = triangles.mesh.areOfQuads();
+        const size_t quads = areQuads ? triangles.centers.size() : (triangles.centers.size()+1)/2;
         statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numLooseQuads = quads;
-        statistics.sums.numInvalidQuads = triangles.mesh.areOfQuads() ? triangles.numInvalid : (triangles.numInvalid+1)/2;
+        statistics.sums.numInvalidQuads = areQuads ? triangles.numInvalid : (triangles.numInvalid+1)/2;
         statistics.sums.maxVertexSpacing = triangles.spacing();
         results.add(statistics);
       }

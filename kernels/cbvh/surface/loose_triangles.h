@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The triangles of a mesh that lie in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All have one lattice;
- * its exceptions are found before a block is encoded, so that blocks agree about the vertices that they share. */
+/* The triangles of a mesh that lie in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All have one
+ * lattice; its exceptions are found before a block is encoded, so that blocks agree about the vertices that they
+ * share. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -18,7 +19,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! The triangles of a mesh, by number. A quad has two, as Embree cuts it, with the numbers 2 primID and 2 primID + 1. */
+    /*! The triangles of a mesh, by number. A quad has two, as Embree cuts it, with the numbers 2 primID and 2 primID
+     *  + 1. */
     class TrianglesOfMesh
     {
     public:
@@ -37,8 +39,8 @@ namespace embree
       /*! Number of the first triangle of a primitive (i = 0), or the second. */
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
 
-      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false for a triangle that Embree
-       *  leaves out with its primitive: an index is not a vertex, or a vertex is not finite. */
+      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false for a triangle that
+       *  Embree leaves out with its primitive: an index is not a vertex, or a vertex is not finite. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned numbers[3];
@@ -100,9 +102,9 @@ namespace embree
         return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
       }
 
-      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's grids,
-       *  null if there are none; must exist until release(). Calls progress() now and then, which may cancel by an
-       *  exception. */
+      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's
+       *  grids, null if there are none; must exist until release(). Calls progress() now and then, which may cancel
+       *  by an exception. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
@@ -131,8 +133,8 @@ namespace embree
         lattice.reset();
       }
 
-      /*! Stored corners of a triangle: those on borders of grids as the grids store them. Returns the square of how far the
-       *  farthest of them moved. */
+      /*! Stored corners of a triangle: those on borders of grids as the grids store them. Returns the square of how
+       *  far the farthest of them moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -163,7 +165,10 @@ namespace embree
         for (uint32_t i=0; i<mesh.perPrimitive; i++) mesh.corners(mesh.triangleOf(primitive,i),p+3*i);
         for (int k=0; k<3; k++) {
           lower[k] = upper[k] = p[0][k];
-          for (uint32_t i=1; i<3*mesh.perPrimitive; i++) { lower[k] = min(lower[k],p[i][k]); upper[k] = max(upper[k],p[i][k]); }
+          for (uint32_t i=1; i<3*mesh.perPrimitive; i++) {
+            lower[k] = min(lower[k],p[i][k]);
+            upper[k] = max(upper[k],p[i][k]);
+          }
         }
       }
 
@@ -254,7 +259,8 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      mvector<cbvh::MeshCenter> centers;   //!< of the primitives that can be hit; prepare() fills them, users reorder them
+      /*! Of the primitives that can be hit. prepare() fills them, and users reorder them. */
+      mvector<cbvh::MeshCenter> centers;
     };
   }
 }

@@ -16,7 +16,9 @@ namespace embree
       return bytesOfGridBlocks(region.width,region.height,true);
     }
 
-    void addPrimitives (const QuadsOfMesh& quads, unsigned quad, mvector<unsigned>& out) { out.push_back(quads.number(quad)); }
+    void addPrimitives (const QuadsOfMesh& quads, unsigned quad, mvector<unsigned>& out) {
+      out.push_back(quads.number(quad));
+    }
 
     void addPrimitives (const PairsOfMesh& pairs, unsigned pair, mvector<unsigned>& out)
     {
@@ -68,7 +70,9 @@ namespace embree
     }
   }
 
-  std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh) { return findPartsOf(mesh,bytesOfQuadInEmbree(1)); }
+  std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh) {
+    return findPartsOf(mesh,bytesOfQuadInEmbree(1));
+  }
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh) {
     return findPartsOf(mesh,bytesOfTriangleInEmbree(1));
   }

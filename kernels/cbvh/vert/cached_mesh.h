@@ -19,7 +19,7 @@ namespace embree
     namespace cbvh
     {
       static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface)
-                    && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),"a mesh block is named as other blocks are");
+                    && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),"named as other blocks are");
 
       class CachedMeshBlock
       {
@@ -50,8 +50,8 @@ namespace embree
           return at;
         }
 
-        /*! Returns the primitive of triangle t of group g, and the parameters of a place with the weights w1 and w2 of its
-         *  second and third corner: as in Embree's kernels. */
+        /*! Returns the primitive of triangle t of group g, and the parameters of a place with the weights w1 and w2
+         *  of its second and third corner: as in Embree's kernels. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
         {
           const uint32_t number = MeshDecoder(block).number(boxes(),g,t);

@@ -22,7 +22,8 @@ namespace embree
       alignas(16) uint16_t vertices[16];    //!< first bit of the fields of its vertices, from the section's
       alignas(16) uint16_t numbers[16];     //!< first bit of its primitive numbers, from the section's
       alignas(16) uint16_t firstVertex[16]; //!< number in the block; above 0x7000 in lanes without a group
-      alignas(16) uint32_t fieldBits[16];   //!< of a vertex that belongs to it: bits 0..7: x, 8..15: y, 16..23: z; 24..31: all
+      /*! Bits of a vertex that belongs to it, in bits 0..7: x, 8..15: y, 16..23: z, 24..31: all. */
+      alignas(16) uint32_t fieldBits[16];
       alignas(64) uint32_t lower[3][16];    //!< coordinates that its fields count from, by axis
     };
 

@@ -89,7 +89,8 @@ namespace embree
 #endif
 
         /*! the vertices from n on */
-        static __forceinline void shear (const VertRay& ray, const MeshTriangles& triangles, uint32_t n, vfloatV& x, vfloatV& y)
+        static __forceinline void shear (const VertRay& ray, const MeshTriangles& triangles, uint32_t n, vfloatV& x,
+                                           vfloatV& y)
         {
           const vfloatV z = vfloatV::load(triangles.at[ray.kz]+n) - vfloatV(ray.org[ray.kz]);
           x = nmadd(vfloatV(ray.sx),z,vfloatV::load(triangles.at[ray.kx]+n) - vfloatV(ray.org[ray.kx]));

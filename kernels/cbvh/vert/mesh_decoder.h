@@ -56,7 +56,8 @@ namespace embree
 
 #if defined(__AVX2__)
           if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
-            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,out.corners);
+            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
+              out.corners);
             return;
           }
 #endif
@@ -122,8 +123,8 @@ namespace embree
         };
 
         /*! Sets the corners of all triangles, one after the other. */
-        static void followStrips (uint32_t count, uint32_t restarts, uint32_t fans, uint64_t turns, uint64_t news, Bits repeats,
-                                  uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
+        static void followStrips (uint32_t count, uint32_t restarts, uint32_t fans, uint64_t turns, uint64_t news,
+                                  Bits repeats, uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
         {
           Strip strip;
           uint32_t fresh = 3;
@@ -151,7 +152,8 @@ namespace embree
         static __forceinline __m128i bytesOfBits (uint32_t bits)
         {
           const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
-          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi16(short(bits)),_mm_setr_epi8(0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1));
+          const __m128i places = _mm_setr_epi8(0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi16(short(bits)),places);
           return _mm_cmpeq_epi8(_mm_and_si128(spread,each),each);
         }
 
@@ -173,10 +175,12 @@ namespace embree
           return _mm_max_epu8(x,_mm_slli_si128(x,8));
         }
 
-        /*! Sets the corners of up to 16 triangles, whose stream has up to 32 entries, of which up to 8 are not new, by the
-         *  rule "in parallel" of docs/formats/mesh_block.md. Bit 0 of restarts is set. news: of all entries; repeats: bits */
-        static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news, uint64_t repeats,
-                                                uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
+        /*! Sets the corners of up to 16 triangles, whose stream has up to 32 entries, of which up to 8 are not new,
+         *  by the rule "in parallel" of docs/formats/mesh_block.md. Bit 0 of restarts is set. news: of all entries;
+         *  repeats: bits */
+        static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
+                                                uint64_t repeats, uint32_t repeatBits,
+                                                uint8_t (*corners)[maxGroupTriangles])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
@@ -187,8 +191,8 @@ namespace embree
             second = _mm256_srlv_epi64(fields,_mm256_add_epi64(shifts,_mm256_slli_epi64(b,2)));
           const __m256i mask = _mm256_set1_epi32((1 << repeatBits)-1);
           const __m256i pairs = _mm256_and_si256(_mm256_blend_epi32(first,_mm256_slli_epi64(second,32),0xAA),mask);
-          const __m256i packed = _mm256_shuffle_epi8(pairs,_mm256_setr_epi8(0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,
-            -1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
+          const __m256i packed = _mm256_shuffle_epi8(pairs,_mm256_setr_epi8(
+            0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
           const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
           /* the stream */
@@ -211,16 +215,19 @@ namespace embree
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
           const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
           const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
-          const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one)); // neither a fan's nor a start
+          /* neither a fan's nor a start */
+          const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
           const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
           const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
           const __m128i a = entryAt(kept), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
           const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
 
           /* turns: two bits each */
-          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),_mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3));
+          const __m128i quarters = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),quarters);
           const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
-          const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low), is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
+          const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low),
+            is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
           auto turn = [&](__m128i x, __m128i y, __m128i z) { return _mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2); };
           _mm_store_si128((__m128i*)corners[0],turn(p,q,r));
           _mm_store_si128((__m128i*)corners[1],turn(q,r,p));
@@ -229,15 +236,17 @@ namespace embree
 #endif
 
         /*! bitsForBelow() */
-        static __forceinline uint32_t bitsFor (uint32_t count) { return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1)); }
+        static __forceinline uint32_t bitsFor (uint32_t count) {
+          return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1));
+        }
 
         __forceinline bool isSheared () const { return (block->form & 0x03FF0000u) != 0; }
         __forceinline bool hasAnyRanks () const {
           return hasRanks(block->spacings,0) || hasRanks(block->spacings,1) || hasRanks(block->spacings,2);
         }
 
-        /*! Shears of boxes in the world: the sheared axis counts 1, and the others their slopes, by the ratio of spacings.
-         *  A block with ratios that floats do not hold well has boxes without bounds on the sheared axis. */
+        /*! Shears of boxes in the world: the sheared axis counts 1, and the others their slopes, by the ratio of
+         *  spacings. A block with ratios that floats do not hold well has boxes without bounds on the sheared axis. */
         __forceinline void setAxes (MeshBoxes& out) const
         {
           out.axis = 3;
@@ -329,8 +338,10 @@ namespace embree
         {
 #if defined(__SSSE3__)
           const __m128i nibble = _mm_set1_epi8(15);
-          return _mm_max_epu8(_mm_shuffle_epi8(_mm_setr_epi8(0,1,2,2,3,3,3,3,4,4,4,4,4,4,4,4),_mm_and_si128(bytes,nibble)),
-            _mm_shuffle_epi8(_mm_setr_epi8(0,5,6,6,7,7,7,7,8,8,8,8,8,8,8,8),_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
+          const __m128i ofLow = _mm_setr_epi8(0,1,2,2,3,3,3,3,4,4,4,4,4,4,4,4),
+            ofHigh = _mm_setr_epi8(0,5,6,6,7,7,7,7,8,8,8,8,8,8,8,8);
+          return _mm_max_epu8(_mm_shuffle_epi8(ofLow,_mm_and_si128(bytes,nibble)),
+            _mm_shuffle_epi8(ofHigh,_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
 #else
           __m128i lengths = _mm_setzero_si128();
           for (int bit=0; bit<8; bit++) // a number has more than `bit` bits if it is at least 2^bit
@@ -454,8 +465,8 @@ namespace embree
         };
 
         /*! Decodes the vertices that a group uses. owns: which belong to it; others: the numbers of the others */
-        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns, Bits others,
-                                           float (*positions)[32]) const
+        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
+                                           Bits others, float (*positions)[32]) const
         {
           alignas(64) uint32_t coordinates[3][32];
           const uint32_t otherBits = bitsFor(meshVertices(block->counts));
@@ -467,8 +478,8 @@ namespace embree
           {
             const uint32_t v = others.take(otherBits);
             const VertexFields of(boxes,groupOfVertex(boxes,v));
-            of.read(Bits(block,boxes.verticesBegin + boxes.vertices[of.g] + (v-boxes.firstVertex[of.g])*of.all()),coordinates,
-              uint32_t(__builtin_ctz(rest)));
+            const uint32_t begin = boxes.verticesBegin + boxes.vertices[of.g];
+            of.read(Bits(block,begin + (v-boxes.firstVertex[of.g])*of.all()),coordinates,uint32_t(__builtin_ctz(rest)));
           }
           if (isSheared()) unshear(locals,coordinates);
           for (uint32_t k=0; k<3; k++)

@@ -34,8 +34,9 @@ namespace embree
         }
 
       private:
-        static __forceinline bool intersectOne (uint32_t k, Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
-                                                const VertHeader* block, const CachedMeshBlock& cached)
+        static __forceinline bool intersectOne (uint32_t k, Rays& rays, IntersectContext* context,
+                                                VertRays<K>& vertRays, const VertHeader* block,
+                                                const CachedMeshBlock& cached)
         {
           VertRay ray = vertRays.at(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Writer of mesh blocks: rounds the corners of a cluster's triangles, encodes them, and puts the blocks into a store. */
+/* Writer of mesh blocks: rounds the corners of a cluster's triangles, encodes them, and puts the blocks into a store.
+ * */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"

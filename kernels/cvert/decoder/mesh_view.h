@@ -83,7 +83,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
     }
 
-    /*! Returns the number of triangle t of a group: its primitive's, unless the primitives are quads (primitiveOfMesh). */
+    /*! Returns the number of triangle t of a group: its primitive's, unless the primitives are quads
+     *  (primitiveOfMesh). */
     uint32_t number (uint32_t g, uint32_t t) const
     {
       const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));

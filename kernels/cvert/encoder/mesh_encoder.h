@@ -57,9 +57,9 @@ namespace cvert { inline namespace CVERT_ISA
       return write(surface,block,statistics);
     }
 
-    /*! Encodes a cluster of MeshClusters, whose groups have groupTriangles each. Calls onBlock(bytes,first,count) for each
-     *  block: one, or several if a group must be stored as two. first, count: its triangles. areOfQuads: a block has both
-     *  triangles of a quad, which follow each other. block: as for encode() */
+    /*! Encodes a cluster of MeshClusters, whose groups have groupTriangles each. Calls onBlock(bytes,first,count) for
+     *  each block: one, or several if a group must be stored as two. first, count: its triangles. areOfQuads: a block
+     *  has both triangles of a quad, which follow each other. block: as for encode() */
     template<typename OnBlock>
     void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)

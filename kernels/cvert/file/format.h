@@ -70,8 +70,8 @@ namespace cvert
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");
 
   /*! a child: what it is in the lower 4 bits, and above them, times 16, where it is from the tree's or the blocks' start */
-  enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4, FILE_MESH = 5,
-    FILE_CHILD_MASK = 15 };
+  enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4,
+    FILE_MESH = 5, FILE_CHILD_MASK = 15 };
 
   /*! Nodes come in the order in which they are met from the root, first children first, and so do the blocks. */
   struct FileNode
