@@ -372,6 +372,11 @@ TEST(VertFormat, NumbersOfTrianglesAreReadBack)
     {"next to each other", numbersInRows, false, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = 2*i; b = 2*i + 1; }},
     {"all first ones, then all second ones", numbersInRows, true, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = i; b = 360 + i; }},
     {"second ones before", numbersInRows, true, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = 360 + i; b = i; }},
+    {"recursive", numbersRecursive, true, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) {
+      a = 0;
+      for (unsigned k = 0; k < 5; k++) a |= ((i % 20 >> k) & 1) << (2*k) | (((i/20 - 2) >> k) & 1) << (2*k + 1);
+      b = a + 1024;
+    }},
     {"first ones in any order", numbersInTable, true, [&](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = shuffled[i]; b = a + 720; }},
     {"any order", numbersInTriangleTable, false, [&](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = shuffled[2*i]; b = shuffled[2*i + 1]; }},
     {"any turns", numbersInTriangleTable, false, [&](unsigned i, uint32_t& a, uint32_t& b, uint8_t& t) { a = 2*i; b = a + 1; t = uint8_t(formOfTurns(i % 3, i/7 % 3)); }}};

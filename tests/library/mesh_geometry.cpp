@@ -290,7 +290,7 @@ TEST(Meshes, VerticesThatPartAreNotWelded)
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
     if (asTriangles) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, both.triangles);
     else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, both.quads);
-    commitAs(geometry, RTC_COMPRESSION_VERT);
+    commitAs(geometry, RTC_COMPRESSION_VERT, 0);
     Scene scene(device);
     attach(scene, geometry);
     rtcCommitScene(scene);

@@ -38,12 +38,12 @@ namespace embree
   {
   public:
     NeighborFinder (const Quads& quads, size_t numVertices, Device* device, QuadNeighbors& out)
-      : quads(quads), numVertices(numVertices), out(out), begins(device,0) {}
+      : quads(quads), numVertices(numVertices), out(out), corners(device,0), forms(device,0), begins(device,0) {}
 
     /*! Returns false, and finds none, if a look at some quads shows that few are regular. */
     bool run ()
     {
-      if (!findRange()) return false;
+      if (!findCorners()) return false;
       link();
       if (!looksRegular()) return false;
       findNeighbors();
@@ -54,10 +54,11 @@ namespace embree
     enum : unsigned { none = QuadNeighbors::none };
     static const size_t perTask = 1 << 14;
 
-    struct Quad
+    struct Corners { unsigned v[4]; };
+
+    struct Quad : public Corners
     {
       unsigned index;
-      unsigned v[4];
       unsigned form;
     };
 
@@ -73,16 +74,16 @@ namespace embree
     Quad quad (unsigned index) const
     {
       Quad q;
+      static_cast<Corners&>(q) = corners[index];
       q.index = index;
-      quads.corners(index,q.v);
-      q.form = quads.form(index);
+      q.form = forms[index];
       return q;
     }
 
     /*! whether a quad lies on the right of another */
     static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
 
-    bool isValid (const Quad& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
+    bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
     /*! Quads of different forms are neighbors only if their triangles begin at any corners, and both have two. */
     bool fit (const Quad& q, const Quad& other) const
@@ -92,20 +93,29 @@ namespace embree
       return out.haveOwnForms ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Vertices that the quads have; false if a table of them would be much larger than the mesh. */
-    bool findRange ()
+    /*! Copies the corners of all quads, which the search visits again and again, in the order of neighbors. Returns false
+     *  if a table of their vertices would be much larger than the mesh. */
+    bool findCorners ()
     {
+      cbvh::resizeToFit(corners,quads.size());
+      cbvh::resizeToFit(forms,quads.size());
+      cbvh::resizeToFit(out.isValid,quads.size());
+      std::atomic<size_t> numLeftOut(0);
       typedef std::pair<unsigned,unsigned> Range; // lowest, highest
       const Range empty(unsigned(none),0u);
       const Range range = parallel_reduce(size_t(0),quads.size(),perTask,empty,[&](const embree::range<size_t>& r) {
           Range of = empty;
+          size_t n = 0;
           for (size_t i=r.begin(); i!=r.end(); i++) {
-            Quad q;
-            quads.corners(i,q.v);
-            if (isValid(q)) of = Range(min(of.first,q.v[0]),max(of.second,q.v[0]));
+            Corners& q = corners[i];
+            forms[i] = uint8_t(quads.look(i,q.v));
+            out.isValid[i] = isValid(q);
+            if (out.isValid[i]) of = Range(min(of.first,q.v[0]),max(of.second,q.v[0])); else n++;
           }
+          if (n) numLeftOut += n;
           return of;
         },[](const Range& a, const Range& b) { return Range(min(a.first,b.first),max(a.second,b.second)); });
+      out.numLeftOut = numLeftOut;
       if (range.first > range.second) return false;
       lowest = range.first;
       const size_t size = size_t(range.second-range.first) + 1;
@@ -132,26 +142,15 @@ namespace embree
     /*! quads by the vertex at which they begin */
     void link ()
     {
-      cbvh::resizeToFit(out.isValid,quads.size());
-      std::atomic<size_t> numLeftOut(0);
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
-          size_t n = 0;
           for (size_t i=r.begin(); i!=r.end(); i++)
-          {
-            Quad q;
-            quads.corners(i,q.v);
-            out.isValid[i] = isValid(q);
-            if (out.isValid[i]) lower(begins[q.v[0]-lowest],unsigned(i)); else n++;
-          }
-          if (n) numLeftOut += n;
+            if (out.isValid[i]) lower(begins[corners[i].v[0]-lowest],unsigned(i));
         });
-      out.numLeftOut = numLeftOut;
       MutexSys mutex;
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
           std::vector<Other> right, above;
           for (size_t i=r.begin(); i!=r.end(); i++) {
-            Quad q;
-            quads.corners(i,q.v);
+            const Corners& q = corners[i];
             if (!out.isValid[i] || begins[q.v[0]-lowest] == i) continue;
             right.push_back(Other{ q.v[0],q.v[3],unsigned(i) });
             above.push_back(Other{ q.v[0],q.v[1],unsigned(i) });
@@ -231,6 +230,8 @@ namespace embree
     const Quads quads;
     const size_t numVertices;
     QuadNeighbors& out;
+    mvector<Corners> corners;                    //!< of all quads
+    mvector<uint8_t> forms;
     unsigned lowest = 0;
     mvector<unsigned> begins;                    //!< lowest quad that begins at a vertex
     std::vector<Other> othersRight, othersAbove; //!< the other quads there, by what they have to share

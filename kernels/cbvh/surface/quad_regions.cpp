@@ -26,6 +26,7 @@ namespace embree
       void run ()
       {
         cbvh::resizeToFit(flags,of.size());
+        steps = stepsPerQuad*of.size();
         for (size_t i=0; i<of.size(); i++) flags[i] = of.isValid[i] ? 0 : TAKEN;
         out.quads.reserve(of.size());
         for (Seeds seeds : { CORNERS,EDGES,ALL })
@@ -60,13 +61,14 @@ namespace embree
       {
         pass++;
         for (size_t i=0; i<of.size(); i++)
-          if (isSeed(unsigned(i),seeds)) growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds);
+          while (isSeed(unsigned(i),seeds))
+            if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
       }
 
-      /*! Grows from a seed, and from those that come up meanwhile. */
-      void growAll (unsigned seed, unsigned side, Seeds seeds)
+      /*! Grows from a seed, and from those that come up meanwhile. Returns false if the seed's region is too small. */
+      bool growAll (unsigned seed, unsigned side, Seeds seeds)
       {
-        grow(seed,side);
+        const bool isTaken = grow(seed,side);
         while (!corners.empty() || (seeds == EDGES && !edges.empty()))
         {
           std::vector<unsigned>& from = corners.empty() ? edges : corners;
@@ -76,28 +78,28 @@ namespace embree
             grow(&from == &corners ? quad : moved(quad),side);
         }
         edges.clear();
+        return isTaken;
       }
 
-      /*! Where a region begins that a quad is part of. A ring of quads is not followed for ever. */
-      unsigned moved (unsigned quad) const
+      /*! Returns where a region begins that a quad is part of. A ring of quads has no such place. */
+      unsigned moved (unsigned quad)
       {
-        for (unsigned turn=0; turn<4; turn++)
-          for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
-            const unsigned begin = quad;
-            for (unsigned i=0; i<maxSide; i++) {
-              const unsigned next = at(side,quad);
-              if (!isFree(next) || next == begin) break;
-              quad = next;
-            }
+        for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
+          const unsigned begin = quad;
+          for (unsigned next=at(side,quad); isFree(next) && steps != 0; next=at(side,quad), steps--) {
+            quad = next;
+            if (quad == begin) break;
           }
+        }
         return quad;
       }
 
       unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
 
-      void grow (unsigned seed, unsigned side)
+      /*! Takes the region of a seed. Returns false if it is too small. */
+      bool grow (unsigned seed, unsigned side)
       {
-        if (flags[seed]/PASS == pass) return;
+        if (flags[seed]/PASS == pass) return false;
         quadOfRegion(0,0) = seed;
         flags[seed] |= TAKEN;
         width = height = 1;
@@ -109,7 +111,7 @@ namespace embree
             for (unsigned y=0; y<height; y++)
               for (unsigned x=0; x<width; x++) letGo(quadOfRegion(x,y));
             flags[seed] = uint8_t(pass*PASS);
-            return;
+            return false;
           }
         }
         out.regions.push_back(QuadRegions::Region{ out.quads.size(),width,height });
@@ -117,6 +119,7 @@ namespace embree
           for (unsigned x=0; x<width; x++) out.quads.push_back(quadOfRegion(x,y));
         for (unsigned y=0; y<height; y++) open(at(QuadNeighbors::RIGHT,quadOfRegion(width-1,y)));
         for (unsigned x=0; x<width; x++) open(at(QuadNeighbors::ABOVE,quadOfRegion(x,height-1)));
+        return true;
       }
 
       /*! a quad that has lost a neighbor */
@@ -159,9 +162,13 @@ namespace embree
         return true;
       }
 
+      /*! All seeds together move by so many quads per quad of the mesh, not by a long strip for each of its quads. */
+      static const size_t stepsPerQuad = 2;
+
       const QuadNeighbors& of;
       QuadRegions& out;
       mvector<uint8_t> flags;
+      size_t steps = 0;                     //!< that seeds may still move
       unsigned pass = 0;
       std::vector<unsigned> corners, edges; //!< that came up while regions were taken
       unsigned region[maxSide*maxSide];     //!< that grows

@@ -43,6 +43,9 @@ namespace embree
 
       /*! see cvert/format/quad_numbers.h */
       unsigned form (size_t) const { return 0; }
+
+      /*! both */
+      unsigned look (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
     /*! the pairs of triangles of a triangle mesh */

@@ -158,17 +158,23 @@ namespace embree
             sums.length[e][f] += lengthOf(half);
             sums.isLower[e][f] += half < other;
           }
+        size_t most = 0;
+        auto countOf = [&](unsigned e, unsigned f) {
+          return e == f ? sums.count[e][f] : sums.count[e][f] + sums.count[f][e];
+        };
+        for (unsigned e=0; e<3; e++)
+          for (unsigned f=e; f<3; f++) most = max(most,countOf(e,f));
         Edges best = { none,none };
+        if (4*most < 3*looked) return best;
         double bestLength = 0;
         for (unsigned e=0; e<3; e++)
           for (unsigned f=e; f<3; f++)
           {
-            const size_t count = e == f ? sums.count[e][f] : sums.count[e][f] + sums.count[f][e];
-            if (4*count < 3*looked) continue;
+            if (countOf(e,f) + most/256 < most) continue; // others end at borders, where quads have diagonals
             const double length = e == f ? sums.length[e][f] : sums.length[e][f] + sums.length[f][e];
             if (!best.isNone() && length <= bestLength) continue;
             bestLength = length;
-            const bool isFirst = sums.isLower[e][f] + sums.count[f][e] >= sums.count[e][f] + sums.isLower[f][e];
+            const bool isFirst = 2*sums.isLower[e][f] + sums.count[f][e] >= sums.count[e][f] + 2*sums.isLower[f][e];
             best = isFirst ? Edges{ e,f } : Edges{ f,e };
           }
         return best;
