@@ -365,33 +365,40 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
 // What the encoder writes of numbers in any order is read back.
 TEST(VertFormat, NumbersOfTrianglesAreReadBack)
 {
-  struct Case { const char* name; uint32_t pattern; bool hasHalves; std::function<void(unsigned, uint32_t&, uint32_t&, uint8_t&)> set; };
+  struct Quad { uint32_t first, second, turns; };
+  struct Case { const char* name; uint32_t pattern; bool hasHalves; std::function<Quad(uint32_t)> quad; };
+  const uint32_t turned = formOfTurns(2, 1);
   std::vector<uint32_t> shuffled(2*20*18);
   for (uint32_t i = 0; i < shuffled.size(); i++) shuffled[i] = (i*337 + 11) % uint32_t(shuffled.size());
+  const auto recursive = [](uint32_t i) {
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < 5; k++) n |= ((i % 20 >> k) & 1) << (2*k) | (((i/20 - 2) >> k) & 1) << (2*k + 1);
+    return n;
+  };
   const Case cases[] = {
-    {"next to each other", numbersInRows, false, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = 2*i; b = 2*i + 1; }},
-    {"all first ones, then all second ones", numbersInRows, true, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = i; b = 360 + i; }},
-    {"second ones before", numbersInRows, true, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = 360 + i; b = i; }},
-    {"recursive", numbersRecursive, true, [](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) {
-      a = 0;
-      for (unsigned k = 0; k < 5; k++) a |= ((i % 20 >> k) & 1) << (2*k) | (((i/20 - 2) >> k) & 1) << (2*k + 1);
-      b = a + 1024;
+    {"next to each other", numbersInRows, false, [&](uint32_t i) { return Quad{2*i, 2*i + 1, turned}; }},
+    {"first halves before second ones", numbersInRows, true, [&](uint32_t i) { return Quad{i, 360 + i, turned}; }},
+    {"second halves before first ones", numbersInRows, true, [&](uint32_t i) { return Quad{360 + i, i, turned}; }},
+    {"recursive", numbersRecursive, true, [&](uint32_t i) { return Quad{recursive(i), recursive(i) + 1024, turned}; }},
+    {"first halves in any order", numbersInTable, true, [&](uint32_t i) {
+      return Quad{shuffled[i], shuffled[i] + 720, turned};
     }},
-    {"first ones in any order", numbersInTable, true, [&](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = shuffled[i]; b = a + 720; }},
-    {"any order", numbersInTriangleTable, false, [&](unsigned i, uint32_t& a, uint32_t& b, uint8_t&) { a = shuffled[2*i]; b = shuffled[2*i + 1]; }},
-    {"any turns", numbersInTriangleTable, false, [&](unsigned i, uint32_t& a, uint32_t& b, uint8_t& t) { a = 2*i; b = a + 1; t = uint8_t(formOfTurns(i % 3, i/7 % 3)); }}};
+    {"any order", numbersInTriangleTable, false, [&](uint32_t i) {
+      return Quad{shuffled[2*i], shuffled[2*i + 1], turned};
+    }},
+    {"any turns", numbersInTriangleTable, false, [&](uint32_t i) {
+      return Quad{2*i, 2*i + 1, formOfTurns(i % 3, i/7 % 3)};
+    }}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     QuadNumbers numbers;
     numbers.form = numbersOfTriangles;
     numbers.width = 20;
     for (unsigned i = 0; i < 20*18; i++) {
-      uint32_t a, b;
-      uint8_t turns = uint8_t(formOfTurns(2, 1));
-      c.set(i, a, b, turns);
-      numbers.numbers.push_back(a);
-      numbers.seconds.push_back(b);
-      numbers.turns.push_back(turns);
+      const Quad quad = c.quad(i);
+      numbers.numbers.push_back(quad.first);
+      numbers.seconds.push_back(quad.second);
+      numbers.turns.push_back(uint8_t(quad.turns));
     }
     NumbersEncoder encoder;
     encoder.set(numbers, 16, 2, 4, 16);

@@ -28,8 +28,8 @@ namespace embree
       if (!isFirst && !device->verbosity(1) && !environmentAsksForCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: max_error selects a spacing of " << spacing << ", " << spacing/edge
-                << " times the median edge: expected at most " << edge/36 << ", 1/36 of the edge; pictures may have speckles"
-                << std::endl;
+                << " times the median edge: pictures may have speckles; expected at most " << edge/36
+                << ", 1/36 of the edge" << std::endl;
     }
   }
 }

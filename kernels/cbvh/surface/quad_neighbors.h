@@ -93,8 +93,8 @@ namespace embree
       return out.haveOwnForms ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Copies the corners of all quads, which the search visits again and again, in the order of neighbors. Returns false
-     *  if a table of their vertices would be much larger than the mesh. */
+    /*! Copies the corners of all quads, which the search visits again and again, in the order of neighbors. Returns
+     *  false if a table of their vertices would be much larger than the mesh. */
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());

@@ -13,11 +13,11 @@ namespace embree
   namespace
   {
     /*! Quads that have no free quad on their left and none below are seeds first: they are corners of regions. From a
-     *  seed a region grows to the right and up, a column or a row at a time, as square as it can. Large regions are taken
-     *  before small ones, so that a row of quads at a pole does not cut the columns out of the quads above it.
+     *  seed a region grows to the right and up, a column or a row at a time, as square as it can. Large regions are
+     *  taken before small ones, so that a row of quads at a pole does not cut the columns out of the quads above it.
      *
-     *  Other seeds move to the left and down first, to where quads are not free. So a region has the same place whichever
-     *  of its quads comes first, and closed meshes, which have no corners, are filled from there on. */
+     *  Other seeds move to the left and down first, to where quads are not free. So a region has the same place
+     *  whichever of its quads comes first, and closed meshes, which have no corners, are filled from there on. */
     class RegionFinder
     {
     public:
@@ -33,9 +33,10 @@ namespace embree
           for (unsigned side : { 16u,QuadRegions::leastSide+0u }) take(seeds,side);
         take(CORNERS,1);
         take(ALL,1);
-        const auto loose = std::stable_partition(out.regions.begin(),out.regions.end(),[](const QuadRegions::Region& r) {
-            return min(r.width,r.height) >= QuadRegions::leastSide;
-          });
+        auto isRegular = [](const QuadRegions::Region& r) {
+          return min(r.width,r.height) >= QuadRegions::leastSide;
+        };
+        const auto loose = std::stable_partition(out.regions.begin(),out.regions.end(),isRegular);
         out.numRegular = size_t(loose - out.regions.begin());
       }
 
@@ -132,7 +133,8 @@ namespace embree
       void letGo (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
 
       /*! Takes a quad next to the region, if it is free and next to the one before it. */
-      bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across, unsigned& next)
+      bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
+                     unsigned& next)
       {
         next = at(side,quad);
         if (!isFree(next) || (before != none && at(across,before) != next)) return false;
@@ -143,7 +145,8 @@ namespace embree
       bool growRight ()
       {
         for (unsigned y=0, before=none; y<height; before=quadOfRegion(width,y++))
-          if (!takeNext(quadOfRegion(width-1,y),QuadNeighbors::RIGHT,before,QuadNeighbors::ABOVE,quadOfRegion(width,y))) {
+          if (!takeNext(quadOfRegion(width-1,y),QuadNeighbors::RIGHT,before,QuadNeighbors::ABOVE,
+                        quadOfRegion(width,y))) {
             while (y-- > 0) letGo(quadOfRegion(width,y));
             return false;
           }
@@ -154,7 +157,8 @@ namespace embree
       bool growUp ()
       {
         for (unsigned x=0, before=none; x<width; before=quadOfRegion(x++,height))
-          if (!takeNext(quadOfRegion(x,height-1),QuadNeighbors::ABOVE,before,QuadNeighbors::RIGHT,quadOfRegion(x,height))) {
+          if (!takeNext(quadOfRegion(x,height-1),QuadNeighbors::ABOVE,before,QuadNeighbors::RIGHT,
+                        quadOfRegion(x,height))) {
             while (x-- > 0) letGo(quadOfRegion(x,height));
             return false;
           }
@@ -175,30 +179,26 @@ namespace embree
       unsigned width = 0, height = 0;
     };
 
-    /*! Collects the first triangle of each pair of consecutive triangles, unless all are of triangles 2i and 2i+1. False
-     *  if a look at some triangles shows that few have a partner next to them. */
+    /*! Collects the first triangle of each pair of consecutive triangles, unless all are of triangles 2i and 2i+1.
+     *  Returns false if a look at some triangles shows that few have a partner next to them. */
     bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       auto isPair = [&](size_t i) {
-        if (i+1 >= n) return false;
-        unsigned a[3], b[3], v[4], turns;
-        triangles.triangle(i,a);
-        triangles.triangle(i+1,b);
-        if (!PairsOfMesh::join(a,b,v,turns)) return false;
-        return *std::max_element(v,v+4) < mesh->numVertices(); // else only one of them is left out
+        return i+1 < n && triangles.areJoined(i,i+1); // else only one of them is left out
       };
       const size_t step = max(n/4096,size_t(1));
       size_t looked = 0, paired = 0;
       for (size_t i=0; i<n; i+=step, looked++) paired += isPair(i) || (i > 0 && isPair(i-1));
       if (2*paired < looked) return false;
-      const bool isRegular = n % 2 == 0 && parallel_reduce(size_t(0),n/2,size_t(1) << 14,true,[&](const range<size_t>& r) {
-          for (size_t i=r.begin(); i!=r.end(); i++)
-            if (!isPair(2*i)) return false;
-          return true;
-        },std::logical_and<bool>());
-      if (isRegular) return true;
+      const size_t perTask = 1 << 14;
+      auto arePairs = [&](const range<size_t>& r) {
+        for (size_t i=r.begin(); i!=r.end(); i++)
+          if (!isPair(2*i)) return false;
+        return true;
+      };
+      if (n % 2 == 0 && parallel_reduce(size_t(0),n/2,perTask,true,arePairs,std::logical_and<bool>())) return true;
       for (size_t i=0; i<n; i+=isPair(i) ? 2 : 1) firsts.push_back(unsigned(i));
       return true;
     }
@@ -264,8 +264,8 @@ namespace embree
       {
         const QuadRegions::Region& r = found.regions[i];
         numberRegion(quadsOf(mesh,found),found,i,numbers);
-        const unsigned width = min(r.width,unsigned(cbvh::vertBlockQuads)), height = min(r.height,unsigned(cbvh::vertBlockQuads));
-        encoder.set(numbers,0,0,width,height);
+        const unsigned side = cbvh::vertBlockQuads;
+        encoder.set(numbers,0,0,min(r.width,side),min(r.height,side));
         if (cbvh::haveTable(encoder.form))
           bytes += size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.form)*encoder.pattern.y/8;
         looked += size_t(r.width)*r.height;
@@ -282,24 +282,54 @@ namespace embree
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
 
-    /*! First equal vertices are one, and triangles pairs with the next. Where that leaves many quads loose, partners are
-     *  looked for everywhere. At last vertices are taken as their indices are: an application may have numbered the
-     *  quads of regions that it did not weld. */
+    /*! Whether there is not much to gain: nearly all blocks are full. */
+    bool isGood (const QuadRegions& found)
+    {
+      const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
+      const double least = double(bytesOfBlocks(side,side,true))*double(quads)/double(side*side);
+      return quads != 0 && double(found.bytesOfBlocks()) <= 1.1*least;
+    }
+
+    /*! Pairs of consecutive triangles come first. Where they leave many quads loose, partners are looked for
+     *  everywhere. */
+    template<typename Mesh>
+    Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    {
+      Found best = findIn(mesh,welded);
+      if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,welded));
+      return best;
+    }
+
+    size_t numQuadsOf (const QuadMesh* mesh) { return mesh->quads.size(); }
+    size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
+
+    /*! Indices come first, unless there are far more vertices than quads. Where equal vertices are better taken for
+     *  one, they are. That is not always so: an application may have numbered the quads of regions that it did not
+     *  weld. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
     {
+      const bool areSplit = mesh->numVertices() > 2*numQuadsOf(mesh);
+      Found best;
+      if (!areSplit) {
+        best = findIn(mesh,nullptr);
+        if (isGood(*best)) return best;
+      }
       const std::shared_ptr<const WeldedVertices> welded =
         WeldedVertices::find(mesh->device,&mesh->vertices[0],mesh->numTimeSteps,mesh->numVertices());
-      Found best = findIn(mesh,welded);
-      if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,welded));
-      const size_t fewBytes = best->numQuads(0,best->regions.size())/4; // of tables
-      if (welded && (!areFewLoose(*best) || bytesOfTables(mesh,*best) > fewBytes)) improve(mesh,best,findIn(mesh,nullptr));
+      if (welded || !best) {
+        const Found other = findBestIn(mesh,welded);
+        if (best) improve(mesh,best,other); else best = other;
+      }
+      else if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,nullptr));
+      if (welded && areSplit && !isGood(*best)) improve(mesh,best,findIn(mesh,nullptr));
       return best;
     }
   }
 
   size_t bytesOfBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
-    return (haveNumbers ? 138 : 130)*size_t(cbvh::vertBlocksAlong(uint32_t(quadsX)))*cbvh::vertBlocksAlong(uint32_t(quadsY)) + quadsX*quadsY;
+    const size_t blocks = size_t(cbvh::vertBlocksAlong(uint32_t(quadsX)))*cbvh::vertBlocksAlong(uint32_t(quadsY));
+    return (haveNumbers ? 138 : 130)*blocks + quadsX*quadsY;
   }
 
   size_t QuadRegions::bytesOfBlocks () const

@@ -9,8 +9,8 @@
  * Embree cuts it from v1 to v3, as it cuts the quads of grids:
  *
  *     v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q, and it is above q if its v0
- *      |  \  |   \  |       and v1 are v3 and v2 of q. So all quads of a region begin at the same corner, have the same two
- *     v0 --- v1 --- .       triangles as in their mesh, and a vertex of a region is one of the mesh, whichever quad is asked. */
+ *      |  \  |   \  |       and v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the
+ *     v0 --- v1 --- .       same two triangles as in their mesh. A vertex of a region is the same for all of its quads. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -69,7 +69,8 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Corners of triangles that share an edge: the first has 00, 10, 01, the second 11, 01, 10. False if they share none. */
+      /*! Corners of triangles that share an edge: the first has 00, 10, 01, the second 11, 01, 10. False if they share
+       *  none. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -80,6 +81,15 @@ namespace embree
             return true;
           }
         return false;
+      }
+
+      /*! whether two triangles share an edge, and have no index that is no vertex */
+      bool areJoined (size_t first, size_t second) const
+      {
+        unsigned a[3], b[3], v[4], turns;
+        triangle(first,a);
+        triangle(second,b);
+        return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
       }
 
       /*! its form */
@@ -117,11 +127,12 @@ namespace embree
       unsigned width, height; //!< in quads
     };
 
-    /*! A region has at most so many quads along a side: its vertices have one lattice, and quads of a mesh may grow along it. */
+    /*! A region has at most so many quads along a side: its vertices have one lattice, and quads of a mesh may grow
+     *  along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads in regions of fewer along a side are loose. A block takes 138 bytes and about 1 per quad: 16 bytes per quad
-     *  for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads in regions of fewer along a side are loose. A block takes 138 bytes and about 1 per quad: 16 bytes per
+     *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned leastSide = 4;
 
     mvector<Region> regions;  //!< those without loose quads first; none if the mesh is not regular
@@ -153,12 +164,14 @@ namespace embree
 
   inline namespace CBVH_ISA
   {
-    inline QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions& of) { return QuadsOfMesh{ mesh,of.welded.get() }; }
+    inline QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions& of) {
+      return QuadsOfMesh{ mesh,of.welded.get() };
+    }
 
     inline PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& of)
     {
-      const mvector<unsigned>* const none = nullptr;
-      return PairsOfMesh{ mesh,of.welded.get(),of.firsts.empty() ? none : &of.firsts,of.seconds.empty() ? none : &of.seconds };
+      auto ofPairs = [](const mvector<unsigned>& triangles) { return triangles.empty() ? nullptr : &triangles; };
+      return PairsOfMesh{ mesh,of.welded.get(),ofPairs(of.firsts),ofPairs(of.seconds) };
     }
 
     /*! Numbers of the quads of a region, and of their triangles. Quads: of the mesh, as quadsOf() returns them. */

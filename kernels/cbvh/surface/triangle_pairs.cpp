@@ -7,6 +7,7 @@
 #include "triangle_pairs.h"
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
+#include "quad_regions.h"
 #include <algorithm>
 #include <vector>
 
@@ -19,15 +20,14 @@ namespace embree
     public:
       PairFinder (const TriangleMesh* mesh, const WeldedVertices* welded)
         : mesh(mesh), welded(welded), size(mesh->triangles.size()), numVertices(mesh->numVertices()),
-          ends(mesh->device,0), halves(mesh->device,0), opposite(mesh->device,0), mates(mesh->device,0) {}
+          triangles(mesh->device,0), ends(mesh->device,0), halves(mesh->device,0), opposite(mesh->device,0),
+          mates(mesh->device,0) {}
 
       void run (mvector<unsigned>& firsts, mvector<unsigned>& seconds)
       {
+        copyTriangles();
         findEdges();
-        cbvh::resizeToFit(mates,size);
-        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
-            std::fill(mates.begin()+r.begin(),mates.begin()+r.end(),unsigned(none));
-          });
+        fill(mates,size,unsigned(none));
         const Edges edges = chooseEdges();
         if (edges.isNone() || edges.first == edges.second || !pairBy(edges)) spread(edges);
         size_t numPairs = 0;
@@ -36,8 +36,8 @@ namespace embree
         cbvh::resizeToFit(seconds,numPairs);
         for (size_t t=0, i=0; t<size; t++)
           if (mates[t] != second) {
-            firsts[i] = unsigned(t);
-            seconds[i++] = mates[t] == none ? unsigned(t) : mates[t];
+            firsts[i] = triangles[t].number;
+            seconds[i++] = triangles[mates[t] == none ? t : mates[t]].number;
           }
       }
 
@@ -45,6 +45,12 @@ namespace embree
       enum : unsigned { none = ~0u, second = ~1u };
       static const size_t perTask = size_t(1) << 14;
       static const size_t samples = 4096;
+
+      struct Triangle
+      {
+        unsigned v[3]; //!< first equal vertices
+        unsigned number;
+      };
 
       /*! a half-edge at its lower vertex */
       struct Half
@@ -64,23 +70,98 @@ namespace embree
       static unsigned next (unsigned half) { return half % 3 == 2 ? half-2 : half+1; }
       static unsigned before (unsigned half) { return half % 3 == 0 ? half+2 : half-1; }
 
-      bool corners (size_t triangle, unsigned v[3]) const
+      static void fill (mvector<unsigned>& table, size_t size, unsigned value)
       {
-        memcpy(v,mesh->triangles.getPtr(triangle),3*sizeof(unsigned));
-        if (max(max(v[0],v[1]),v[2]) >= numVertices) return false;
+        cbvh::resizeToFit(table,size);
+        parallel_for(size_t(0),size,4*perTask,[&](const range<size_t>& r) {
+            std::fill(table.begin()+r.begin(),table.begin()+r.end(),value);
+          });
+      }
+
+      Triangle triangle (size_t number) const
+      {
+        Triangle t;
+        memcpy(t.v,mesh->triangles.getPtr(number),sizeof(t.v));
         if (welded)
-          for (int i=0; i<3; i++) v[i] = (*welded)[v[i]];
-        return true;
+          for (unsigned& v : t.v) v = (*welded)[v];
+        t.number = unsigned(number);
+        return t;
+      }
+
+      bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
+
+      /*! a vertex near which a triangle lies; numVertices of triangles that are not valid */
+      unsigned vertexOf (const Triangle& t) const {
+        return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
+      }
+
+      /*! whether triangles that follow each other have vertices that do not */
+      bool areScattered () const
+      {
+        const size_t step = max(size/samples,size_t(2));
+        size_t looked = 0, far = 0;
+        for (size_t t=0; t+1<size; t+=step, looked++) {
+          const unsigned a = vertexOf(triangle(t)), b = vertexOf(triangle(t+1));
+          far += size_t(max(a,b)-min(a,b)) > numVertices/64;
+        }
+        return 2*far > looked;
+      }
+
+      /*! Copies the triangles, which all else visits in the order of neighbors. Those that are scattered are sorted by
+       *  their vertices first: vertices that follow each other are near each other more often. */
+      void copyTriangles ()
+      {
+        cbvh::resizeToFit(triangles,size);
+        if (!areScattered()) {
+          parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+              for (size_t t=r.begin(); t!=r.end(); t++) triangles[t] = triangle(t);
+            });
+          return;
+        }
+        fill(ends,numVertices+2,0u);
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++) increment(ends[vertexOf(triangle(t))]);
+          });
+        sumUp(ends);
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++) {
+              const Triangle t = triangle(i);
+              triangles[decrement(ends[vertexOf(t)])] = t;
+            }
+          });
+        parallel_for(size_t(0),numVertices+1,perTask,[&](const range<size_t>& r) {
+            for (size_t v=r.begin(); v!=r.end(); v++)
+              std::sort(triangles.begin()+ends[v],triangles.begin()+ends[v+1],[](const Triangle& a, const Triangle& b) {
+                  return a.number < b.number;
+                });
+          });
+        ends.clear();
+      }
+
+      static void increment (unsigned& count) {
+        cbvh::AtomicRef<unsigned>(count).fetchAdd(1u,std::memory_order_relaxed);
+      }
+
+      /*! Returns the result. */
+      static unsigned decrement (unsigned& count) {
+        return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
+      }
+
+      /*! From numbers of items to where they end. */
+      static void sumUp (mvector<unsigned>& counts)
+      {
+        unsigned sum = 0;
+        for (unsigned& count : counts) count = sum += count;
       }
 
       /*! Calls closure(lower vertex, Half) for the edges of a triangle that have two ends. */
       template<typename Closure>
       void forEachHalf (size_t triangle, const Closure& closure) const
       {
-        unsigned v[3];
-        if (!corners(triangle,v)) return;
+        const Triangle& t = triangles[triangle];
+        if (!isValid(t)) return;
         for (unsigned e=0; e<3; e++) {
-          const unsigned a = v[e], b = v[e == 2 ? 0 : e+1];
+          const unsigned a = t.v[e], b = t.v[e == 2 ? 0 : e+1];
           if (a != b) closure(min(a,b),Half{ 2*max(a,b) + (a > b),unsigned(3*triangle) + e });
         }
       }
@@ -88,27 +169,20 @@ namespace embree
       /*! Sets opposite, for each half-edge the one of the other triangle. */
       void findEdges ()
       {
-        cbvh::resizeToFit(ends,numVertices+1);
-        std::fill(ends.begin(),ends.end(),0u);
+        fill(ends,numVertices+1,0u);
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++)
-              forEachHalf(t,[&](unsigned v, const Half&) {
-                  cbvh::AtomicRef<unsigned>(ends[v]).fetchAdd(1u,std::memory_order_relaxed);
-                });
+              forEachHalf(t,[&](unsigned v, const Half&) { increment(ends[v]); });
           });
-        unsigned sum = 0;
-        for (unsigned& end : ends) end = sum += end;
-        cbvh::resizeToFit(halves,sum);
+        sumUp(ends);
+        cbvh::resizeToFit(halves,ends[numVertices]);
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++)
               forEachHalf(t,[&](unsigned v, const Half& half) {
-                  halves[cbvh::AtomicRef<unsigned>(ends[v]).fetchAdd(~0u,std::memory_order_relaxed)-1] = half;
+                  halves[decrement(ends[v])] = half;
                 });
           });
-        cbvh::resizeToFit(opposite,3*size);
-        parallel_for(size_t(0),3*size,3*perTask,[&](const range<size_t>& r) {
-            std::fill(opposite.begin()+r.begin(),opposite.begin()+r.end(),unsigned(none));
-          });
+        fill(opposite,3*size,unsigned(none));
         parallel_for(size_t(0),numVertices,perTask,[&](const range<size_t>& r) {
             for (size_t v=r.begin(); v!=r.end(); v++) join(halves.data()+ends[v],halves.data()+ends[v+1]);
           });
@@ -117,7 +191,10 @@ namespace embree
       /*! Joins the half-edges of a vertex. */
       void join (Half* begin, Half* end)
       {
-        std::sort(begin,end);
+        if (end-begin > 16) std::sort(begin,end);
+        else // insertion: there are six in most cases
+          for (Half* i=begin; i<end; i++)
+            for (Half* j=i; j!=begin && *j < j[-1]; j--) std::swap(*j,j[-1]);
         for (Half* i=begin, * j; i!=end; i=j) {
           for (j=i+1; j!=end && j->other/2 == i->other/2; j++) {}
           if (j != i+2 || i[0].other == i[1].other) continue;
@@ -129,8 +206,7 @@ namespace embree
       /*! square of the length of a half-edge at the first time step; 0 if it is not finite */
       double lengthOf (unsigned half) const
       {
-        unsigned v[3];
-        memcpy(v,mesh->triangles.getPtr(half/3),sizeof(v));
+        const unsigned* const v = triangles[half/3].v;
         const float* const p = (const float*)mesh->vertices[0].getPtr(v[half % 3]);
         const float* const q = (const float*)mesh->vertices[0].getPtr(v[next(half) % 3]);
         double square = 0;
@@ -156,7 +232,7 @@ namespace embree
             const unsigned f = other % 3;
             sums.count[e][f]++;
             sums.length[e][f] += lengthOf(half);
-            sums.isLower[e][f] += half < other;
+            sums.isLower[e][f] += triangles[t].number < triangles[other/3].number;
           }
         size_t most = 0;
         auto countOf = [&](unsigned e, unsigned f) {
@@ -192,7 +268,8 @@ namespace embree
             size_t n = 0;
             for (size_t i=r.begin(); i!=r.end(); i++) {
               const unsigned t = unsigned(i);
-              const bool isFirst = isJoined(t,edges.first,edges.second), isSecond = isJoined(t,edges.second,edges.first);
+              const bool isFirst = isJoined(t,edges.first,edges.second);
+              const bool isSecond = isJoined(t,edges.second,edges.first);
               if (isFirst == isSecond) continue;
               const unsigned s = opposite[3*t + (isFirst ? edges.first : edges.second)]/3;
               if (isFirst ? isJoined(s,edges.first,edges.second) : isJoined(s,edges.second,edges.first)) continue;
@@ -223,7 +300,7 @@ namespace embree
           mates[opposite[half]/3] = second;
           found.push_back(half);
         };
-        for (size_t t=0, done=0; t<size; t++)
+        for (size_t t=0, done=0; t<size; t++, done=0)
         {
           if (mates[t] != none) continue;
           unsigned longest = none;
@@ -243,23 +320,59 @@ namespace embree
             if (down != none && isFree(next(down))) take(opposite[next(down)]);
           }
           found.clear();
-          done = 0;
         }
       }
 
       const TriangleMesh* const mesh;
       const WeldedVertices* const welded;
       const size_t size, numVertices;
+      mvector<Triangle> triangles; //!< all; half-edges and mates are places in it
       mvector<unsigned> ends;     //!< where the half-edges of a vertex begin, at last
       mvector<Half> halves;       //!< by their lower vertex
       mvector<unsigned> opposite; //!< of each half-edge, or none
       mvector<unsigned> mates;    //!< the second triangle of a first one, `second` for second ones, or none
     };
+
+    /*! Whether triangles of the second half share edges with those of the first half, in the same order: a look at some
+     *  of them. */
+    bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
+    {
+      const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));
+      const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
+      if (mesh->triangles.size() != 2*n) return false;
+      size_t looked = 0, joined = 0;
+      for (size_t t=0; t<n; t+=step, looked++) joined += triangles.areJoined(t,n+t);
+      return 16*joined >= 15*looked;
+    }
+
+    bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
+                     mvector<unsigned>& seconds)
+    {
+      const size_t n = mesh->triangles.size()/2;
+      const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
+      cbvh::resizeToFit(firsts,n);
+      cbvh::resizeToFit(seconds,n);
+      const size_t numJoined = parallel_reduce(size_t(0),n,size_t(1) << 14,size_t(0),[&](const range<size_t>& r) {
+          size_t numJoined = 0;
+          for (size_t t=r.begin(); t!=r.end(); t++) {
+            const bool isJoined = triangles.areJoined(t,n+t);
+            firsts[t] = unsigned(t);
+            seconds[t] = unsigned(isJoined ? n+t : t);
+            numJoined += isJoined;
+          }
+          return numJoined;
+        },std::plus<size_t>());
+      if (numJoined == n) return true;
+      for (size_t t=0; t<n; t++)
+        if (seconds[t] == t) { firsts.push_back(unsigned(n+t)); seconds.push_back(unsigned(n+t)); }
+      return true;
+    }
   }
 
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds)
   {
+    if (areHalves(mesh,welded)) return pairHalves(mesh,welded,firsts,seconds);
     if (mesh->triangles.size() >= size_t(1) << 30 || mesh->numVertices() >= size_t(1) << 31) return false;
     PairFinder(mesh,welded).run(firsts,seconds);
     return true;

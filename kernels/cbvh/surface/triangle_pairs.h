@@ -18,8 +18,8 @@
 
 namespace embree
 {
-  /*! Finds pairs, by ascending number of their first triangles. A triangle without a partner is its own second. All
-   *  triangles are in exactly one pair. welded: null if all vertices differ. The result is the same for any number of
+  /*! Finds pairs, in any order. A triangle without a partner is its own second. All triangles are in exactly one pair.
+   *  welded: null if all vertices differ. The result is the same for any number of
    *  threads. Returns false if the mesh has so many triangles or vertices that numbers of edges have no 32 bits. */
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds);

@@ -41,7 +41,12 @@ namespace embree
     private:
       enum : unsigned { none = ~0u };
 
-      struct Entry { unsigned hash, vertex; };
+      /*! A vertex with its first position, so that a bucket is all that a task reads. */
+      struct Entry
+      {
+        unsigned hash, vertex;
+        unsigned at[3]; //!< as bitsOf() has them
+      };
 
       /*! a coordinate, as bits that are equal if the floats are */
       static unsigned bitsOf (float x)
@@ -68,10 +73,11 @@ namespace embree
 
       size_t bucketOf (uint64_t hash) const { return bucketBits == 0 ? 0 : size_t(hash >> (64-bucketBits)); }
 
-      bool isSame (size_t a, size_t b) const
+      bool isSame (const Entry& a, const Entry& b) const
       {
-        for (unsigned step=0; step<numSteps; step++) {
-          const float* const p = position(a,step), * const q = position(b,step);
+        if (a.hash != b.hash || a.at[0] != b.at[0] || a.at[1] != b.at[1] || a.at[2] != b.at[2]) return false;
+        for (unsigned step=1; step<numSteps; step++) {
+          const float* const p = position(a.vertex,step), * const q = position(b.vertex,step);
           for (int k=0; k<3; k++)
             if (bitsOf(p[k]) != bitsOf(q[k])) return false;
         }
@@ -98,7 +104,9 @@ namespace embree
         parallel_for(size_t(0),numTasks,size_t(1),[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++)
               forEachOfTask(t,[&](size_t vertex, uint64_t hash) {
-                  entries[ends[bucketOf(hash)*numTasks + t]++] = Entry{ unsigned(hash),unsigned(vertex) };
+                  const float* const p = position(vertex,0);
+                  entries[ends[bucketOf(hash)*numTasks + t]++] =
+                    Entry{ unsigned(hash),unsigned(vertex),{ bitsOf(p[0]),bitsOf(p[1]),bitsOf(p[2]) } };
                 });
           });
       }
@@ -112,12 +120,10 @@ namespace embree
         bool anyEqual = false;
         for (size_t i=begin; i!=end; i++)
         {
-          const Entry entry = entries[i];
+          const Entry& entry = entries[i];
           size_t at = entry.hash & (size-1);
-          for (; table[at] != none; at=(at+1) & (size-1)) {
-            const Entry& other = entries[table[at]];
-            if (other.hash == entry.hash && isSame(other.vertex,entry.vertex)) break;
-          }
+          for (; table[at] != none; at=(at+1) & (size-1))
+            if (isSame(entries[table[at]],entry)) break;
           if (table[at] == none) table[at] = unsigned(i); else anyEqual = true;
           firsts[entry.vertex] = entries[table[at]].vertex;
         }
