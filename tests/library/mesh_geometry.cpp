@@ -223,25 +223,28 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
   EXPECT_LE(statisticsOf(scene).numLooseQuads, 200u) << "at the poles";
 }
 
-// Blocks are full, and numbers take few bytes where they follow a pattern.
+// Blocks are full, and numbers take few bytes where they follow a pattern. Where patches of a ball meet that begin at
+// other corners, pairs of triangles that nothing else tells apart from those of a quad may lead on into the next patch.
 TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
 {
   Device device("cbvh_max_error=0.00043"); // 1/36 of an edge of the sheet
   Random random(137);
   const DicedMesh sheet = meshOf(dicedSheet(4, 32), QuadOrder::Rows, random);
   const DicedMesh ball = meshOf(dicedBall(2, 16), QuadOrder::Recursive, random);
-  for (const DicedMesh& mesh : {sheet, ball})
-    for (const OrderedMesh& ordered : trianglesInAnyOrder(mesh, random)) {
-      SCOPED_TRACE(ordered.name);
+  for (bool isSheet : {true, false})
+    for (const OrderedMesh& ordered : trianglesInAnyOrder(isSheet ? sheet : ball, random)) {
+      SCOPED_TRACE(testing::Message() << ordered.name << (isSheet ? ", a sheet" : ", a ball"));
       const MeshScene scene(device, ordered.mesh);
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      const size_t quads = mesh.quads.size();
-      ASSERT_EQ(stats.numMeshQuads, quads);
-      EXPECT_EQ(stats.numLooseQuads, 0u);
-      EXPECT_LE(stats.numBlocks, quads/256 + quads/128);
+      const size_t quads = (isSheet ? sheet : ball).quads.size();
       const auto is = [&](const char* word) { return ordered.name.find(word) != std::string::npos; };
       const bool hasPattern = !is("shuffled") && !is("turned");
-      EXPECT_LE(double(stats.leafBytes)/double(quads), hasPattern ? 3.5 : 7.5);
+      const bool isCertain = isSheet || hasPattern;
+      ASSERT_GE(stats.numMeshQuads, quads);
+      EXPECT_LE(stats.numMeshQuads, isCertain ? quads : quads + quads/50);
+      EXPECT_LE(stats.numLooseQuads, isCertain ? 0 : quads/20);
+      EXPECT_LE(stats.numBlocks, isCertain ? quads/256 + quads/128 : quads/32);
+      EXPECT_LE(double(stats.leafBytes)/double(quads), hasPattern ? 3.5 : isSheet ? 7.5 : 9.5);
     }
 }
 

@@ -42,7 +42,8 @@ namespace embree
 
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
-      /*! Bits above TAKEN are the last pass in which a region began here and was too small. */
+      /*! Bits above TAKEN are the last pass in which a region that began here was too small. Unless seeds are corners,
+       *  all quads of such a region are marked: a pass visits each once, even in strips that are too narrow for it. */
       enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
       enum Seeds { CORNERS, EDGES, ALL };
 
@@ -61,8 +62,9 @@ namespace embree
       void take (Seeds seeds, unsigned side)
       {
         pass++;
+        marksAll = seeds != CORNERS;
         for (size_t i=0; i<of.size(); i++)
-          while (isSeed(unsigned(i),seeds))
+          while (isSeed(unsigned(i),seeds) && !isMarked(unsigned(i)))
             if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
       }
 
@@ -95,12 +97,13 @@ namespace embree
         return quad;
       }
 
+      bool isMarked (unsigned quad) const { return flags[quad]/PASS == pass; }
       unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
 
       /*! Takes the region of a seed. Returns false if it is too small. */
       bool grow (unsigned seed, unsigned side)
       {
-        if (flags[seed]/PASS == pass) return false;
+        if (isMarked(seed)) return false;
         quadOfRegion(0,0) = seed;
         flags[seed] |= TAKEN;
         width = height = 1;
@@ -110,7 +113,8 @@ namespace embree
           else isHighOpen = height < maxSide && growUp();
           if ((!isWideOpen && width < side) || (!isHighOpen && height < side)) {
             for (unsigned y=0; y<height; y++)
-              for (unsigned x=0; x<width; x++) letGo(quadOfRegion(x,y));
+              for (unsigned x=0; x<width; x++)
+                if (marksAll) flags[quadOfRegion(x,y)] = uint8_t(pass*PASS); else letGo(quadOfRegion(x,y));
             flags[seed] = uint8_t(pass*PASS);
             return false;
           }
@@ -174,6 +178,7 @@ namespace embree
       mvector<uint8_t> flags;
       size_t steps = 0;                     //!< that seeds may still move
       unsigned pass = 0;
+      bool marksAll = false;                //!< quads of regions that are too small
       std::vector<unsigned> corners, edges; //!< that came up while regions were taken
       unsigned region[maxSide*maxSide];     //!< that grows
       unsigned width = 0, height = 0;

@@ -29,7 +29,8 @@ namespace embree
         findEdges();
         fill(mates,size,unsigned(none));
         const Edges edges = chooseEdges();
-        if (edges.isNone() || edges.first == edges.second || !pairBy(edges)) spread(edges);
+        if (!edges.isNone() && edges.first != edges.second) pairBy(edges);
+        spread(edges);
         size_t numPairs = 0;
         for (size_t t=0; t<size; t++) numPairs += mates[t] != second;
         cbvh::resizeToFit(firsts,numPairs);
@@ -214,77 +215,97 @@ namespace embree
         return square < std::numeric_limits<double>::infinity() ? square : 0;
       }
 
-      /*! Of which edges most triangles have a partner at; none if there are none. */
+      bool isJoined (unsigned triangle, unsigned e, unsigned f) const
+      {
+        const unsigned other = opposite[3*triangle+e];
+        return other != none && other % 3 == f;
+      }
+
+      /*! The half-edge by which a triangle is paired, one of two edges; none if there is none. If quads with other
+       *  corners lie at a border, a triangle may share both edges: the longer one is the diagonal of a quad. */
+      unsigned sharedHalf (unsigned triangle, const Edges& edges) const
+      {
+        const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
+        const bool isFirst = isJoined(triangle,edges.first,edges.second);
+        if (edges.first == edges.second) return isFirst ? first : unsigned(none);
+        const bool isSecond = isJoined(triangle,edges.second,edges.first);
+        if (isFirst && isSecond) return lengthOf(first) > lengthOf(second) ? first : second;
+        return isFirst ? first : isSecond ? second : unsigned(none);
+      }
+
+      /*! The triangle with which a triangle is paired, or none. isFirst: whether the other one is second */
+      unsigned mateOf (unsigned triangle, const Edges& edges, bool& isFirst) const
+      {
+        const unsigned half = sharedHalf(triangle,edges);
+        if (half == none) return none;
+        const unsigned other = opposite[half], mate = other/3;
+        if (sharedHalf(mate,edges) != other) return none;
+        isFirst = edges.first == edges.second ? triangles[triangle].number < triangles[mate].number
+                                              : half % 3 == edges.first;
+        return mate;
+      }
+
+      /*! What pairs by two edges have in common. */
+      struct Pairing
+      {
+        Edges edges;
+        size_t paired = 0, lower = 0; //!< triangles, and first ones of which are lower than the second
+        double length = 0;            //!< sum of squares
+      };
+
+      /*! Of some triangles; looked: how many they are */
+      Pairing look (const Edges& edges, size_t& looked) const
+      {
+        Pairing pairing;
+        pairing.edges = edges;
+        looked = 0;
+        const size_t step = max(size/samples,size_t(1));
+        for (size_t i=0; i<size; i+=step, looked++)
+        {
+          const unsigned t = unsigned(i);
+          bool isFirst;
+          const unsigned mate = mateOf(t,edges,isFirst);
+          if (mate == none) continue;
+          pairing.paired++;
+          pairing.lower += isFirst == (triangles[t].number < triangles[mate].number);
+          pairing.length += lengthOf(3*t + (edges.first == edges.second || isFirst ? edges.first : edges.second));
+        }
+        return pairing;
+      }
+
+      /*! Chooses the edges by which most triangles are paired; of some, the longest. None if few are paired. */
       Edges chooseEdges () const
       {
-        struct Sums
-        {
-          size_t count[3][3];
-          double length[3][3];
-          size_t isLower[3][3];
-        } sums = Sums();
-        size_t looked = 0;
-        const size_t step = max(size/samples,size_t(1));
-        for (size_t t=0; t<size; t+=step, looked++)
-          for (unsigned e=0; e<3; e++) {
-            const unsigned half = unsigned(3*t) + e, other = opposite[half];
-            if (other == none) continue;
-            const unsigned f = other % 3;
-            sums.count[e][f]++;
-            sums.length[e][f] += lengthOf(half);
-            sums.isLower[e][f] += triangles[t].number < triangles[other/3].number;
-          }
-        size_t most = 0;
-        auto countOf = [&](unsigned e, unsigned f) {
-          return e == f ? sums.count[e][f] : sums.count[e][f] + sums.count[f][e];
-        };
+        std::vector<Pairing> all;
+        size_t most = 0, looked = 0;
         for (unsigned e=0; e<3; e++)
-          for (unsigned f=e; f<3; f++) most = max(most,countOf(e,f));
-        Edges best = { none,none };
-        if (4*most < 3*looked) return best;
-        double bestLength = 0;
-        for (unsigned e=0; e<3; e++)
-          for (unsigned f=e; f<3; f++)
-          {
-            if (countOf(e,f) + most/256 < most) continue; // others end at borders, where quads have diagonals
-            const double length = e == f ? sums.length[e][f] : sums.length[e][f] + sums.length[f][e];
-            if (!best.isNone() && length <= bestLength) continue;
-            bestLength = length;
-            const bool isFirst = 2*sums.isLower[e][f] + sums.count[f][e] >= sums.count[e][f] + 2*sums.isLower[f][e];
-            best = isFirst ? Edges{ e,f } : Edges{ f,e };
+          for (unsigned f=e; f<3; f++) {
+            all.push_back(look(Edges{ e,f },looked));
+            most = max(most,all.back().paired);
           }
-        return best;
+        if (4*most < 3*looked) return Edges{ none,none };
+        const Pairing* best = nullptr;
+        for (const Pairing& pairing : all)
+          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length)) // others end at borders
+            best = &pairing;
+        const bool isFirst = 2*best->lower >= best->paired;
+        return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
       }
 
-      /*! Pairs all triangles that have these two edges in common, and are not in two such pairs. Returns false, and
-       *  pairs none, if many are. */
-      bool pairBy (const Edges& edges)
+      /*! Pairs all triangles that have these two edges in common. */
+      void pairBy (const Edges& edges)
       {
-        auto isJoined = [&](unsigned triangle, unsigned e, unsigned f) {
-          const unsigned other = opposite[3*triangle+e];
-          return other != none && other % 3 == f;
-        };
-        const size_t numPaired = parallel_reduce(size_t(0),size,perTask,size_t(0),[&](const range<size_t>& r) {
-            size_t n = 0;
-            for (size_t i=r.begin(); i!=r.end(); i++) {
-              const unsigned t = unsigned(i);
-              const bool isFirst = isJoined(t,edges.first,edges.second);
-              const bool isSecond = isJoined(t,edges.second,edges.first);
-              if (isFirst == isSecond) continue;
-              const unsigned s = opposite[3*t + (isFirst ? edges.first : edges.second)]/3;
-              if (isFirst ? isJoined(s,edges.first,edges.second) : isJoined(s,edges.second,edges.first)) continue;
-              mates[t] = isFirst ? s : unsigned(second);
-              n++;
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++) {
+              bool isFirst;
+              const unsigned mate = mateOf(unsigned(t),edges,isFirst);
+              if (mate != none) mates[t] = isFirst ? mate : unsigned(second);
             }
-            return n;
-          },std::plus<size_t>());
-        if (4*numPaired >= 3*size) return true;
-        std::fill(mates.begin(),mates.end(),unsigned(none));
-        return false;
+          });
       }
 
-      /*! Pairs triangles along the rows and columns of quads, from a first pair on. Only across these edges, if there
-       *  are any. */
+      /*! Pairs triangles that are in no pair along the rows and columns of quads, from a first pair on. Only across
+       *  these edges, if there are any. */
       void spread (const Edges& edges)
       {
         auto isFree = [&](unsigned half) {
