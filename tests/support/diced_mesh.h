@@ -84,7 +84,8 @@ inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
   DicedMesh out = mesh;
   const size_t n = mesh.triangles.size()/2;
   for (size_t i = 0; i < n; i++)
-    for (size_t half = 0; half < 2; half++) out.triangles[(half == size_t(secondsFirst) ? 0 : n) + i] = mesh.triangles[2*i + half];
+    for (size_t half = 0; half < 2; half++)
+      out.triangles[(half == size_t(secondsFirst) ? 0 : n) + i] = mesh.triangles[2*i + half];
   return out;
 }
 

@@ -19,8 +19,9 @@
 namespace embree
 {
   /*! Finds pairs, in any order. A triangle without a partner is its own second. All triangles are in exactly one pair.
-   *  welded: null if all vertices differ. The result is the same for any number of
-   *  threads. Returns false if the mesh has so many triangles or vertices that numbers of edges have no 32 bits. */
+   *  welded: null if all vertices differ. The result is the same for any number of threads. Returns false if most
+   *  vertices do not have six triangles, or if the mesh has so many triangles or vertices that numbers of edges do not
+   *  fit into 32 bits. */
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds);
 }

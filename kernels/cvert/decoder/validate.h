@@ -164,7 +164,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (haveHalves(form)) {
         const VertNumbers stored = storedNumbersOf(&header);
         if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
-          return Reason::damaged("the numbers of its second triangles at % overlap what ends at %, or are not aligned",stored.x,end);
+          return Reason::damaged("the numbers of its second triangles at % overlap what ends at %, or are not aligned",
+                                 stored.x,end);
         end = size_t(stored.x) + sizeof(VertHalves);
         if (bytes < end) return Reason::damaged("it has % bytes: the numbers of its second triangles need %",bytes,end);
       }

@@ -17,7 +17,8 @@ namespace cvert
         for (uint32_t x=0; x<vertQuadsX(block->region); x++)
           for (bool isSecond : { false,true }) {
             const uint32_t primID = primitiveOfQuad(block,x,y,isSecond).primID;
-            if (primID >= numPrimitives) return Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
+            if (primID >= numPrimitives)
+              return Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
           }
       return Reason();
     }

@@ -26,8 +26,9 @@ CVERT_BEGIN
 
 struct VertNumbers
 {
-  uint32_t x, y; //!< rows: steps; recursive: 8 bits for each bit of x and y; tables: offset from the block's start, bits
-                 //!< per quad or triangle. With VertHalves, x is their offset from the block's start, and y is 0
+  /* rows: steps; recursive: 8 bits for each bit of x and y; tables: offset from the block's start, bits per quad or
+   * triangle. With VertHalves, x is their offset from the block's start, and y is 0. */
+  uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
@@ -75,7 +76,9 @@ CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint3
 CVERT_CONSTANT uint32_t turnBits = 2u;
 
 /*! entries of a table */
-CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) { return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u; }
+CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
+  return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
+}
 
 /*! bytes of a table, which has 32 bits behind its last that may be read */
 CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
