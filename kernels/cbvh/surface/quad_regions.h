@@ -10,7 +10,7 @@
  *
  *     v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q, and it is above q if its v0
  *      |  \  |   \  |       and v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the
- *     v0 --- v1 --- .       same two triangles as in their mesh. Quads that share a vertex have it at the same place. */
+ *     v0 --- v1 --- .       same two triangles as in their mesh. Vertices that quads share are the same for all. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
