@@ -35,6 +35,8 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/stored/surface_blocks.cpp
   cbvh/surface/input_checks.cpp
   cbvh/surface/quad_regions.cpp
+  cbvh/surface/triangle_pairs.cpp
+  cbvh/surface/welded_vertices.cpp
   cbvh/vert/tables.cpp
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp

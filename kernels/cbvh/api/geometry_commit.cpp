@@ -82,12 +82,6 @@ namespace embree
       return true;
     }
 
-    /*! About what the blocks of a grid take, with their part of the tree: as was seen, 130 bytes each, 8 more with numbers that follow a pattern,
-     *  and 1 a quad. */
-    size_t bytesOfBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
-      return (haveNumbers ? 138 : 130)*size_t(cbvh::vertBlocksAlong(uint32_t(quadsX)))*cbvh::vertBlocksAlong(uint32_t(quadsY)) + quadsX*quadsY;
-    }
-
     /*! Whether blocks take less memory than Embree's own kernel of grids. Input that is let go is worth more than either. */
     bool takeLessAsBlocks (const GridMesh* mesh)
     {
@@ -113,12 +107,12 @@ namespace embree
     /*! a mesh of less is left to Embree's kernels */
     const size_t fewPrimitives = 256;
 
-    /*! numbers that follow no pattern are not known yet */
-    size_t bytesOfBlocks (const QuadRegions& regions)
+    /*! Whether the regions of a mesh are stored as grids, and loose quads with them as small ones. Otherwise all of the
+     *  mesh is left to Embree: rays would leak where both meet. bytesInEmbree: of the mesh */
+    bool areWorthBlocks (const QuadRegions& found, size_t bytesInEmbree)
     {
-      size_t bytes = 0;
-      for (const QuadRegions::Region& region : regions.regions) bytes += bytesOfBlocks(region.width,region.height,true);
-      return bytes;
+      if (found.isOutOfMemory) return true; // the commit of the scene reports that
+      return !found.regions.empty() && 4*found.bytesOfBlocks() <= 3*bytesInEmbree;
     }
 
     /*! to who asks to be told */
@@ -199,7 +193,7 @@ namespace embree
     if (asks && !whyNot)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
-      whyNot = !regions || (!regions->isOutOfMemory && 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size()) ? "do not lie in grids" : nullptr;
+      whyNot = areWorthBlocks(*regions,bytesInEmbree*mesh->size()) ? nullptr : "do not lie in grids";
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
       if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
     }
