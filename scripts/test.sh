@@ -6,9 +6,8 @@
 #
 #   scripts/test.sh [CTEST-OPTION...]    for example -R Abi, or -L quick
 #
-# On Debian 12, tests of Vulkan run on the lavapipe of the backports, which has ray queries, and then on the one that
-# is installed. The second run leaves out tests that do not depend on the driver: vulkan_application only compiles
-# shaders, and vulkan_bounds checks the accesses of the same shaders with the validation layer.
+# On Debian 12, tests of Vulkan run on the lavapipe of the backports, which has ray queries. To run them on the one that
+# is installed, set VK_DRIVER_FILES to its description: scripts/test.sh -L gpu
 
 arguments=any # ctest's
 . "$(dirname -- "$0")/lib.sh"
@@ -34,7 +33,3 @@ phase "build" build
 [ -n "${VK_DRIVER_FILES:-}" ] || newer=$(scripts/newer_mesa.sh build/mesa) || newer=
 [ -z "${newer:-}" ] || export VK_DRIVER_FILES="$newer"
 phase "tests" run_tests "$@"
-if [ -n "${newer:-}" ]; then
-  unset VK_DRIVER_FILES
-  phase "tests on the installed driver" run_tests -L gpu -E '^vulkan_(application|bounds)\.' "$@"
-fi

@@ -180,8 +180,8 @@ struct CbvhGrids
   struct CbvhVertices vertices;
 };
 
-/* Quads or triangles that were diced, in any order: grids are found in them by their indices. Of triangles each two that follow each
- * other make a quad. */
+/* Quads or triangles that were diced, in any order: grids are found in them by the vertices that they share. Two
+ * triangles that share an edge make a quad. Vertices with the same position are one. */
 struct CbvhMesh
 {
   size_t structSize CBVH_SIZE_OF(CbvhMesh);

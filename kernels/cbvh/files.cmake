@@ -36,6 +36,8 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/surface/input_checks.cpp
   cbvh/surface/mesh_parts.cpp
   cbvh/surface/quad_regions.cpp
+  cbvh/surface/triangle_pairs.cpp
+  cbvh/surface/welded_vertices.cpp
   cbvh/vert/tables.cpp
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp

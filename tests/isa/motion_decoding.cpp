@@ -60,7 +60,7 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
     for (uint32_t rest = boxes->lanes; rest; rest &= rest - 1) {
       const uint32_t lane = uint32_t(__builtin_ctz(rest));
       decoder.vertices(*boxes, lane, *group);
-      const QuadCorners& quads = moving.quads(lane);
+      const CellVertices& atTime = moving.vertices(lane);
       for (uint32_t y = 0; y < 5; y++)
         for (uint32_t x = 0; x < 5; x++) {
           const uint32_t column = std::min(4*(lane & 3) + x, sheet.quadsX), row = std::min(4*(lane >> 2) + y, sheet.quadsY);
@@ -70,12 +70,12 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
               ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane " << lane;
             }
         }
-      for (uint32_t q = 0; q < 16; q++)
-        for (uint32_t c = 0; c < 4; c++) {
-          const float p[3] = {quads.at[c][0][q], quads.at[c][1][q], quads.at[c][2][q]};
-          if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
-          for (int k = 0; k < 3; k++) ASSERT_TRUE(contains(now, lane, k, p)) << "sheet " << i << ", lane " << lane << ", quad " << q << ", axis " << k << ", at " << fraction;
-        }
+      for (int v = 0; v < cellVertices; v++) {
+        const float p[3] = {atTime.at[0][v], atTime.at[1][v], atTime.at[2][v]};
+        if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
+        for (int k = 0; k < 3; k++)
+          ASSERT_TRUE(contains(now, lane, k, p)) << "sheet " << i << ", lane " << lane << ", vertex " << v << ", axis " << k << ", at " << fraction;
+      }
     }
   }
   EXPECT_GT(raw, 50u);
@@ -100,9 +100,9 @@ TEST(MotionDecoding, BoundsOfBlocksContainTheirVerticesAtAllTimes)
     for (int r = 0; r < 20 && now.lanes; r++) {
       uint32_t lane;
       do lane = random.below(16); while (!((now.lanes >> lane) & 1));
-      const QuadCorners& quads = moving.quads(lane);
-      const uint32_t q = random.below(16), c = random.below(4);
-      const float p[3] = {quads.at[c][0][q], quads.at[c][1][q], quads.at[c][2][q]};
+      const CellVertices& atTime = moving.vertices(lane);
+      const uint32_t v = random.below(cellVertices);
+      const float p[3] = {atTime.at[0][v], atTime.at[1][v], atTime.at[2][v]};
       if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
       float org[3], dir[3];
       for (int k = 0; k < 3; k++) {

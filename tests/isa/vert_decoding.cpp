@@ -43,15 +43,6 @@ void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_
   if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
 }
 
-QuadCorners quadsOf(const CellVertices& cell)
-{
-  QuadCorners quads;
-  for (uint32_t q = 0; q < 16; q++)
-    for (uint32_t c = 0; c < 4; c++)
-      for (int k = 0; k < 3; k++) quads.at[c][k][q] = cell.at[k][laneOfCorner(q, c)];
-  return quads;
-}
-
 TEST(VertDecoding, GroupsEqualTheScalarDecoder)
 {
   using namespace embree::isa::cbvh;
@@ -88,13 +79,13 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
         ASSERT_EQ(boxes.planes[k].at[0][lane], lower[k]);
         ASSERT_EQ(boxes.planes[k].at[1][lane], upper[k]);
       }
-      QuadCorners quads;
-      decoder.quads(boxes, lane, quads);
+      CellVertices group;
+      decoder.vertices(boxes, lane, group);
       for (uint32_t q = 0; q < 16; q++)
         for (uint32_t c = 0; c < 4; c++) {
           const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
           for (int k = 0; k < 3; k++) {
-            const float a = quads.at[c][k][q], b = expected->vertex(x, y)[k];
+            const float a = group.at[k][laneOfCorner(q, c)], b = expected->vertex(x, y)[k];
             ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
               << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis " << k;
           }
@@ -147,10 +138,9 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
     const embree::Ray ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
     VertRay pre;
     pre.set(ray);
-    const QuadCorners quads = quadsOf(cell);
-    const GroupTriangles triangles(pre, quads);
+    const GroupTriangles triangles(pre, cell);
     for (uint32_t h = 0; h < 32; h++) {
-      const VertTriangle triangle(quads, h);
+      const VertTriangle triangle(cell, h);
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
@@ -179,7 +169,6 @@ TEST(VertTriangles, ContainWhatIsInsideOrOnTheirEdges)
     CellVertices cell;
     for (auto& axis : cell.at)
       for (float& x : axis) x = float(random.below(7));
-    const QuadCorners quads = quadsOf(cell);
     const int px = int(random.below(7)), py = int(random.below(7));
     VertRay pre;
     pre.set(embree::Ray(embree::Vec3fa(float(px), float(py), -1), embree::Vec3fa(0, 0, 1), 0.0f, INFINITY));
@@ -187,15 +176,15 @@ TEST(VertTriangles, ContainWhatIsInsideOrOnTheirEdges)
       const uint32_t corners[2][3] = {{0, 1, 2}, {2, 1, 3}}; // 00, 10, 01 and 01, 10, 11
       int x[3], y[3];
       for (int v = 0; v < 3; v++) {
-        x[v] = int(quads.at[corners[h & 1][v]][0][h >> 1]);
-        y[v] = int(quads.at[corners[h & 1][v]][1][h >> 1]);
+        x[v] = int(cell.at[0][laneOfCorner(h >> 1, corners[h & 1][v])]);
+        y[v] = int(cell.at[1][laneOfCorner(h >> 1, corners[h & 1][v])]);
       }
       const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) { return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax); };
       const int all = area(x[0], y[0], x[1], y[1], x[2], y[2]);
       const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]), area(x[0], y[0], x[1], y[1], px, py)};
       // parts of one sign make up the whole
       const bool isInside = all != 0 && std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]) == std::abs(all);
-      ASSERT_EQ(VertTriangle(quads, h).containsExactly(pre), isInside) << "case " << i << ", triangle " << h;
+      ASSERT_EQ(VertTriangle(cell, h).containsExactly(pre), isInside) << "case " << i << ", triangle " << h;
       inside += isInside;
       onEdges += isInside && parts[0]*parts[1]*parts[2] == 0;
       lines += all == 0;
@@ -220,7 +209,6 @@ void comparePacketsWithRays()
     for (int k = 0; k < 3; k++)
       for (float& x : cell.at[k]) x = float(random.below(width))/128 + (k == i % 3 ? 1 : 0);
     if (i % 7 == 0) cell.at[i % 3][random.below(cellVertices)] = NAN;
-    const QuadCorners quads = quadsOf(cell);
 
     embree::RayK<K> packet;
     VertRay rays[K];
@@ -238,13 +226,13 @@ void comparePacketsWithRays()
     VertRays<K> together;
     together.set(packet);
     for (uint32_t kz = 0; kz < 3; kz++) {
-      const GroupTrianglesK<K> triangles(together, kz, quads);
+      const GroupTrianglesK<K> triangles(together, kz, cell);
       for (int r = 0; r < K; r++) {
         if (uint32_t(together.form[r] & 3) != kz) continue;
         ASSERT_EQ(rays[r].kz, int(kz));
-        const uint32_t mask = GroupTriangles(rays[r], quads).mask;
+        const uint32_t mask = GroupTriangles(rays[r], cell).mask;
         ASSERT_EQ(uint32_t(triangles.mask[r]), mask) << "case " << i << ", ray " << r << " of " << K;
-        ASSERT_EQ(GroupTriangles(together.at(r), quads).mask, mask);
+        ASSERT_EQ(GroupTriangles(together.at(r), cell).mask, mask);
         found += mask != 0;
       }
     }

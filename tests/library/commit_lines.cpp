@@ -151,5 +151,24 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
 }
 
+// A lattice as coarse as the quads is reported once, even if nobody asked for lines about commits.
+TEST(CoarseLattice, IsReportedOnce)
+{
+  Random random(2);
+  const DicedMesh mesh = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random); // edges of 1/32
+  const auto reported = [&](const char* config) {
+    testing::internal::CaptureStderr();
+    const Device device(config);
+    const MeshScene scene(device, mesh);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(reported("cbvh_max_error=0.001"), "");
+  const std::string text = reported("cbvh_max_error=0.05");
+  EXPECT_NE(text.find("max_error selects a spacing of 0.03125, "), std::string::npos) << text;
+  EXPECT_NE(text.find(" times the median edge"), std::string::npos) << text;
+  EXPECT_EQ(reported("cbvh_max_error=0.05"), "") << "once";
+  EXPECT_NE(reported("cbvh_max_error=0.05,verbose=1").find("max_error selects"), std::string::npos);
+}
+
 } // namespace
 } // namespace cbvh::test

@@ -49,6 +49,9 @@ DicedMesh randomMesh(Random& random)
     mesh = trianglesOf(mesh, random.below(3), random.below(3));
     for (unsigned i = random.below(5); i > 0; i--) mesh.triangles.erase(mesh.triangles.begin() + random.below(unsigned(mesh.triangles.size())));
     if (random.chance(0.2)) shuffle(mesh.triangles);
+    if (random.chance(0.2)) mesh = halvesApart(mesh);
+    if (random.chance(0.2)) mesh = withShuffledFaces(mesh, random);
+    if (random.chance(0.2)) mesh = withTurnedTriangles(mesh, random);
   }
   if (random.chance(0.3))
     for (unsigned i = random.below(10); i > 0; i--) mesh.vertices[random.below(unsigned(mesh.vertices.size()))][random.below(3)] = random.chance(0.5) ? NAN : INFINITY;

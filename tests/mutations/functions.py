@@ -168,7 +168,7 @@ FUNCTIONS = (
         "open = [0 => 1]": "the triangles of a group that is not met are not hit",
         "[without] tNear": "boxes are met then that lie before the ray or behind it, and their triangles are not hit",
     }),
-    Entry("CachedVertBlock::quads", 2, RAYS),
+    Entry("CachedVertBlock::vertices", 2, RAYS),
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),
     # settings
     Entry("setMaxError", 2, SETTINGS),

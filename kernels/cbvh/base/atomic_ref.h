@@ -20,6 +20,7 @@ namespace embree
       explicit AtomicRef (T& object) : object(object) {}
 
       T load (std::memory_order order) const { return __atomic_load_n(&object,int(order)); }
+      T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
       /*! Replaces the expected value. Otherwise returns false and sets `expected` to the value that is there; may fail

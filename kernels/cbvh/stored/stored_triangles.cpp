@@ -105,12 +105,12 @@ namespace embree
         }
       };
 
-      /*! Calls closure(x, y, number) for the quads of a block that numbers them. */
+      /*! Calls closure(x, y) for the quads of a block that numbers them. */
       template<typename Closure>
       void forEachQuad (const VertHeader* block, const Closure& closure)
       {
         for (uint32_t y=0; y<vertQuadsY(block->region); y++)
-          for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y,numberOfQuad(block,x,y));
+          for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y);
       }
 
       /*! Calls closure(number, corners) for the triangles of a mesh block. */
@@ -153,13 +153,14 @@ namespace embree
         /*! The triangles of a quad, or one of them, in the application's order of its vertices. */
         void lookForPrimitive (const VertHeader* block, uint32_t primID)
         {
-          const uint32_t form = block->patchQuads;
           const VerticesAtTime vertices(block,time);
           slack = slackOf(u) + slackOf(v);
-          forEachQuad(block,[&](uint32_t x, uint32_t y, uint32_t number) {
+          forEachQuad(block,[&](uint32_t x, uint32_t y) {
               const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
               for (bool isSecond : { false,true }) {
-                if (primitiveOfNumber(form,number,isSecond) != primID || (isSecond && isOneTriangle(form))) continue;
+                const QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
+                const uint32_t form = primitive.form;
+                if (primitive.primID != primID || (isSecond && isOneTriangle(form))) continue;
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
@@ -287,9 +288,8 @@ namespace embree
               add(primitiveOfMesh(block->form,view.number(g,t)),uint32_t(i));
         }
         if (!blocks[i].numbersQuads()) continue;
-        forEachQuad(blocks[i].vert(),[&](uint32_t, uint32_t, uint32_t number) {
-            add(number,uint32_t(i));
-            add(primitiveOfNumber(blocks[i].vert()->patchQuads,number,true),uint32_t(i));
+        forEachQuad(blocks[i].vert(),[&](uint32_t x, uint32_t y) {
+            for (bool isSecond : { false,true }) add(primitiveOfQuad(blocks[i].vert(),x,y,isSecond).primID,uint32_t(i));
           });
       }
       blockOf.shrink_to_fit();
@@ -388,9 +388,9 @@ namespace embree
           const uint32_t form = block.vert()->patchQuads;
           const VerticesAtTime decoded(block.vert(),time);
           uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
-          forEachQuad(block.vert(),[&](uint32_t, uint32_t, uint32_t number) {
-              primIDs[n++] = number;
-              if (isOfTriangles(form)) primIDs[n++] = primitiveOfNumber(form,number,true);
+          forEachQuad(block.vert(),[&](uint32_t x, uint32_t y) {
+              primIDs[n++] = primitiveOfQuad(block.vert(),x,y,false).primID;
+              if (isOfTriangles(form)) primIDs[n++] = primitiveOfQuad(block.vert(),x,y,true).primID;
             });
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;

@@ -28,6 +28,7 @@
 #include "../base/codec.h"
 #include "../base/tasks.h"
 #include "../../cvert/encoder/lattice.h"
+#include "coarse_lattice.h"
 #include "plan.h"
 #include <algorithm>
 
@@ -57,11 +58,15 @@ namespace embree
         double spacing = 0; // quads may be much longer than wide: the shorter side counts
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
+          if (median > 0) medianEdge = medianEdge > 0 ? min(medianEdge,median) : median;
           const double wanted = ofEdge > 0 ? median*ofEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
         return cbvh::latticeExponent(spacingAskedFor(plan,spacing));
       }
+
+      /*! median edge along u or v, whichever is shorter, once exponent() was called; 0 if there is none */
+      double edge () const { return medianEdge; }
 
     private:
       /*! Returns the default if the application did not ask for a bound. */
@@ -88,6 +93,7 @@ namespace embree
       }
 
       const double ofEdge;
+      double medianEdge = 0;
       cbvh::EdgeSample samples[2][2];   //!< along u, v; of the patch's rate, of coarse borders
       unsigned fewest[2] = { ~0u,~0u }; //!< quads
     };
@@ -106,16 +112,29 @@ namespace embree
         fill(own,size,int8_t(cbvh::exactLattice));
         std::vector<double> diagonals;
         for (unsigned step=0; step<plan.numTimeSteps; step++) diagonals.push_back(diagonal(topology,step,perTask));
+        MutexSys mutex;
+        double sumOfSpacings = 0, sumOfEdges = 0;
+        size_t numEdges = 0;
         forRanges(size,perTask,[&](const range<size_t>& r) {
             typename Topology::Scratch scratch(device);
+            double spacings = 0, edges = 0;
+            size_t n = 0;
             for (size_t i=r.begin(); i!=r.end(); i++)
               for (unsigned step=0; step<plan.numTimeSteps; step++) {
                 LatticeChoice choice(topology.spacingOfEdge());
-                if (topology.addLines(i,step,scratch,choice))
-                  own[i*plan.numTimeSteps + step] = int8_t(choice.exponent(plan,diagonals[step]));
+                if (!topology.addLines(i,step,scratch,choice)) continue;
+                const int exponent = choice.exponent(plan,diagonals[step]);
+                own[i*plan.numTimeSteps + step] = int8_t(exponent);
+                if (choice.edge() > 0) { spacings += std::ldexp(1.0,exponent); edges += choice.edge(); n++; }
               }
             progress();
+            Lock<MutexSys> lock(mutex);
+            sumOfSpacings += spacings;
+            sumOfEdges += edges;
+            numEdges += n;
           });
+        if (plan.settings.maxError > 0 && plan.kind() == cbvh::Kind::VERT && sumOfEdges > 0)
+          warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 
       /*! Chooses the lattices of shared elements, whose numbers are below numElements. All begin with the finest of all

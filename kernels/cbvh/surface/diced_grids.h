@@ -39,6 +39,8 @@ namespace embree
 {
   namespace isa
   {
+    static_assert(looseSide == QuadRegions::leastSide,"quads are loose by one rule");
+
     /*! Vertices: has width and height, in vertices, and vertex(x,y), its number in the geometry's buffer */
     template<typename Vertices>
     struct DicedGrid : public Vertices
@@ -134,12 +136,7 @@ namespace embree
 
       bool number (size_t i, cbvh::QuadNumbers& out) const
       {
-        const QuadRegions::Region& r = regions->regions[i];
-        const unsigned* const of = regions->quads.data()+r.first;
-        out.form = quads.form(*of);
-        out.width = r.width;
-        out.numbers.resize(size_t(r.width)*r.height);
-        for (size_t k=0; k<out.numbers.size(); k++) out.numbers[k] = quads.number(of[k]);
+        numberRegion(quads,*regions,i,out);
         return true;
       }
 
@@ -149,9 +146,6 @@ namespace embree
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) { return bytesOfQuad(numTimeSteps)*quadsX*quadsY; }
 
     private:
-      static QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions&) { return QuadsOfMesh{ mesh }; }
-      static PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& regions) { return regions.pairs(mesh); }
-
       const std::shared_ptr<const QuadRegions> regions;
       const MeshType* const mesh;
       const Quads quads;

@@ -11,61 +11,49 @@ namespace embree
 {
   namespace
   {
-    /*! Estimate of the bytes of a region's blocks, if its numbers follow a pattern. */
-    size_t bytesOfBlocks (const QuadRegions::Region& region) {
-      return bytesOfGridBlocks(region.width,region.height,true);
-    }
-
-    void addPrimitives (const QuadsOfMesh& quads, unsigned quad, mvector<unsigned>& out) {
-      out.push_back(quads.number(quad));
-    }
-
-    void addPrimitives (const PairsOfMesh& pairs, unsigned pair, mvector<unsigned>& out)
-    {
-      out.push_back(pairs.number(pair));
-      if (!pairs.isSingle(pair)) out.push_back(pairs.number(pair)+1);
-    }
-
     /*! Moves quads of regions that take less memory in mesh blocks to the loose primitives. */
-    template<typename Quads>
-    void loosen (QuadRegions& parts, const Quads& quads)
+    template<typename Mesh>
+    void loosen (const Mesh* mesh, QuadRegions& parts)
     {
-      size_t regions = 0, kept = 0;
-      for (const QuadRegions::Region& region : parts.regions)
+      const auto quads = quadsOf(mesh,parts);
+      size_t regions = 0, regular = 0, kept = 0;
+      for (size_t i=0; i<parts.regions.size(); i++)
       {
+        const QuadRegions::Region region = parts.regions[i];
         const unsigned* const of = parts.quads.data()+region.first;
         const size_t count = size_t(region.width)*region.height;
-        if (bytesOfBlocks(region) >= bytesOfMeshTriangles(2*count)) {
-          for (size_t i=0; i<count; i++) addPrimitives(quads,of[i],parts.loose);
+        if (QuadRegions::isSmallerInMeshBlocks(region)) {
+          for (size_t k=0; k<count; k++) {
+            const unsigned first = quads.number(of[k]), second = quads.second(of[k]);
+            parts.loose.push_back(first);
+            if (second != first) parts.loose.push_back(second);
+          }
           continue;
         }
         std::copy(of,of+count,parts.quads.begin()+kept); // forwards: kept is not after first
         parts.regions[regions++] = QuadRegions::Region{ kept,region.width,region.height };
+        regular += i < parts.numRegular;
         kept += count;
       }
       parts.regions.resize(regions);
+      parts.numRegular = regular;
       parts.quads.resize(kept);
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions&) { return QuadsOfMesh{ mesh }; }
-    PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& parts) { return parts.pairs(mesh); }
-
+    /*! A mesh that moves has no mesh blocks: all of it is stored as grids, or nothing, as rays would leak where grids
+     *  meet Embree's own kernels. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {
       const std::shared_ptr<const QuadRegions> found = QuadRegions::find(mesh);
-      if (mesh->numTimeSteps != 1)
-      {
-        size_t bytes = 0;
-        if (found)
-          for (const QuadRegions::Region& region : found->regions) bytes += bytesOfBlocks(region);
-        return found && 4*bytes <= 3*bytesInEmbree*mesh->size() ? found : nullptr;
+      if (mesh->numTimeSteps != 1) {
+        const bool isWorthIt = !found->regions.empty() && 4*found->bytesOfBlocks() <= 3*bytesInEmbree*mesh->size();
+        return isWorthIt ? found : nullptr;
       }
-      const std::shared_ptr<QuadRegions> parts = found ? std::const_pointer_cast<QuadRegions>(found)
-        : std::make_shared<QuadRegions>(mesh->device);
-      if (found) loosen(*parts,quadsOf(mesh,*parts));
-      parts->areAllLoose = !found;
+      const std::shared_ptr<QuadRegions> parts = std::const_pointer_cast<QuadRegions>(found);
+      parts->areAllLoose = parts->regions.empty();
+      loosen(mesh,*parts);
       return parts;
     }
   }

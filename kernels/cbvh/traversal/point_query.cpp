@@ -123,9 +123,11 @@ namespace embree
             for (uint32_t x=0; x<vertQuadsX(header->region); x++)
             {
               const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) }, * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
-              const uint32_t number = numberOfQuad(header,x,y);
-              if (!isOfTriangles(form)) changed |= call(geometry,number,{ diagonal[0],diagonal[1],ends[0],ends[1] });
-              else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++) changed |= call(geometry,number+i,{ diagonal[0],diagonal[1],ends[i] });
+              auto primitive = [&](bool isSecond) { return primitiveOfQuad(header,x,y,isSecond).primID; };
+              if (!isOfTriangles(form))
+                changed |= call(geometry,primitive(false),{ diagonal[0],diagonal[1],ends[0],ends[1] });
+              else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++)
+                changed |= call(geometry,primitive(i == 1),{ diagonal[0],diagonal[1],ends[i] });
             }
           return changed;
         }

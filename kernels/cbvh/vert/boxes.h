@@ -34,6 +34,32 @@ namespace embree
         }
       };
 
+      /*! A ray along the axes of a block's boxes, all of them at a time: boxSlack times rcp, and what ShearedRay is made of. */
+      struct RayInBoxes
+      {
+        alignas(16) float slack[4];           //!< of planes of the world's axes, along the ray
+        alignas(16) float coordinate[4]; //!< ShearedCoordinate
+
+        __forceinline RayInBoxes (const VertRayAxes<float>& ray, const VertAxes& axes)
+        {
+          const vfloat4 distance = vfloat4::loadu(ray.org) - vfloat4::loadu(axes.origin), shear = vfloat4::loadu(axes.shear);
+          const vfloat4 reach = abs(distance) + vfloat4::loadu(axes.extent);
+          vfloat4::store(slack,vfloat4(slackUlps*floatUlp)*reach*abs(vfloat4::loadu(ray.rcp)));
+          vfloat4 x, y, z;
+          transpose(shear*distance,shear*vfloat4::loadu(ray.dir),abs(shear)*reach,vfloat4(zero),x,y,z);
+          vfloat4::store(coordinate,x+y+z);
+        }
+
+        __forceinline ShearedRay<float> sheared (const VertRayAxes<float>& ray) const
+        {
+          ShearedRay<float> along;
+          along.org = coordinate[0];
+          along.rcp = directionReciprocal(coordinate[1],ray.largest);
+          along.error = shearedSlack(coordinate[2]);
+          return along;
+        }
+      };
+
       struct BlockBounds : public VertAxes, public BlockReach
       {
         float slack[3];             //!< by axis: what they may be too small by

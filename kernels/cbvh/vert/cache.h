@@ -12,14 +12,11 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! vertices of a cell by axis, in a lane each */
+    /*! vertices of a cell by axis, in a lane each; lanes behind the last are not anything */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
     /*! the same in coordinates: x, y and z of a lane, and 0 */
-    struct alignas(64) CellCoordinates { uint16_t at[VertTables::lanes][4]; };
-
-    /*! corners of the 4 x 4 quads of a group: 00, 10, 01 and 11, each by axis, a quad in a lane */
-    struct alignas(64) QuadCorners { float at[4][3][16]; };
+    struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
     /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
      *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
@@ -44,39 +41,40 @@ namespace embree
     /*! What a block's groups have in common, and their boxes. Of a raw block only axes, lanes and planes are anything. */
     struct VertBoxes : public GroupBoxes
     {
-      const void* block;     //!< that the boxes belong to
-      alignas(64) uint16_t fields[16]; //!< of each group: bytes from the block's start
       uint32_t words[16];    //!< of each group's cell
+      uint16_t fields[16];   //!< of each group: bytes from the block's start
       CellCoordinates corners; //!< of groups
+      const void* block;     //!< that the boxes belong to
     };
+    static_assert(sizeof(VertBoxes) == 12*64,"a slot takes more lines of memory");
 
-    /*! quads of a group of a block, in the world */
-    struct VertQuads
-    {
-      const void* block;     //!< that the group belongs to
-      uint32_t lane;
-      QuadCorners quads;
-    };
+    /*! a group of a block as one number: blocks lie at multiples of 16 bytes */
+    __forceinline size_t keyOfGroup (const void* block, uint32_t lane) { return size_t(block) + lane; }
 
     class VertEntries
     {
     public:
-      /*! The slot of a block (of a group): what is there is the caller's if `block` (and lane) say so, else
-       *  it is to be filled, and named. */
-      __forceinline VertBoxes& slot (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
-      __forceinline VertQuads& slot (const void* block, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane) % numGroups]; }
+      /*! The slot of a block: what is there is the caller's if `block` says so, else it is to be filled, and named. */
+      __forceinline VertBoxes& slot (const void* block) { return blocks[placeOfBlock(block,512) % numBlocks]; }
+
+      /*! The slot of a group: what is there is the caller's if its key says so, else it is to be filled, and named. */
+      static __forceinline size_t slot (const void* block, uint32_t lane) { return (placeOfBlock(block,32) + lane) % numGroups; }
+      __forceinline size_t& key (size_t slot) { return keys[slot]; }
+      __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
 
       void clear ()
       {
         for (VertBoxes& block : blocks) block.block = nullptr;
-        for (VertQuads& group : groups) group.block = nullptr;
+        for (size_t& key : keys) key = 0;
       }
 
     private:
-      static const size_t numBlocks = 512, numGroups = 256;
+      /* Together less than 512 KiB, the second-level cache of a core: more would take it from what is traced. */
+      static const size_t numBlocks = 256, numGroups = 768;
 
       VertBoxes blocks[numBlocks];
-      VertQuads groups[numGroups];
+      size_t keys[numGroups];
+      CellVertices groups[numGroups]; //!< in the world
     };
 
     /* --- blocks that move: segments, at both of their ends --- */
@@ -122,8 +120,8 @@ namespace embree
     public:
       /*! The slot of a block (of a group) in a segment: what is there is the caller's if its key says so, else
        *  it is to be filled, and named. */
-      __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) { return blocks[(hashOfBlock(block) + segment) % numBlocks]; }
-      __forceinline SegmentVertices& slot (const void* block, uint32_t segment, uint32_t lane) { return groups[(hashOfBlock(block)*5 + lane + 7*segment) % numGroups]; }
+      __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) { return blocks[(placeOfBlock(block,512) + segment) % numBlocks]; }
+      __forceinline SegmentVertices& slot (const void* block, uint32_t segment, uint32_t lane) { return groups[(placeOfBlock(block,32) + lane + 7*segment) % numGroups]; }
 
       void clear ()
       {

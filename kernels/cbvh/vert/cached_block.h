@@ -19,8 +19,9 @@ namespace embree
       class CachedVertBlock
       {
       public:
-        __forceinline explicit CachedVertBlock (const VertHeader* block)
-          : cache(VertCache::ofThread()), block(block), slot(cache.slot(block)) {}
+        /*! ray: VertRay or VertRays, with the thread's cache */
+        template<typename VertRay>
+        __forceinline CachedVertBlock (const VertRay& ray, const VertHeader* block) : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
 
         /*! its boxes, or null if they are not decoded */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
@@ -34,19 +35,19 @@ namespace embree
         /*! Returns false if the block is damaged: nothing of it may be read, not even its header. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
 
-        /*! corners and boxes of groups of a usable block */
+        /*! boxes of groups of a usable block */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
           return slot;
         }
 
-        /*! of the group in a lane */
-        __forceinline const QuadCorners& quads (uint32_t lane) const
+        /*! of the group in a lane, in the world */
+        __forceinline const CellVertices& vertices (uint32_t lane) const
         {
-          VertQuads& at = cache.slot(block,lane);
-          if (at.block != block || at.lane != lane) decode(lane,at);
-          return at.quads;
+          const size_t slot = cache.slot(block,lane);
+          if (unlikely(cache.key(slot) != keyOfGroup(block,lane))) decode(lane,slot);
+          return cache.vertices(slot);
         }
 
       private:
@@ -59,12 +60,11 @@ namespace embree
           VertDecoder(block).decode(slot);
         }
 
-        __noinline void decode (uint32_t lane, VertQuads& at) const
+        __noinline void decode (uint32_t lane, size_t slot) const
         {
           const VertBoxes& boxes = this->boxes();
-          at.block = block;
-          at.lane = lane;
-          VertDecoder(block).quads(boxes,lane,at.quads);
+          cache.key(slot) = keyOfGroup(block,lane);
+          VertDecoder(block).vertices(boxes,lane,cache.vertices(slot));
         }
 
         VertCache& cache;

@@ -24,7 +24,9 @@ namespace embree
       class CachedMeshBlock
       {
       public:
-        __forceinline explicit CachedMeshBlock (const VertHeader* block)
+        /*! ray: VertRay or VertRays. Its cache is that of blocks of cVERT; mesh blocks have their own. */
+        template<typename VertRay>
+        __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)) {}
 
         /*! Returns the boxes, or null if they are not decoded. */
@@ -42,8 +44,8 @@ namespace embree
           return slot;
         }
 
-        /*! of group g */
-        __forceinline const MeshTriangles& quads (uint32_t g) const
+        /*! of group g, with their vertices */
+        __forceinline const MeshTriangles& vertices (uint32_t g) const
         {
           MeshTriangles& at = cache.slot(block,g);
           if (at.block != block || at.lane != g) decode(g,at);

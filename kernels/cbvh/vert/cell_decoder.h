@@ -79,7 +79,7 @@ namespace embree
         const float* weightY;
       };
 
-      /*! where vertices go: coordinates of the block as they are, or corners of quads in the world */
+      /*! where vertices go: coordinates of the block as they are */
       struct CoordinatesOfCell
       {
         CellVertices& out;
@@ -94,7 +94,7 @@ namespace embree
       };
 
       /*! vertices in the world */
-      struct WorldVerticesOfCell
+      struct WorldOfCell
       {
         CellVertices& out;
         const VertSpacing& spacing;
@@ -102,26 +102,6 @@ namespace embree
 
         __forceinline void put (int axis, const CellVector& v) const {
           CoordinatesOfCell{ out }.put(axis,madd(v,spacing.at[axis],origin[axis]));
-        }
-      };
-
-      struct WorldOfCell
-      {
-        QuadCorners& out;
-        const VertSpacing& spacing;
-        const float* origin;
-
-        __forceinline void put (int axis, const CellVector& v) const { store(out,axis,madd(v,spacing.at[axis],origin[axis])); }
-
-        /*! vertices in the world */
-        static __forceinline void store (QuadCorners& out, int axis, const CellVector& v)
-        {
-          const QuadCornersV corners(v);
-          /* out.at[c][axis], from one address */
-          float* first = out.at[0][axis];
-          const size_t step = sizeof(out.at[0])/sizeof(float);
-          for (int c=0; c<4; c++)
-            for (int j=0; j<QuadCornersV::vectors; j++) vfloatV::store(first + step*c + vectorWidth*j,corners.at(j,c));
         }
       };
 
@@ -187,6 +167,19 @@ namespace embree
       template<typename Base, typename Out>
       __forceinline void decodeCell (uint32_t word, const uint8_t* data, const Base& base, const Out& out) { CellDecoder<Base>(word,data,base).decode(out); }
 
+      /*! Copies the vertices of group (gx,gy) of a raw block or step. from: of its first vertex; quads that the block does not have
+       *  have no area. */
+      __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy, CellVertices& out)
+      {
+        const float (*v)[3] = (const float (*)[3])from;
+        const uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
+        for (uint32_t j=0; j<5; j++)
+          for (uint32_t i=0; i<5; i++) {
+            const uint32_t x = min(groupQuads*gx + i,quadsX), y = min(groupQuads*gy + j,quadsY);
+            for (int k=0; k<3; k++) out.at[k][laneOfVertex(i,j)] = v[y*(quadsX+1)+x][k];
+          }
+      }
+
       /*! Adds their remainders, one after the other as few blocks have any, to the vertices of group (gx,gy). start:
        *  of the block or step; remainders: their word */
       __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
@@ -206,9 +199,6 @@ namespace embree
               float& x = vertices.at[k][laneOfVertex(i,j)];
               x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);
             }
-#if !defined(__AVX512F__)
-          for (int l=cellVertices; l<VertTables::lanes; l++) vertices.at[k][l] = vertices.at[k][cellVertices-1];
-#endif
         }
       }
     }

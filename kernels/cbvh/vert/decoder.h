@@ -76,25 +76,20 @@ namespace embree
           decodeGroupWords(bytes(layout.words),bytes(layout.wordsHigh),layout.cell + cellBytes(block->word),layout,out.words,out.fields);
         }
 
-        /*! quads of the group in a lane, in the world; boxes: of the block */
-        __forceinline void quads (const VertBoxes& boxes, uint32_t lane, QuadCorners& out) const
+        /*! vertices of the group in a lane, in the world; boxes: of the block */
+        __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
           if (unlikely(isRaw(block->boxForm))) {
-            copy(gx,gy,out);
+            copyVertices(bytes(layout.vertices),block->region,gx,gy,out);
             return;
           }
           auto corner = [&](int c) { return coordinatesAt(boxes.corners.at[vertTables.corners[lane][c]]); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
-          if (unlikely(hasRemainders(block->boxForm))) {
-            CellVertices vertices;
-            decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldVerticesOfCell{ vertices,spacing,block->origin });
-            addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,vertices);
-            for (int k=0; k<3; k++) WorldOfCell::store(out,k,CellVector(vertices.at[k]));
-            return;
-          }
           decodeCell(boxes.words[lane],bytes(boxes.fields[lane]),base,WorldOfCell{ out,spacing,block->origin });
+          if (unlikely(hasRemainders(block->boxForm)))
+            addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
         /*! coordinates are less than maxExtent */
@@ -105,7 +100,7 @@ namespace embree
             auto four = [&](int k) { return _mm_cvttps_epi32(_mm_load_ps(v.at[k]+l)); };
             const __m128i xy = _mm_or_si128(four(0),_mm_slli_epi32(four(1),16)), z = four(2);
             _mm_store_si128((__m128i*)out.at[l],_mm_unpacklo_epi32(xy,z));
-            _mm_store_si128((__m128i*)out.at[l+2],_mm_unpackhi_epi32(xy,z));
+            if (l+2 < cellVertices) _mm_store_si128((__m128i*)out.at[l+2],_mm_unpackhi_epi32(xy,z));
           }
         }
 
@@ -119,17 +114,6 @@ namespace embree
         }
 
         __forceinline const uint8_t* bytes (uint32_t offset) const { return (const uint8_t*)block + offset; }
-
-        void copy (uint32_t gx, uint32_t gy, QuadCorners& out) const
-        {
-          const float (*v)[3] = (const float (*)[3])bytes(layout.vertices);
-          for (uint32_t q=0; q<16; q++)
-            for (uint32_t c=0; c<4; c++)
-            {
-              const uint32_t x = min(groupQuads*gx + (q & 3) + (c & 1),quadsX), y = min(groupQuads*gy + (q >> 2) + (c >> 1),quadsY);
-              for (int k=0; k<3; k++) out.at[c][k][q] = v[y*(quadsX+1)+x][k];
-            }
-        }
 
         void copyPlanes (int k, VertBoxes& out) const
         {

@@ -38,7 +38,7 @@ namespace embree
           if (likely((triangles & (triangles-1)) == 0))
           {
             const uint32_t h = uint32_t(bsf(triangles));
-            const VertTriangle triangle(cached.quads(g),h);
+            const VertTriangle triangle(cached.vertices(g),h);
             const VertTriangle::Sides sides = triangle.sides(vertRay);
             const WideNormal<double> normal = triangle.normal();
             float t;
@@ -55,7 +55,7 @@ namespace embree
           for (; triangles; triangles&=triangles-1)
           {
             const uint32_t h = uint32_t(bsf(triangles));
-            const VertTriangle triangle(cached.quads(g),h);
+            const VertTriangle triangle(cached.vertices(g),h);
             if (!triangle.contains(vertRay,triangle.sides(vertRay))) continue;
             const TriangleSpan<double> span = triangle.span(vertRay);
             float t = 0.0f;
@@ -73,7 +73,7 @@ namespace embree
           uint32_t open = 0;
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
-            const VertTriangle triangle(cached.quads(g),h);
+            const VertTriangle triangle(cached.vertices(g),h);
             if (triangle.contains(vertRay,triangle.sides(vertRay)) && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
           }
           while (open)
@@ -84,7 +84,7 @@ namespace embree
               if (t[h] < t[best]) best = h;
             }
             open &= ~(1u << best);
-            const VertTriangle triangle(cached.quads(g),best);
+            const VertTriangle triangle(cached.vertices(g),best);
             if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(vertRay))) return true;
           }
           return false;

@@ -70,7 +70,7 @@ namespace embree
           uint32_t isMet; //!< not before tnear
           uint32_t lies;  //!< rays that lie in the plane
 
-          __forceinline Triangles (uint32_t mask, const QuadCorners& quads, const vint<K>& triangles, float firstX, float firstY)
+          __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles, float firstX, float firstY)
           {
             for (int k=0; k<3; k++)
               for (int i=0; i<3; i++) vfloat<K>::store(vertices[k][i],vfloat<K>(zero));
@@ -79,10 +79,8 @@ namespace embree
             for (; mask; mask&=mask-1)
             {
               const uint32_t ray = uint32_t(bsf(mask)), h = uint32_t(bsf(uint32_t(triangles[ray])));
-              for (int i=0; i<3; i++) {
-                const float (*corner)[16] = quads.at[cornerOfTriangle(h,i)];
-                for (int k=0; k<3; k++) vertices[k][i][ray] = corner[k][h >> 1];
-              }
+              for (int i=0; i<3; i++)
+                for (int k=0; k<3; k++) vertices[k][i][ray] = group.at[k][vertTables.triangles[h][i]];
               x[ray] += float((h >> 1) & 3);
               y[ray] += float(h >> 3);
             }
@@ -145,7 +143,7 @@ namespace embree
          *  hit at the very place already. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
-          Triangles of(mask,cached.quads(g),triangles,float(firstQuadX(block->region,g)),float(firstQuadY(block->region,g)));
+          Triangles of(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),float(firstQuadY(block->region,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
           const vfloat<K> tfar = rays.tfar;
           if (!isRead(rays,context,block->surface))

@@ -36,22 +36,23 @@ namespace embree
         const int vectors = QuadCornersV::vectors;
         vfloatV tNear[vectors], tFar[vectors];
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
-        auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float error) {
-          const int nearSide = reciprocal < 0.0f; // an index: a branch would not be foreseen
-          const float* near = planes.at[nearSide];
-          const float* far  = planes.at[1-nearSide];
-          const vfloatV org(from), rcp(reciprocal), slack(error*std::fabs(reciprocal));
+        /* descends: an index, as a branch would not be foreseen */
+        auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes, uint32_t descends) {
+          const float* near = planes.at[descends];
+          const float* far  = planes.at[1-descends];
+          const vfloatV org(from), rcp(reciprocal), slack(slackOfPlanes);
           for (int j=0; j<vectors; j++) {
             tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
             tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
           }
         };
         const int m = boxes.axis;
+        const RayInBoxes at(vertRay,boxes);
         for (int k=0; k<3; k++)
-          if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],boxSlack(vertRay.org[k],boxes.origin[k],boxes.extent[k]));
+          if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.descends >> k) & 1u);
         if (likely(m < 3)) {
-          const ShearedRay<float> sheared(vertRay,boxes);
-          clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error);
+          const ShearedRay<float> sheared = at.sheared(vertRay);
+          clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
         }
         uint32_t open = 0;
         for (int j=0; j<vectors; j++) {
@@ -97,7 +98,7 @@ namespace embree
       private:
         template<typename... At>
         __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& vertRay, const VertHeader* block, const At&... at)
-          : ray(ray), context(context), vertRay(vertRay), block(block), cached(block,at...) {}
+          : ray(ray), context(context), vertRay(vertRay), block(block), cached(vertRay,block,at...) {}
 
         __forceinline bool run ()
         {
@@ -113,7 +114,7 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<RayType>::value ? takeAny(open) : takeFirst(open,enter);
             if (enter[g] > ray.tfar) continue;
-            const GroupTriangles triangles(vertRay,cached.quads(g));
+            const GroupTriangles triangles(vertRay,cached.vertices(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
             if (IsAnyHit<RayType>::value) return true;
             found = true;

@@ -31,7 +31,7 @@ namespace embree
         static const size_t few = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block)
-          : rays(rays), context(context), vertRays(vertRays), block(block), cached(block), found(0) {}
+          : rays(rays), context(context), vertRays(vertRays), block(block), cached(vertRays,block), found(0) {}
 
         __forceinline vbool<K> run (vbool<K> valid)
         {
@@ -153,12 +153,12 @@ namespace embree
             uint32_t accepted = 0;
             for (uint32_t rest=mask; rest; rest&=rest-1) {
               const uint32_t k = uint32_t(bsf(rest));
-              const GroupTriangles triangles(vertRays.at(k),cached.quads(g));
+              const GroupTriangles triangles(vertRays.at(k),cached.vertices(g));
               if (triangles.mask && hits.report(k,g,triangles.mask)) accepted |= 1u << k;
             }
             return accepted;
           }
-          const GroupTrianglesK<K> triangles(vertRays,kz,cached.quads(g));
+          const GroupTrianglesK<K> triangles(vertRays,kz,cached.vertices(g));
           mask &= uint32_t(movemask(triangles.mask != vint<K>(zero)));
           return mask ? hits.report(mask,kz,g,triangles.mask) : 0u;
         }

@@ -23,7 +23,7 @@ namespace embree
                                               VertRays<K>& vertRays, const void* block)
         {
           vertRays.set(rays);
-          const CachedMeshBlock cached((const VertHeader*)block);
+          const CachedMeshBlock cached(vertRays,(const VertHeader*)block);
           if (cached.decodedBoxes() == nullptr && !cached.isUsable()) return vbool<K>(false);
           uint32_t found = 0;
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
@@ -41,6 +41,7 @@ namespace embree
           VertRay ray = vertRays.at(k);
           for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
           ray.largest = vertRays.largest[k];
+          ray.descends = uint32_t(vertRays.form[k]) >> 2;
           alignas(64) float enter[16];
           uint32_t open = meetGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
           typedef VertTargetK<K,Rays> Target;
@@ -50,7 +51,7 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<Rays>::value ? takeAny(open) : takeFirst(open,enter);
             if (enter[g] > rays.tfar[k]) continue;
-            const GroupTriangles triangles(ray,cached.quads(g));
+            const GroupTriangles triangles(ray,cached.vertices(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
             if (IsAnyHit<Rays>::value) return true;
             found = true;

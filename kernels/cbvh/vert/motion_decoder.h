@@ -97,13 +97,13 @@ namespace embree
           {
             const StepView step = viewOfStep(block,layout,boxes.key.segment+e);
             const uint32_t gx = lane & 3, gy = lane >> 2;
-            if (unlikely(cvert::isRaw(step.form))) { copy(step,gx,gy,out.ends[e]); continue; }
+            if (unlikely(cvert::isRaw(step.form))) { copyVertices(step.data+step.vertices,block->region,gx,gy,out.ends[e]); continue; }
             const StepCells& cells = boxes.steps[e];
             auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
             const CellBase base(prediction,true,quadsOfGroup(quadsX,gx),quadsOfGroup(quadsY,gy));
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
-            const WorldVerticesOfCell world = { out.ends[e],spacing,step.origin };
+            const WorldOfCell world = { out.ends[e],spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
             const bool turns = isGroupTurned(step,gy*layout.groupsX+gx);
             if (turns && !hasFirst) {
@@ -189,21 +189,6 @@ namespace embree
               }
             }
           }
-        }
-
-        /*! of a raw step */
-        void copy (const StepView& step, uint32_t gx, uint32_t gy, CellVertices& out) const
-        {
-          const float (*v)[3] = (const float (*)[3])(step.data+step.vertices);
-          for (uint32_t j=0; j<5; j++)
-            for (uint32_t i=0; i<5; i++) {
-              const uint32_t x = min(groupQuads*gx + i,quadsX), y = min(groupQuads*gy + j,quadsY);
-              for (int k=0; k<3; k++) out.at[k][laneOfVertex(i,j)] = v[y*(quadsX+1)+x][k];
-            }
-#if !defined(__AVX512F__)
-          for (int k=0; k<3; k++)
-            for (int l=cellVertices; l<VertTables::lanes; l++) out.at[k][l] = out.at[k][cellVertices-1];
-#endif
         }
 
         const VertHeader* block;

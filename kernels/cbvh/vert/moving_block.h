@@ -20,6 +20,8 @@ namespace embree
       class MovingVertBlock
       {
       public:
+        __forceinline MovingVertBlock (const VertRay&, const VertHeader* block, const TimeInMotion& at) : MovingVertBlock(block,at) {}
+
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 
@@ -65,10 +67,10 @@ namespace embree
         }
 
         /*! of the group in a lane; good until another one is asked for */
-        __forceinline const QuadCorners& quads (uint32_t lane) const
+        __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           if (lane != this->lane) interpolate(lane);
-          return corners;
+          return ofLane;
         }
 
       private:
@@ -110,25 +112,18 @@ namespace embree
           if (unlikely(!(slot.key == key))) decode(lane,slot);
           const Between between(fraction);
           for (int k=0; k<3; k++)
-          {
-            const CellVector a(slot.ends[0].at[k]), b(slot.ends[1].at[k]);
-            CellVector v;
-            for (int n=0; n<fieldVectors; n++) v.at[n] = between(a.at[n],b.at[n]);
-#if !defined(__AVX512F__)
-            v.last = between(a.last,b.last);
-#endif
-            WorldOfCell::store(corners,k,v);
-          }
+            for (int l=0; l<cellVectors*vectorWidth; l+=vectorWidth)
+              vfloatV::store(ofLane.at[k]+l,between(vfloatV::load(slot.ends[0].at[k]+l),vfloatV::load(slot.ends[1].at[k]+l)));
         }
 
         MotionCache& cache;
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< that corners are of
+        mutable uint32_t lane;        //!< that vertices are there of
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
-        mutable QuadCorners corners;
+        mutable CellVertices ofLane;
       };
     }
   }

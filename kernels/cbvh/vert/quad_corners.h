@@ -38,6 +38,18 @@ namespace embree
 #endif
         }
 
+        /*! f of vectors of two */
+        template<typename Function>
+        static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
+        {
+          CellVector r;
+          for (int n=0; n<fieldVectors; n++) r.at[n] = f(a.at[n],b.at[n]);
+#if !defined(__AVX512F__)
+          r.last = f(a.last,b.last);
+#endif
+          return r;
+        }
+
         /*! f of each vector */
         template<typename Function>
         __forceinline CellVector with (const Function& f) const

@@ -6,6 +6,7 @@
 /* What a ray needs for blocks of cVERT: the shear that takes it to the z axis, for triangles,
  * its reciprocal direction, for boxes, and its nearest hit, for the tie-break (rule.h). */
 
+#include "cache.h"
 #include "../base/surface_ids.h"
 #include "../base/vectors.h"
 #include "../base/codec.h"
@@ -60,6 +61,8 @@ namespace embree
         bool isSet;
         int kx, ky, kz;   //!< axes; kz that of the largest component
         float sx, sy;     //!< shear
+        uint32_t descends; //!< axes along which it goes down, as a mask: rcp is negative
+        VertCache* cache; //!< the thread's
 
         mutable VertNearest nearest;
 
@@ -69,9 +72,11 @@ namespace embree
         {
           if (likely(isSet)) return;
           isSet = true;
+          cache = &VertCache::ofThread();
           VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
           const vfloat4 reciprocals = directionReciprocals(vfloat4(Vec3fa(ray.dir).m128));
           for (int k=0; k<3; k++) rcp[k] = reciprocals[k];
+          descends = uint32_t(movemask(reciprocals < vfloat4(zero)));
           const Vec3fa a = abs(Vec3fa(ray.dir));
           kz = largestAxis(a.x,a.y,a.z);
           setAxes();
@@ -93,6 +98,7 @@ namespace embree
       {
       public:
         vfloat<K> sx, sy;
+        VertCache* cache;    //!< the thread's
         vint<K> form;        //!< kz, and the signs of rcp from bit 2; rays of one form are traced together
 
         __forceinline VertRays () : isSet(false), loaded(0) {}
@@ -101,6 +107,7 @@ namespace embree
         {
           if (likely(isSet)) return;
           isSet = true;
+          cache = &VertCache::ofThread();
           VertRayAxes<vfloat<K>>::set(rays.org,rays.dir);
           for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largest);
           const vfloat<K>* dir = this->dir;

@@ -3,7 +3,7 @@
 
 #include "tables.h"
 #include "../base/codec.h"
-#include "../../cvert/format/block.h"
+#include "../../cvert/rule/rule.h"
 
 #include <algorithm>
 
@@ -31,6 +31,8 @@ namespace embree
       }
       for (uint32_t q=0; q<16; q++)
         for (uint32_t c=0; c<4; c++) corners[q][c] = uint8_t(laneOfCorner(q,c));
+      for (uint32_t h=0; h<32; h++)
+        for (int i=0; i<4; i++) triangles[h][i] = i < 3 ? corners[h >> 1][cornerOfTriangle(h,i)] : uint8_t(0);
       for (int bits=0; bits<=maxWindowBits; bits++)
         if (hasWindows(bits)) setWindows(bits);
     }

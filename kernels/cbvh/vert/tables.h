@@ -32,6 +32,7 @@ namespace embree
       int32_t hasField[lanes];   //!< -1, or 0 of a corner
       uint8_t laneOfField[24];   //!< the inverse
       uint8_t corners[16][4];    //!< lanes of the corners of each of 4 x 4 quads: laneOfCorner
+      uint8_t triangles[32][4];  //!< lanes of the vertices of each triangle of a group, cornerOfTriangle; and 0
 
       /*! Where the fields of a cell are, for one number of bits a field: those of the first four columns of a row lie in 16
        *  bytes, which a shuffle takes apart. */

@@ -22,12 +22,11 @@ namespace embree
         typedef TriangleSides<float> Sides;
 
         /*! h: a bit of GroupTriangles */
-        __forceinline VertTriangle (const QuadCorners& quads, uint32_t h)
+        __forceinline VertTriangle (const CellVertices& group, uint32_t h)
         {
-          const uint32_t q = h >> 1, a = cornerOfTriangle(h,0), b = cornerOfTriangle(h,1), c = cornerOfTriangle(h,2);
-          for (int k=0; k<3; k++) {
-            vertices[k][0] = quads.at[a][k][q]; vertices[k][1] = quads.at[b][k][q]; vertices[k][2] = quads.at[c][k][q];
-          }
+          const uint8_t* const lanes = vertTables.triangles[h];
+          for (int k=0; k<3; k++)
+            for (int i=0; i<3; i++) vertices[k][i] = group.at[k][lanes[i]];
         }
 
         /*! a triangle of a mesh block; h: its lane */
@@ -109,17 +108,17 @@ namespace embree
       public:
         uint32_t mask; //!< bit 2q + 0 or 1 of quad q
 
-        __forceinline GroupTriangles (const VertRay& ray, const QuadCorners& quads) : mask(0)
+        __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
+          const CellVector z = from(ray,group,ray.kz);
+          const QuadCornersV cornersX(sheared(from(ray,group,ray.kx),ray.sx,z)), cornersY(sheared(from(ray,group,ray.ky),ray.sy,z));
           uint32_t firsts = 0, seconds = 0;
-          for (int n=0; n<16; n+=vectorWidth)
+          for (int j=0; j<QuadCornersV::vectors; j++)
           {
             vfloatV x[4], y[4];
             for (int c=0; c<4; c++) {
-              const float (*at)[16] = quads.at[c];
-              const vfloatV z = vfloatV::load(at[ray.kz]+n) - vfloatV(ray.org[ray.kz]);
-              x[c] = nmadd(vfloatV(ray.sx),z,vfloatV::load(at[ray.kx]+n) - vfloatV(ray.org[ray.kx]));
-              y[c] = nmadd(vfloatV(ray.sy),z,vfloatV::load(at[ray.ky]+n) - vfloatV(ray.org[ray.ky]));
+              x[c] = cornersX.at(j,c);
+              y[c] = cornersY.at(j,c);
             }
             const vfloatV diag   = edgeSide(x[1],y[1],x[2],y[2]);
             const vfloatV left   = edgeSide(x[2],y[2],x[0],y[0]);
@@ -127,10 +126,15 @@ namespace embree
             const vfloatV right  = edgeSide(x[1],y[1],x[3],y[3]);
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
             const vboolV first = isInside(diag,left,bottom), second = isInside(right,top,-diag);
-            firsts |= uint32_t(movemask(first)) << n;
-            seconds |= uint32_t(movemask(second)) << n;
+            firsts |= uint32_t(movemask(first)) << (vectorWidth*j);
+            seconds |= uint32_t(movemask(second)) << (vectorWidth*j);
           }
-          if (firsts | seconds) mask = spread(firsts) | (spread(seconds) << 1);
+          const uint32_t met = firsts | (seconds << 16);
+          if (likely((met & (met-1)) == 0)) { // of one triangle or of none, as mostly
+            const uint32_t h = uint32_t(bsf(met | (1u << 31)));
+            mask = met ? 1u << (2*(h & 15u) + (h >> 4)) : 0u;
+          }
+          else mask = spread(firsts) | (spread(seconds) << 1);
         }
 
         /*! Bits are lanes of a group of a mesh block. */
@@ -138,6 +142,19 @@ namespace embree
           : mask(trianglesAround(ray,triangles)) {}
 
       private:
+        /*! vertices from the ray's origin */
+        static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
+        {
+          const vfloatV org(ray.org[k]);
+          return CellVector(group.at[k]).with([&](const vfloatV& x) { return x - org; });
+        }
+
+        static __forceinline CellVector sheared (const CellVector& x, float shear, const CellVector& z)
+        {
+          const vfloatV s(shear);
+          return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
+        }
+
         /*! bits of quads to every second bit */
         static __forceinline uint32_t spread (uint32_t x)
         {
@@ -155,35 +172,35 @@ namespace embree
       {
         const vfloat<K> orgX, orgY, orgZ, sx, sy;
         const size_t kx, ky, kz;
-        const QuadCorners& quads;
+        const CellVertices& group;
 
       public:
         vint<K> mask; //!< of each ray
 
-        __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const QuadCorners& quads)
-          : GroupTrianglesK(rays,size_t(axisAfter(int(kz),1)),size_t(axisAfter(int(kz),2)),kz,quads) {}
+        __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const CellVertices& group)
+          : GroupTrianglesK(rays,size_t(axisAfter(int(kz),1)),size_t(axisAfter(int(kz),2)),kz,group) {}
 
       private:
         struct Point { vfloat<K> x, y; };
 
-        GroupTrianglesK (const VertRays<K>& rays, size_t kx, size_t ky, size_t kz, const QuadCorners& quads)
-          : orgX(rays.org[kx]), orgY(rays.org[ky]), orgZ(rays.org[kz]), sx(rays.sx), sy(rays.sy), kx(kx), ky(ky), kz(kz), quads(quads), mask(zero)
+        GroupTrianglesK (const VertRays<K>& rays, size_t kx, size_t ky, size_t kz, const CellVertices& group)
+          : orgX(rays.org[kx]), orgY(rays.org[ky]), orgZ(rays.org[kz]), sx(rays.sx), sy(rays.sy), kx(kx), ky(ky), kz(kz), group(group), mask(zero)
         {
           Point below[5];
           vfloat<K> bottom[4];
-          for (size_t i=0; i<5; i++) below[i] = i < 4 ? corner(0,i) : corner(1,3);
+          for (size_t i=0; i<5; i++) below[i] = vertex(i,0);
           for (size_t i=0; i<4; i++) bottom[i] = side(below[i],below[i+1]);
-          for (size_t q=0; q<16; q+=4)
+          for (size_t j=0; j<4; j++)
           {
-            Point left = corner(2,q);
+            Point left = vertex(0,j+1);
             vfloat<K> leftSide = side(left,below[0]);
             for (size_t i=0; i<4; i++)
             {
-              const Point right = corner(3,q+i);
+              const Point right = vertex(i+1,j+1);
               const vfloat<K> diag = side(below[i+1],left), rightSide = side(below[i+1],right), top = side(right,left);
               const vbool<K> first = isInside(diag,leftSide,bottom[i]), second = isInside(rightSide,top,-diag);
               if (unlikely(any(first | second)))
-                mask |= select(first,vint<K>(int(1u << (2*(q+i)))),vint<K>(zero)) | select(second,vint<K>(int(2u << (2*(q+i)))),vint<K>(zero));
+                mask |= select(first,vint<K>(int(1u << (2*(4*j+i)))),vint<K>(zero)) | select(second,vint<K>(int(2u << (2*(4*j+i)))),vint<K>(zero));
               bottom[i] = -top;
               leftSide = -rightSide;
               below[i] = left;
@@ -195,12 +212,12 @@ namespace embree
 
         static __forceinline vfloat<K> side (const Point& a, const Point& b) { return edgeSide(a.x,a.y,b.x,b.y); }
 
-        /*! corner c of a quad, sheared as above */
-        __forceinline Point corner (size_t c, size_t quad) const
+        /*! vertex (i,j), sheared as above */
+        __forceinline Point vertex (size_t i, size_t j) const
         {
-          const float (*at)[16] = quads.at[c];
-          const vfloat<K> z = vfloat<K>(at[kz][quad]) - orgZ;
-          return Point{ nmadd(sx,z,vfloat<K>(at[kx][quad]) - orgX), nmadd(sy,z,vfloat<K>(at[ky][quad]) - orgY) };
+          const size_t lane = laneOfVertex(uint32_t(i),uint32_t(j));
+          const vfloat<K> z = vfloat<K>(group.at[kz][lane]) - orgZ;
+          return Point{ nmadd(sx,z,vfloat<K>(group.at[kx][lane]) - orgX), nmadd(sy,z,vfloat<K>(group.at[ky][lane]) - orgY) };
         }
       };
     }

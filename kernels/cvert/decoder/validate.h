@@ -145,7 +145,12 @@ namespace cvert { inline namespace CVERT_ISA
 
     static Reason validateNumbers(const VertHeader& header)
     {
-      if (header.patchQuads >> 16 || patternOfNumbers(header.patchQuads) > numbersInTable) return Reason::unsupported("the form of its numbers, %, is unknown",header.patchQuads);
+      const uint32_t form = header.patchQuads;
+      const bool isTableOfTriangles = patternOfNumbers(form) == numbersInTriangleTable;
+      if (form >> 17 || (haveHalves(form) && (isTableOfTriangles || !isOfTriangles(form) || isOneTriangle(form))))
+        return Reason::unsupported("the form of its numbers, %, is unknown",form);
+      if (isTableOfTriangles && (!isOfTriangles(form) || isOneTriangle(form) || (form & formOfTurns(3,3))))
+        return Reason::unsupported("the form of its table of triangles, %, is unknown",form);
       for (bool isSecond : { false,true })
         if (turnOfTriangle(header.patchQuads,isSecond) > 2) return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
       return Reason();
@@ -154,12 +159,35 @@ namespace cvert { inline namespace CVERT_ISA
     /*! end: of what precedes the table */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
-      if (!hasNumbers(header.boxForm) || patternOfNumbers(header.patchQuads) != numbersInTable) return Reason();
+      const uint32_t form = header.patchQuads;
+      if (!hasNumbers(header.boxForm)) return Reason();
+      if (haveHalves(form)) {
+        const VertNumbers stored = storedNumbersOf(&header);
+        if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
+          return Reason::damaged("the numbers of its second triangles at % overlap what ends at %, or are not aligned",
+                                 stored.x,end);
+        end = size_t(stored.x) + sizeof(VertHalves);
+        if (bytes < end) return Reason::damaged("it has % bytes: the numbers of its second triangles need %",bytes,end);
+      }
+      if (!haveTable(form)) return Reason();
       const VertNumbers numbers = numbersOf(&header);
       if (numbers.x < end) return Reason::damaged("its table of numbers at % overlaps what ends at %",numbers.x,end);
       if (numbers.y > 32u) return Reason::damaged("its table of numbers has % bits per number: expected at most 32",numbers.y);
-      const size_t needed = size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region),numbers.y);
-      return bytes < needed ? Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed) : Reason();
+      const uint32_t entries = vertQuadsX(header.region)*vertQuadsY(header.region)*entriesPerQuad(form);
+      const size_t needed = size_t(numbers.x) + bytesOfNumberTable(entries,numbers.y);
+      if (bytes < needed) return Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed);
+      return patternOfNumbers(form) == numbersInTriangleTable ? validateTurns(header) : Reason();
+    }
+
+    /*! of a table of triangles that lies in the block */
+    static Reason validateTurns(const VertHeader& header)
+    {
+      for (uint32_t y=0; y<vertQuadsY(header.region); y++)
+        for (uint32_t x=0; x<vertQuadsX(header.region); x++)
+          for (bool isSecond : { false,true })
+            if (turnOfTriangle(primitiveOfQuad(&header,x,y,isSecond).form,isSecond) > 2)
+              return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
+      return Reason();
     }
 
     static Reason validatePatch(const VertHeader& header)

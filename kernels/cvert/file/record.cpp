@@ -14,10 +14,12 @@ namespace cvert
       if (block->primID >= numPrimitives) return Reason::damaged("primitive % is out of range: the geometry has %",block->primID,numPrimitives);
       if (!hasNumbers(block->boxForm)) return Reason();
       for (uint32_t y=0; y<vertQuadsY(block->region); y++)
-        for (uint32_t x=0; x<vertQuadsX(block->region); x++) {
-          const uint32_t primID = primitiveOfNumber(block->patchQuads,numberOfQuad(block,x,y),isOfTriangles(block->patchQuads));
-          if (primID >= numPrimitives) return Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
-        }
+        for (uint32_t x=0; x<vertQuadsX(block->region); x++)
+          for (bool isSecond : { false,true }) {
+            const uint32_t primID = primitiveOfQuad(block,x,y,isSecond).primID;
+            if (primID >= numPrimitives)
+              return Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
+          }
       return Reason();
     }
   }

@@ -358,28 +358,67 @@ CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
   return edges;
 }
 
-/*! of a block that has them */
-CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) {
+/*! Of a block that has them: as they follow the header. */
+CVERT_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
+
+/*! The same for decoding; their distance is 1 if the block stores none. */
+CVERT_FUNCTION VertHalves halvesOf (CVERT_POINTER(VertHeader) block)
+{
+  VertHalves halves;
+  halves.numbers = storedNumbersOf(block);
+  halves.distance = 1u;
+  if (haveHalves(CVERT_AT(VertHeader,block).patchQuads)) {
+    uint32_t at = halves.numbers.x >> 2;
+    halves.numbers.x = wordAt(block,at);
+    halves.numbers.y = wordAt(block,at+1u);
+    halves.distance = wordAt(block,at+2u);
+  }
+  return halves;
+}
+
+CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return halvesOf(block).numbers; }
 
 CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! Number of quad x, y of a block that numbers its quads. Hits of a damaged block can be at quads that it does not
- *  have: they get the number of a quad that it has. */
-CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y)
+/*! Primitive at quad x, y of a block that numbers its quads, for its first or its second triangle. Hits of a damaged
+ *  block can be at quads that it does not have: they get the primitive of a quad that it has. */
+CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
-  VertNumbers numbers = numbersOf(block);
+  VertHalves halves = halvesOf(block);
+  VertNumbers numbers = halves.numbers;
   uint32_t form = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
   uint32_t region = CVERT_AT(VertHeader,block).region;
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
   x = x < quadsX ? x : quadsX-1u;
   y = y < quadsY ? y : quadsY-1u;
-  if (patternOfNumbers(form) != numbersInTable) return first + patternNumber(form,numbers,x,y);
-  uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*(y*quadsX + x),numbers.y);
-  return first + (numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read);
+  QuadPrimitive primitive;
+  primitive.form = form;
+  uint32_t number;
+  if (!haveTable(form)) number = patternNumber(form,numbers,x,y);
+  else {
+    uint32_t entry = (y*quadsX + x)*entriesPerQuad(form);
+    if (patternOfNumbers(form) == numbersInTriangleTable && isSecond) entry++;
+    uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*entry,numbers.y);
+    number = numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
+    if (patternOfNumbers(form) == numbersInTriangleTable) {
+      uint32_t turn = number & ((1u << turnBits) - 1u);
+      primitive.form = form | formOfTurns(turn,turn);
+      primitive.primID = first + (number >> turnBits);
+      return primitive;
+    }
+  }
+  primitive.primID = first + number;
+  if (isOfTriangles(form) && !isOneTriangle(form) && isSecond) primitive.primID += halves.distance;
+  return primitive;
+}
+
+/*! Number of quad x, y: the primID of the quad or of its first triangle. */
+CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
+  return primitiveOfQuad(block,x,y,false).primID;
 }
 
 CVERT_END

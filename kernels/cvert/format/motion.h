@@ -153,10 +153,13 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 /*! bytes of a block, without those that fill it up */
 inline uint32_t vertBytes (const VertHeader* block)
 {
-  if (hasNumbers(block->boxForm) && patternOfNumbers(block->patchQuads) == numbersInTable) {
+  const uint32_t form = block->patchQuads;
+  if (hasNumbers(block->boxForm) && haveTable(form)) {
     const VertNumbers numbers = numbersOf(block);
-    return numbers.x + bytesOfNumberTable(vertQuadsX(block->region)*vertQuadsY(block->region),numbers.y);
+    const uint32_t entries = vertQuadsX(block->region)*vertQuadsY(block->region)*entriesPerQuad(form);
+    return numbers.x + bytesOfNumberTable(entries,numbers.y);
   }
+  if (hasNumbers(block->boxForm) && haveHalves(form)) return storedNumbersOf(block).x + uint32_t(sizeof(VertHalves));
   if (!isMoving(block->boxForm)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block,motionOf(block).numSteps-1);
   return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last,block->region);

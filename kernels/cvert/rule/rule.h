@@ -451,12 +451,12 @@ struct SurfacePoint
 CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                                CVERT_AS_FLOAT(QuadPosition) at)
 {
-  uint32_t form = CVERT_AT(VertHeader,block).patchQuads;
   uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
   bool isSecond = (h & 1u) != 0u;
-  OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
+  QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
+  OwnParameters own = ownParameters(primitive.form,isSecond,inUnit(at.a),inUnit(at.b));
   SurfacePoint point;
-  point.primID = primitiveOfNumber(form,numberOfQuad(block,x,y),isSecond);
+  point.primID = primitive.primID;
   point.u = own.u;
   point.v = own.v;
   return point;
