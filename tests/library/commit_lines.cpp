@@ -3,8 +3,8 @@
 
 /* Lines on stderr about commits: what is compressed, what is not and why, and how much memory it takes. */
 
-#include "support/diced_mesh.h"
 #include "support/environment.h"
+#include "support/irregular_mesh.h"
 #include "support/memory.h"
 
 #include <gtest/gtest.h>
@@ -156,10 +156,11 @@ TEST(CoarseLattice, IsReportedOnce)
 {
   Random random(2);
   const DicedMesh mesh = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random); // edges of 1/32
-  const auto reported = [&](const char* config) {
+  const DicedMesh irregular = irregularTriangles(mesh, random);
+  const auto reported = [&](const char* config, bool isRegular = true) {
     testing::internal::CaptureStderr();
     const Device device(config);
-    const MeshScene scene(device, mesh);
+    const MeshScene scene(device, isRegular ? mesh : irregular);
     return testing::internal::GetCapturedStderr();
   };
   EXPECT_EQ(reported("cbvh_max_error=0.001"), "");
@@ -168,6 +169,7 @@ TEST(CoarseLattice, IsReportedOnce)
   EXPECT_NE(text.find(" times the median edge"), std::string::npos) << text;
   EXPECT_EQ(reported("cbvh_max_error=0.05"), "") << "once";
   EXPECT_NE(reported("cbvh_max_error=0.05,verbose=1").find("max_error selects"), std::string::npos);
+  EXPECT_NE(reported("cbvh_max_error=0.05,verbose=1", false).find("max_error selects"), std::string::npos);
 }
 
 } // namespace

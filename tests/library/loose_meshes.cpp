@@ -110,7 +110,7 @@ TEST_P(LooseMeshes, MasksFiltersAndInstances)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Rays at edges and vertices from inside of a closed surface, at any lattice.
+// Rays at edges and vertices from inside of a closed surface, at any lattice, whether it is welded or not.
 TEST_P(LooseMeshes, AreClosed)
 {
   for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.05"}) {
@@ -118,8 +118,9 @@ TEST_P(LooseMeshes, AreClosed)
     if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
     Random random(153);
     const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
-    for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random),
-      partlyIrregular(ball, random, true), partlyIrregular(ball, random, false)}) {
+    const DicedMesh triangles = partlyIrregular(ball, random, true), quads = partlyIrregular(ball, random, false);
+    for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random), triangles, quads,
+      unwelded(triangles), unwelded(quads)}) {
       SCOPED_TRACE(std::string(error) + (mesh.isOfTriangles() ? ", triangles" : ", quads"));
       const MeshScene scene(device, mesh);
       ASSERT_GT(statisticsOf(scene).numLooseQuads, 1500u);

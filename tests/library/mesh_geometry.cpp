@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes of quads and of triangles that are compressed: grids are found in them by their indices, and hits are as Embree's own kernels
+/* Meshes of quads and of triangles that are compressed: grids are found in them, and hits are as Embree's own kernels
  * have them, whatever order the quads come in. */
 
 #include "support/closed.h"

@@ -203,6 +203,7 @@ namespace embree
         }
         const int exponent = choice.exponent(plan,0.0);
         spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
+        if (plan.settings.maxError > 0) warnIfCoarse(device,spacingOfLattice,choice.edge());
         return exponent;
       }
 
