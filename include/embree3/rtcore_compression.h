@@ -10,7 +10,7 @@
  * straight from the compressed form. So is what the application has diced, as cVERT, whatever kind
  * is asked for, with the same triangles and parameters as Embree's, of vertices that lie on a lattice:
  * grids (RTC_GEOMETRY_TYPE_GRID), and meshes of quads (RTC_GEOMETRY_TYPE_QUAD) and of triangles (RTC_GEOMETRY_TYPE_TRIANGLE),
- * in which grids are found by their indices. Quads and triangles that lie in no grid are stored in mesh blocks, if the mesh
+ * in which grids are found. Quads and triangles that lie in no grid are stored in mesh blocks, if the mesh
  * does not move. Geometry of these types that would gain nothing is left to Embree's own kernels. Which representation a geometry gets is
  * decided by, in this order: rtcSetGeometryCompression, the device string
  * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
