@@ -25,7 +25,6 @@ import re
 import sys
 from dataclasses import dataclass
 
-DECLARES = re.compile(r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API) [^;]*\(")
 FUNCTION = re.compile(
     r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>(?:rtc|cbvh)\w+)\s*\((?P<arguments>[^)]*)\)"
 )
@@ -111,12 +110,7 @@ def groups_of(header):
     lines = header.split("\n")
     i = 0
     while i < len(lines):
-        declaration = lines[i]
-        if DECLARES.match(declaration):
-            while ")" not in declaration and i + 1 < len(lines):
-                i += 1
-                declaration += " " + lines[i].strip()
-        function = FUNCTION.match(declaration)
+        function = FUNCTION.match("\n".join(lines[i:]))  # a declaration may have several lines
         if lines[i].startswith("/*"):
             begin = i
             while "*/" not in lines[i]:

@@ -22,9 +22,9 @@ void decode(const VertHeader* block)
   const VertDecoder decoder(block);
   auto boxes = std::make_unique<VertBoxes>();
   decoder.decode(*boxes);
-  auto group = std::make_unique<CellVertices>();
+  auto vertices = std::make_unique<CellVertices>();
   for (uint32_t lane = 0; lane < 16; lane++)
-    if (boxes->lanes >> lane & 1) decoder.vertices(*boxes, lane, *group);
+    if (boxes->lanes >> lane & 1) decoder.vertices(*boxes, lane, *vertices);
   if (!isMoving(block->boxForm)) return;
   const MotionDecoder moving(block);
   auto shared = std::make_unique<SegmentBoxes>();

@@ -27,8 +27,8 @@ namespace embree
     /*! where a block is found, before it is cut to the number of entries */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
-    /*! The same, of blocks that lie side by side: they come into places side by side, one for so many bytes, and do not meet. Ranges of
-     *  256 KiB follow each other in no order, as blocks may be at equal distances from each other. */
+    /*! The same, with one place for so many bytes of memory, so that neighboring blocks never share a place. A hash
+     *  shifts each range of 256 KiB: blocks at equal distances would otherwise share a few places. */
     __forceinline size_t placeOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }

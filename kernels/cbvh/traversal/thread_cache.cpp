@@ -41,6 +41,8 @@ namespace embree
       return *current;
     }
 
+    static_assert(sizeof(VertEntries) < 512*1024,"more than the second-level cache of a core: see docs/performance.md");
+
 #if !defined(EMBREE_CBVH_NO_PAPER)
     template class ThreadCache<NodeEntries>;
 #endif

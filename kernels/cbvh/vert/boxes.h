@@ -34,16 +34,17 @@ namespace embree
         }
       };
 
-      /*! A ray along the axes of a block's boxes, all of them at a time: boxSlack times rcp, and what ShearedRay is made of. */
+      /*! What a single ray needs for the boxes of a block, computed for all axes at once: the same as boxSlack and
+       *  ShearedRay. Vectors of four also read what follows an array of three, and ignore it. */
       struct RayInBoxes
       {
-        alignas(16) float slack[4];           //!< of planes of the world's axes, along the ray
-        alignas(16) float coordinate[4]; //!< ShearedCoordinate
+        alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
+        alignas(16) float coordinate[4]; //!< ShearedCoordinate: org, dir and size
 
-        __forceinline RayInBoxes (const VertRayAxes<float>& ray, const VertAxes& axes)
+        __forceinline RayInBoxes (const VertRayAxes<float>& ray, const GroupBoxes& boxes)
         {
-          const vfloat4 distance = vfloat4::loadu(ray.org) - vfloat4::loadu(axes.origin), shear = vfloat4::loadu(axes.shear);
-          const vfloat4 reach = abs(distance) + vfloat4::loadu(axes.extent);
+          const vfloat4 distance = vfloat4::loadu(ray.org) - vfloat4::loadu(boxes.origin);
+          const vfloat4 reach = abs(distance) + vfloat4::loadu(boxes.extent), shear = vfloat4::loadu(boxes.shear);
           vfloat4::store(slack,vfloat4(slackUlps*floatUlp)*reach*abs(vfloat4::loadu(ray.rcp)));
           vfloat4 x, y, z;
           transpose(shear*distance,shear*vfloat4::loadu(ray.dir),abs(shear)*reach,vfloat4(zero),x,y,z);

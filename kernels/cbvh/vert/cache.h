@@ -12,14 +12,14 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! vertices of a cell by axis, in a lane each; lanes behind the last are not anything */
+    /*! vertices of a cell by axis, in a lane each; the lanes after the last vertex are undefined */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
     /*! the same in coordinates: x, y and z of a lane, and 0 */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
     /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
-     *  group (x,y) in lane x + 4 y. Lanes of no group are not anything. */
+     *  group (x,y) in lane x + 4 y. Lanes without a group are undefined. */
     struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
 
     /*! the axes of a block's boxes: those of the world, but that one may be sheared */
@@ -38,7 +38,7 @@ namespace embree
       GroupPlanes planes[3]; //!< by axis
     };
 
-    /*! What a block's groups have in common, and their boxes. Of a raw block only axes, lanes and planes are anything. */
+    /*! What a block's groups have in common, and their boxes. A raw block only has axes, lanes and planes. */
     struct VertBoxes : public GroupBoxes
     {
       uint32_t words[16];    //!< of each group's cell
@@ -58,7 +58,9 @@ namespace embree
       __forceinline VertBoxes& slot (const void* block) { return blocks[placeOfBlock(block,512) % numBlocks]; }
 
       /*! The slot of a group: what is there is the caller's if its key says so, else it is to be filled, and named. */
-      static __forceinline size_t slot (const void* block, uint32_t lane) { return (placeOfBlock(block,32) + lane) % numGroups; }
+      static __forceinline size_t slot (const void* block, uint32_t lane) {
+        return (placeOfBlock(block,32) + lane) % numGroups;
+      }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
 
@@ -120,8 +122,12 @@ namespace embree
     public:
       /*! The slot of a block (of a group) in a segment: what is there is the caller's if its key says so, else
        *  it is to be filled, and named. */
-      __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) { return blocks[(placeOfBlock(block,512) + segment) % numBlocks]; }
-      __forceinline SegmentVertices& slot (const void* block, uint32_t segment, uint32_t lane) { return groups[(placeOfBlock(block,32) + lane + 7*segment) % numGroups]; }
+      __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) {
+        return blocks[(placeOfBlock(block,512) + segment) % numBlocks];
+      }
+      __forceinline SegmentVertices& slot (const void* block, uint32_t segment, uint32_t lane) {
+        return groups[(placeOfBlock(block,32) + lane + 7*segment) % numGroups];
+      }
 
       void clear ()
       {

@@ -20,8 +20,9 @@ namespace embree
       {
       public:
         /*! ray: VertRay or VertRays, with the thread's cache */
-        template<typename VertRay>
-        __forceinline CachedVertBlock (const VertRay& ray, const VertHeader* block) : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
+        template<typename RayOrRays>
+        __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
+          : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
 
         /*! its boxes, or null if they are not decoded */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }

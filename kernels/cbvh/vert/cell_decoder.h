@@ -167,9 +167,10 @@ namespace embree
       template<typename Base, typename Out>
       __forceinline void decodeCell (uint32_t word, const uint8_t* data, const Base& base, const Out& out) { CellDecoder<Base>(word,data,base).decode(out); }
 
-      /*! Copies the vertices of group (gx,gy) of a raw block or step. from: of its first vertex; quads that the block does not have
-       *  have no area. */
-      __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy, CellVertices& out)
+      /*! Copies the vertices of group (gx,gy) of a raw block or step. from: all of its vertices. Quads beyond the
+       *  region get no area. */
+      __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy,
+                                           CellVertices& out)
       {
         const float (*v)[3] = (const float (*)[3])from;
         const uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);

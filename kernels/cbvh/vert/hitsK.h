@@ -70,7 +70,8 @@ namespace embree
           uint32_t isMet; //!< not before tnear
           uint32_t lies;  //!< rays that lie in the plane
 
-          __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles, float firstX, float firstY)
+          __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
+                                   float firstX, float firstY)
           {
             for (int k=0; k<3; k++)
               for (int i=0; i<3; i++) vfloat<K>::store(vertices[k][i],vfloat<K>(zero));

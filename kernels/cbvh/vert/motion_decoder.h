@@ -97,7 +97,10 @@ namespace embree
           {
             const StepView step = viewOfStep(block,layout,boxes.key.segment+e);
             const uint32_t gx = lane & 3, gy = lane >> 2;
-            if (unlikely(cvert::isRaw(step.form))) { copyVertices(step.data+step.vertices,block->region,gx,gy,out.ends[e]); continue; }
+            if (unlikely(cvert::isRaw(step.form))) {
+              copyVertices(step.data+step.vertices,block->region,gx,gy,out.ends[e]);
+              continue;
+            }
             const StepCells& cells = boxes.steps[e];
             auto corner = [&](int c) { return coordinatesAt(cells.corners.at[vertTables.corners[lane][c]]); };
             const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));

@@ -20,7 +20,8 @@ namespace embree
       class MovingVertBlock
       {
       public:
-        __forceinline MovingVertBlock (const VertRay&, const VertHeader* block, const TimeInMotion& at) : MovingVertBlock(block,at) {}
+        __forceinline MovingVertBlock (const VertRay&, const VertHeader* block, const TimeInMotion& at)
+          : MovingVertBlock(block,at) {}
 
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
@@ -113,14 +114,15 @@ namespace embree
           const Between between(fraction);
           for (int k=0; k<3; k++)
             for (int l=0; l<cellVectors*vectorWidth; l+=vectorWidth)
-              vfloatV::store(ofLane.at[k]+l,between(vfloatV::load(slot.ends[0].at[k]+l),vfloatV::load(slot.ends[1].at[k]+l)));
+              vfloatV::store(ofLane.at[k]+l,
+                             between(vfloatV::load(slot.ends[0].at[k]+l),vfloatV::load(slot.ends[1].at[k]+l)));
         }
 
         MotionCache& cache;
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< that vertices are there of
+        mutable uint32_t lane;        //!< of the group in ofLane
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices ofLane;

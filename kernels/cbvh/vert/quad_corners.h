@@ -38,7 +38,7 @@ namespace embree
 #endif
         }
 
-        /*! f of vectors of two */
+        /*! f of each pair of vectors of a and b */
         template<typename Function>
         static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
         {

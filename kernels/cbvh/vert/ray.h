@@ -61,7 +61,7 @@ namespace embree
         bool isSet;
         int kx, ky, kz;   //!< axes; kz that of the largest component
         float sx, sy;     //!< shear
-        uint32_t descends; //!< axes along which it goes down, as a mask: rcp is negative
+        uint32_t descends; //!< mask of the axes whose rcp is negative; not set by VertRays::at
         VertCache* cache; //!< the thread's
 
         mutable VertNearest nearest;

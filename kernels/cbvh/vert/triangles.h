@@ -111,7 +111,8 @@ namespace embree
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
           const CellVector z = from(ray,group,ray.kz);
-          const QuadCornersV cornersX(sheared(from(ray,group,ray.kx),ray.sx,z)), cornersY(sheared(from(ray,group,ray.ky),ray.sy,z));
+          const QuadCornersV cornersX(sheared(from(ray,group,ray.kx),ray.sx,z));
+          const QuadCornersV cornersY(sheared(from(ray,group,ray.ky),ray.sy,z));
           uint32_t firsts = 0, seconds = 0;
           for (int j=0; j<QuadCornersV::vectors; j++)
           {
@@ -130,11 +131,10 @@ namespace embree
             seconds |= uint32_t(movemask(second)) << (vectorWidth*j);
           }
           const uint32_t met = firsts | (seconds << 16);
-          if (likely((met & (met-1)) == 0)) { // of one triangle or of none, as mostly
-            const uint32_t h = uint32_t(bsf(met | (1u << 31)));
-            mask = met ? 1u << (2*(h & 15u) + (h >> 4)) : 0u;
-          }
-          else mask = spread(firsts) | (spread(seconds) << 1);
+          if (met == 0) return;
+          const uint32_t first = uint32_t(bsf(met));
+          const bool isOne = (met & (met-1)) == 0;
+          mask = likely(isOne) ? 1u << (2*(first & 15u) + (first >> 4)) : spread(firsts) | (spread(seconds) << 1);
         }
 
         /*! Bits are lanes of a group of a mesh block. */
@@ -217,7 +217,8 @@ namespace embree
         {
           const size_t lane = laneOfVertex(uint32_t(i),uint32_t(j));
           const vfloat<K> z = vfloat<K>(group.at[kz][lane]) - orgZ;
-          return Point{ nmadd(sx,z,vfloat<K>(group.at[kx][lane]) - orgX), nmadd(sy,z,vfloat<K>(group.at[ky][lane]) - orgY) };
+          return Point{ nmadd(sx,z,vfloat<K>(group.at[kx][lane]) - orgX),
+                        nmadd(sy,z,vfloat<K>(group.at[ky][lane]) - orgY) };
         }
       };
     }
