@@ -161,14 +161,15 @@ namespace embree
     return true;
   }
 
-  /*! Programs do not expect a commit of a geometry to run out of memory: it is the next commit of a scene that says so. */
+  /*! Programs do not expect the commit of a geometry to fail (base/unmonitored_memory.h). If the heap is exhausted, the
+   *  next commit of the scene reports it. */
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
     try { return findParts(mesh); }
     catch (const rtcore_error& error) { if (error.error != RTC_ERROR_OUT_OF_MEMORY) throw; }
     catch (const std::bad_alloc&) {}
-    std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>(mesh->device);
+    std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>();
     none->isOutOfMemory = true;
     return none;
   }

@@ -125,7 +125,8 @@ namespace embree
       static double spacingOfEdge () { return cbvh::spacingOfMeshEdge; }
       typedef DicedGrid<Corners> Grid;
 
-      explicit GridsOfRegions (const MeshType* mesh) : regions(partsOf(mesh)), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
+      explicit GridsOfRegions (const MeshType* mesh)
+        : regions(partsOf(mesh)), reported(mesh->device,regions->bytes()), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
       GridsOfRegions (const GridsOfRegions&) = delete;
 
       size_t size () const { return regions->regions.size(); }
@@ -147,6 +148,7 @@ namespace embree
 
     private:
       const std::shared_ptr<const QuadRegions> regions;
+      const cbvh::ReportedMemory reported;
       const MeshType* const mesh;
       const Quads quads;
     };

@@ -24,6 +24,6 @@ namespace embree
     if (!found) found = findParts(mesh);
     if (found && found->isOutOfMemory)
       throw_RTCError(RTC_ERROR_OUT_OF_MEMORY,"not enough memory to find the grids of a mesh");
-    return found ? found : std::make_shared<const QuadRegions>(mesh->device);
+    return found ? found : std::make_shared<const QuadRegions>();
   }
 }

@@ -20,14 +20,10 @@ namespace embree
     enum : unsigned { none = ~0u };
     enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
 
-    mvector<unsigned> at[NUM_SIDES]; //!< of each quad, or none
-    mvector<uint8_t> isValid;        //!< whether all corners of a quad are vertices
-    size_t numLeftOut = 0;           //!< quads that are not valid
-    bool haveOwnForms = false;       //!< neighbors may have different forms
-
-    explicit QuadNeighbors (Device* device)
-      : at{ mvector<unsigned>(device,0),mvector<unsigned>(device,0),mvector<unsigned>(device,0),
-            mvector<unsigned>(device,0) }, isValid(device,0) {}
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< of each quad, or none
+    cbvh::UnmonitoredVector<uint8_t> isValid;        //!< whether all corners of a quad are vertices
+    size_t numLeftOut = 0;                           //!< quads that are not valid
+    bool haveOwnForms = false;                       //!< neighbors may have different forms
 
     size_t size () const { return isValid.size(); }
   };
@@ -37,8 +33,8 @@ namespace embree
   class NeighborFinder
   {
   public:
-    NeighborFinder (const Quads& quads, size_t numVertices, Device* device, QuadNeighbors& out)
-      : quads(quads), numVertices(numVertices), out(out), corners(device,0), forms(device,0), begins(device,0) {}
+    NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
+      : quads(quads), numVertices(numVertices), out(out) {}
 
     /*! Returns false, and finds none, if a look at some quads shows that few are regular. */
     bool run ()
@@ -230,10 +226,10 @@ namespace embree
     const Quads quads;
     const size_t numVertices;
     QuadNeighbors& out;
-    mvector<Corners> corners;                    //!< of all quads
-    mvector<uint8_t> forms;
+    cbvh::UnmonitoredVector<Corners> corners;    //!< of all quads
+    cbvh::UnmonitoredVector<uint8_t> forms;
     unsigned lowest = 0;
-    mvector<unsigned> begins;                    //!< lowest quad that begins at a vertex
+    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad that begins at a vertex
     std::vector<Other> othersRight, othersAbove; //!< the other quads there, by what they have to share
   };
 }

@@ -22,7 +22,7 @@ namespace embree
     class RegionFinder
     {
     public:
-      RegionFinder (const QuadNeighbors& of, Device* device, QuadRegions& out) : of(of), out(out), flags(device,0) {}
+      RegionFinder (const QuadNeighbors& of, QuadRegions& out) : of(of), out(out) {}
 
       void run ()
       {
@@ -176,7 +176,7 @@ namespace embree
 
       const QuadNeighbors& of;
       QuadRegions& out;
-      mvector<uint8_t> flags;
+      cbvh::UnmonitoredVector<uint8_t> flags;
       size_t steps = 0;                     //!< that seeds may still move
       unsigned pass = 0;
       bool marksAll = false;                //!< quads of regions that are too small
@@ -217,16 +217,16 @@ namespace embree
     {
       const auto quads = quadsOf(mesh,out);
       if (quads.size() == 0) return;
-      QuadNeighbors neighbors(mesh->device);
-      if (!NeighborFinder<decltype(quadsOf(mesh,out))>(quads,mesh->numVertices(),mesh->device,neighbors).run()) return;
+      QuadNeighbors neighbors;
+      if (!NeighborFinder<decltype(quadsOf(mesh,out))>(quads,mesh->numVertices(),neighbors).run()) return;
       out.haveOwnForms = neighbors.haveOwnForms;
       out.numLeftOut = neighbors.numLeftOut;
-      RegionFinder(neighbors,mesh->device,out).run();
+      RegionFinder(neighbors,out).run();
     }
 
     Found findIn (const QuadMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
-      const Found out = std::make_shared<QuadRegions>(mesh->device);
+      const Found out = std::make_shared<QuadRegions>();
       out->welded = welded;
       findRegions(mesh,*out);
       return out;
@@ -234,7 +234,7 @@ namespace embree
 
     Found findIn (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
-      const Found out = std::make_shared<QuadRegions>(mesh->device);
+      const Found out = std::make_shared<QuadRegions>();
       out->welded = welded;
       if (findConsecutivePairs(mesh,welded.get(),out->firsts)) findRegions(mesh,*out);
       return out;
@@ -242,7 +242,7 @@ namespace embree
 
     Found findInPairsAnywhere (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
-      const Found out = std::make_shared<QuadRegions>(mesh->device);
+      const Found out = std::make_shared<QuadRegions>();
       out->welded = welded;
       if (pairTriangles(mesh,welded.get(),out->firsts,out->seconds)) findRegions(mesh,*out);
       return out;
@@ -325,7 +325,7 @@ namespace embree
         if (isGood(*best)) return best;
       }
       const std::shared_ptr<const WeldedVertices> welded =
-        WeldedVertices::find(mesh->device,&mesh->vertices[0],mesh->numTimeSteps,mesh->numVertices());
+        WeldedVertices::find(&mesh->vertices[0],mesh->numTimeSteps,mesh->numVertices());
       if (welded || !best) {
         const Found other = findBestIn(mesh,welded);
         if (best) improve(mesh,best,other); else best = other;

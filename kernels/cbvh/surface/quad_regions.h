@@ -135,19 +135,23 @@ namespace embree
      *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned leastSide = 4;
 
-    mvector<Region> regions;  //!< those without loose quads first; none if the mesh is not regular
-    size_t numRegular = 0;    //!< regions without loose quads
-    mvector<unsigned> quads;  //!< of each region, row by row from its v0
+    cbvh::UnmonitoredVector<Region> regions; //!< those without loose quads first; none if the mesh is not regular
+    size_t numRegular = 0;                   //!< regions without loose quads
+    cbvh::UnmonitoredVector<unsigned> quads; //!< of each region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
-    mvector<unsigned> firsts, seconds; //!< of PairsOfMesh; empty if that needs none
+    cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< of PairsOfMesh; empty if that needs none
     bool haveOwnForms = false; //!< quads of a region have forms of their own, as their triangles begin at any corner
     bool isOutOfMemory = false; //!< there was not enough to find them
-    mvector<unsigned> loose;  //!< primitives of no region that are stored in mesh blocks (mesh_parts.h), ascending
+    cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
     bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
     size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
 
-    explicit QuadRegions (Device* device)
-      : regions(device,0), quads(device,0), firsts(device,0), seconds(device,0), loose(device,0) {}
+    /*! Size in memory. */
+    size_t bytes () const
+    {
+      return regions.size()*sizeof(Region) + (welded ? welded->bytes() : 0)
+        + (quads.size() + firsts.size() + seconds.size() + loose.size())*sizeof(unsigned);
+    }
 
     bool hasLoose () const { return areAllLoose || !loose.empty(); }
 

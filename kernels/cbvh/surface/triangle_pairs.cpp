@@ -19,9 +19,7 @@ namespace embree
     {
     public:
       PairFinder (const TriangleMesh* mesh, const WeldedVertices* welded)
-        : mesh(mesh), welded(welded), size(mesh->triangles.size()), numVertices(mesh->numVertices()),
-          triangles(mesh->device,0), ends(mesh->device,0), halves(mesh->device,0), opposite(mesh->device,0),
-          mates(mesh->device,0) {}
+        : mesh(mesh), welded(welded), size(mesh->triangles.size()), numVertices(mesh->numVertices()) {}
 
       void run (mvector<unsigned>& firsts, mvector<unsigned>& seconds)
       {
@@ -347,11 +345,11 @@ namespace embree
       const TriangleMesh* const mesh;
       const WeldedVertices* const welded;
       const size_t size, numVertices;
-      mvector<Triangle> triangles; //!< all; half-edges and mates are places in it
-      mvector<unsigned> ends;     //!< where the half-edges of a vertex begin, at last
-      mvector<Half> halves;       //!< by their lower vertex
-      mvector<unsigned> opposite; //!< of each half-edge, or none
-      mvector<unsigned> mates;    //!< the second triangle of a first one, `second` for second ones, or none
+      cbvh::UnmonitoredVector<Triangle> triangles; //!< all; half-edges and mates are places in it
+      cbvh::UnmonitoredVector<unsigned> ends;      //!< where the half-edges of a vertex begin, at last
+      cbvh::UnmonitoredVector<Half> halves;        //!< by their lower vertex
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> mates;     //!< the second triangle of a first one, `second`, or none
     };
 
     /*! Whether half of the vertices have six triangles: a look at some of them. Of a mesh with random diagonals 3 in 8
@@ -361,7 +359,7 @@ namespace embree
       const size_t numVertices = mesh->numVertices();
       const bool areFew = numVertices < 4096;
       auto isLookedAt = [&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }; // 1 in 64
-      mvector<uint8_t> counts(mesh->device,0); // modulo 256
+      cbvh::UnmonitoredVector<uint8_t> counts; // modulo 256
       cbvh::resizeToFit(counts,numVertices);
       std::fill(counts.begin(),counts.end(),uint8_t(0));
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };

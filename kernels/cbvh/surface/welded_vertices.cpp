@@ -18,8 +18,8 @@ namespace embree
     class Welding
     {
     public:
-      Welding (Device* device, const BufferView<Vec3fa>* steps, unsigned numSteps, size_t n)
-        : steps(steps), numSteps(numSteps), n(n), numTasks((n + perTask-1)/perTask), entries(device,0), ends(device,0)
+      Welding (const BufferView<Vec3fa>* steps, unsigned numSteps, size_t n)
+        : steps(steps), numSteps(numSteps), n(n), numTasks((n + perTask-1)/perTask)
       {
         while (numBuckets < mostBuckets && numBuckets*perBucket < n) { numBuckets *= 2; bucketBits++; }
       }
@@ -135,16 +135,16 @@ namespace embree
       const size_t n, numTasks;
       size_t numBuckets = 1;
       unsigned bucketBits = 0;
-      mvector<Entry> entries;
-      mvector<unsigned> ends; //!< of the entries of each task in each bucket, by bucket
+      cbvh::UnmonitoredVector<Entry> entries;
+      cbvh::UnmonitoredVector<unsigned> ends; //!< of the entries of each task in each bucket, by bucket
     };
   }
 
-  std::shared_ptr<const WeldedVertices> WeldedVertices::find (Device* device, const BufferView<Vec3fa>* steps,
-                                                              unsigned numSteps, size_t n)
+  std::shared_ptr<const WeldedVertices> WeldedVertices::find (const BufferView<Vec3fa>* steps, unsigned numSteps,
+                                                              size_t n)
   {
-    const std::shared_ptr<WeldedVertices> found = std::make_shared<WeldedVertices>(device);
-    if (n == 0 || n > 0xFFFFFFFEu || !Welding(device,steps,numSteps,n).run(found->firsts)) return nullptr;
+    const std::shared_ptr<WeldedVertices> found = std::make_shared<WeldedVertices>();
+    if (n == 0 || n > 0xFFFFFFFEu || !Welding(steps,numSteps,n).run(found->firsts)) return nullptr;
     return found;
   }
 }
