@@ -15,8 +15,11 @@ namespace embree
     template<typename Mesh>
     void loosen (const Mesh* mesh, QuadRegions& parts)
     {
+      if (std::none_of(parts.regions.begin(),parts.regions.end(),QuadRegions::isSmallerInMeshBlocks)) return;
       const auto quads = quadsOf(mesh,parts);
-      size_t regions = 0, regular = 0, kept = 0;
+      cbvh::UnmonitoredVector<unsigned> kept; // regions are not in the order of their quads
+      kept.reserve(parts.quads.size());
+      size_t regions = 0, regular = 0;
       for (size_t i=0; i<parts.regions.size(); i++)
       {
         const QuadRegions::Region region = parts.regions[i];
@@ -30,14 +33,15 @@ namespace embree
           }
           continue;
         }
-        std::copy(of,of+count,parts.quads.begin()+kept); // forwards: kept is not after first
-        parts.regions[regions++] = QuadRegions::Region{ kept,region.width,region.height };
+        parts.regions[regions++] = QuadRegions::Region{ kept.size(),region.width,region.height };
         regular += i < parts.numRegular;
-        kept += count;
+        const size_t begin = kept.size();
+        kept.resize(begin+count);
+        std::copy_n(of,count,kept.begin()+begin);
       }
       parts.regions.resize(regions);
       parts.numRegular = regular;
-      parts.quads.resize(kept);
+      parts.quads = std::move(kept);
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
