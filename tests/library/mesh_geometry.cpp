@@ -12,6 +12,7 @@
 
 #include <embree3/rtcore_compressed_triangles.h>
 
+#include <cstdio>
 #include <mutex>
 #include <set>
 

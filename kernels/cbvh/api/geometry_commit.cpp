@@ -11,6 +11,7 @@
 #include "../surface/plan.h"
 #include "../surface/quad_regions.h"
 #include "../../cvert/format/block.h"
+#include <new>
 
 namespace embree
 {
