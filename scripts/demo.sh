@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds what a picture needs on a fresh Debian 12, renders trex in cVERT, and then trex and cube in every
+# Builds what a picture needs on a fresh Debian 12 or 13, renders trex in cVERT, and then trex and cube in every
 # representation, with their speeds and errors.
 #
 #   scripts/demo.sh [DIRECTORY]    pictures go to DIRECTORY, output/demo by default

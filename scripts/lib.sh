@@ -55,6 +55,7 @@ trap print_summary EXIT
 # takes, as ours take that of Debian's Embree: to install them would remove it.
 #   install_packages [LAST_LINE]    those up to a line of the file; of all without it
 install_packages() {
+  command -v dpkg-query > /dev/null || { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
     tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "

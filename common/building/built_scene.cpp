@@ -9,6 +9,7 @@
 #include "surface/mesh.h"
 
 #include <cstdint>
+#include <cstdio>
 #include <set>
 
 namespace cbvh {

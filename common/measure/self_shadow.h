@@ -12,6 +12,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -8,6 +8,7 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfOutputFile.h>
 
+#include <exception>
 #include <stdexcept>
 
 namespace cbvh {

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <map>
+#include <system_error>
 
 namespace cbvh {
 namespace {

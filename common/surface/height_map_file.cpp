@@ -15,6 +15,8 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
+#include <system_error>
+#include <utility>
 #include <unistd.h>
 
 namespace cbvh {

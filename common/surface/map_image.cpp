@@ -10,7 +10,11 @@
 #include <cfloat>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <string_view>
+#include <system_error>
 
 namespace cbvh {
 namespace {

@@ -24,6 +24,7 @@
 #include <fstream>
 #include <set>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 
 namespace cbvh {

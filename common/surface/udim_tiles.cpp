@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <system_error>
 
 namespace cbvh {
 namespace {

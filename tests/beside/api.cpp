@@ -13,6 +13,7 @@
 #include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <memory>
 

@@ -8,6 +8,7 @@
 #include "support/odd_rays.h"
 
 #include <algorithm>
+#include <emmintrin.h>
 #include <pmmintrin.h>
 #include <sstream>
 

@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <exception>
+
 namespace cbvh::test {
 namespace {
 

@@ -13,6 +13,7 @@
 #include <embree3/rtcore_compressed_triangles.h>
 
 #include <chrono>
+#include <cstdio>
 #include <mutex>
 #include <set>
 

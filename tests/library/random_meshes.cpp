@@ -11,6 +11,7 @@
 
 #include <embree3/rtcore_compressed_triangles.h>
 
+#include <cstdio>
 #include <memory>
 #include <set>
 

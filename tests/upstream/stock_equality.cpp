@@ -15,7 +15,10 @@
 #include <pmmintrin.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -24,6 +27,7 @@
 #include <random>
 #include <string>
 #include <vector>
+#include <sys/wait.h>
 
 namespace {
 

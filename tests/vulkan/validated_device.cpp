@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <stdexcept>
 
 /* Of a sanitizer: what the loader and the driver keep is reported as theirs no more once they are

@@ -17,6 +17,8 @@
 #include "tracing/trace_hits.h"
 #include "validated_device.h"
 
+#include <stdexcept>
+
 namespace cbvh::test {
 namespace {
 

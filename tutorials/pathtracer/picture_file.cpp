@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfHeader.h>
 
 #include <filesystem>
+#include <system_error>
 
 namespace cbvh {
 namespace {

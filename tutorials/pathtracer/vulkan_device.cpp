@@ -5,6 +5,8 @@
 #include "vulkan_device.h"
 #include "basics/error.h"
 
+#include <cstdint>
+
 namespace cbvh {
 namespace {
 

@@ -6,6 +6,7 @@
 #include "measure/hit_metrics.h"
 
 #include <memory>
+#include <type_traits>
 
 namespace cbvh::python {
 namespace {

@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
+#include <string>
+
 namespace cbvh::python {
 
 template<typename Json>

@@ -17,10 +17,12 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib> // mkdtemp
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 namespace cbvh::python {
 namespace {

@@ -13,6 +13,7 @@
 #include "tracing/ray.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cbvh {

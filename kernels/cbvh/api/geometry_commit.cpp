@@ -10,6 +10,8 @@
 #include "../surface/input_checks.h"
 #include "../surface/mesh_parts.h"
 #include "../surface/plan.h"
+#include "../../cvert/format/block.h"
+#include <new>
 
 namespace embree
 {

@@ -13,6 +13,7 @@
 #include "file_statistics.h"
 #include "mapped_blocks.h"
 #include "validate_framed.h"
+#include <new>
 #include <sys/mman.h>
 
 namespace embree

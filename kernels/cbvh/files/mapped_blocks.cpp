@@ -10,6 +10,7 @@
 #include "../../cvert/file/record.h"
 #include <algorithm>
 #include <cstdlib>
+#include <new>
 #include <vector>
 
 namespace embree

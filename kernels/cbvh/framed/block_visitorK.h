@@ -9,6 +9,7 @@
 #include "block_walkK.h"
 #include "block_hit.h"
 #include "../base/epilogues.h"
+#include <tuple>
 
 namespace embree
 {

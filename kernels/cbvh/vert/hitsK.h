@@ -10,6 +10,7 @@
 #include "../../cvert/basics/double4.h"
 #include "hits1.h"
 #include "../base/epilogues.h"
+#include <tuple>
 
 namespace embree
 {
