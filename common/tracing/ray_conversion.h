@@ -5,31 +5,12 @@
 
 /* Rays as Embree takes them. */
 
+#include "tracing/denormals.h"
 #include "tracing/ray.h"
 
 #include <embree3/rtcore.h>
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
 namespace cbvh {
-
-/* Denormals off while tracing, as Embree's manual asks for. */
-class FastDenormals
-{
-public:
-  FastDenormals() : saved(_mm_getcsr())
-  {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  }
-  ~FastDenormals() { _mm_setcsr(saved); }
-  FastDenormals(const FastDenormals&) = delete;
-  FastDenormals& operator=(const FastDenormals&) = delete;
-
-private:
-  unsigned saved;
-};
 
 inline void load(const Ray& ray, RTCRay& out)
 {

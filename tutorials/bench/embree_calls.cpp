@@ -12,8 +12,13 @@
 #include <iterator>
 #include <utility>
 
-#if !defined(__x86_64__)
-#error "a jump through a slot is written for x86-64 only"
+/* Instructions that jump to the address in a slot and leave the registers of arguments alone. */
+#if defined(__x86_64__)
+#define CBVH_JUMP(slot) "jmp *" slot "(%rip)\n"
+#elif defined(__aarch64__)
+#define CBVH_JUMP(slot) "adrp x16, " slot "\nldr x16, [x16, #:lo12:" slot "]\nbr x16\n"
+#else
+#error "a jump through a slot is written for x86-64 and ARM64 only"
 #endif
 
 #define CBVH_EMBREE_FUNCTIONS(EACH) \
@@ -37,8 +42,8 @@
   asm(".pushsection .text\n"                    \
       ".balign 16\n"                            \
       ".globl " #name "\n"                      \
-      ".type " #name ", @function\n"            \
-      #name ": jmp *cbvh_slot_" #name "(%rip)\n" \
+      ".type " #name ", %function\n"            \
+      #name ": " CBVH_JUMP("cbvh_slot_" #name)   \
       ".size " #name ", . - " #name "\n"        \
       ".popsection\n");
 CBVH_EMBREE_FUNCTIONS(CVERT_FUNCTION)

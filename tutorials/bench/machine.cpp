@@ -28,6 +28,9 @@ std::string processorName()
 
 bool processorHas(const std::string& isa)
 {
+#if !defined(__x86_64__)
+  return isa == "sse2"; // Embree's name for NEON
+#else
   if (isa == "sse2")
     return __builtin_cpu_supports("sse2");
   if (isa == "sse4.2")
@@ -38,6 +41,7 @@ bool processorHas(const std::string& isa)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
          __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+#endif
 }
 
 std::vector<std::string> split(const std::string& list)

@@ -15,7 +15,8 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Addresses that hold all blocks that are mapped, and others; no bytes where none are. To be read in this order. */
+    /*! Addresses that hold all blocks that are mapped, and others; no bytes where none are. To be read in this order, each with
+     *  acquire: a thread that finds new addresses must find the function, which is stored before them. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
     /*! The same as isUsable, of a block between those addresses. */
@@ -25,7 +26,7 @@ namespace embree
     __forceinline bool isUsable (const void* block, BlockForm form)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
-      return likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed)) || isMappedBlockGood.load(std::memory_order_relaxed)(block,form);
+      return likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_acquire)) || isMappedBlockGood.load(std::memory_order_relaxed)(block,form);
     }
   }
 }

@@ -22,9 +22,9 @@ namespace embree
     vfloat_impl<N> p = a*b;
 #if defined(__GNUC__) && defined(__AVX512F__)
     asm("" : "+v"(p.v));
-#elif defined(__GNUC__) && defined(__SSE2__)
+#elif defined(__GNUC__) && defined(__x86_64__)
     asm("" : "+x"(p.v));
-#endif
+#endif // elsewhere -ffp-contract=off, kernels/upstream/arm64.cmake
     return p;
   }
 
@@ -58,7 +58,7 @@ namespace embree
       /*! a b + c, and c - a b, fused where the instruction set can. Embree's madd of floats clears the rest of a vector first. */
       __forceinline float fused (float a, float b, float c)
       {
-#if defined(__FMA__)
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
         return __builtin_fmaf(a,b,c);
 #else
         return product(a,b) + c;

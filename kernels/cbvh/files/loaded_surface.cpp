@@ -15,6 +15,7 @@
 #include "validate_framed.h"
 #include <new>
 #include <sys/mman.h>
+#include <unistd.h>
 
 namespace embree
 {
@@ -22,17 +23,20 @@ namespace embree
   {
     namespace
     {
-      /*! Private pages of a part of a file, allocated when they are written. */
+      /*! Private pages of a part of a file, allocated when they are written. They begin before the part if pages of this machine are
+       *  larger than those of files, as on ARM64. */
       struct PrivatePages
       {
+        const size_t before;
         char* const data;
         const size_t bytes;
 
         PrivatePages (int file, uint64_t offset, size_t bytes)
-          : data((char*)::mmap(nullptr,bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,off_t(offset))), bytes(bytes) {
-          if (data == MAP_FAILED) throw std::bad_alloc();
+          : before(size_t(offset % uint64_t(::sysconf(_SC_PAGESIZE)))),
+            data((char*)::mmap(nullptr,before+bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,off_t(offset-before)) + before), bytes(bytes) {
+          if (data-before == MAP_FAILED) throw std::bad_alloc();
         }
-        ~PrivatePages () { ::munmap(data,bytes); }
+        ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
       /*! the file that contains the blocks of a geometry, and their private pages, if there are any */

@@ -9,7 +9,7 @@
 #include "node_cache.h"
 #include "node_tables.h"
 #include "leaf/format.h"
-#include "../embree/simd.h"
+#include "../base/intrinsics.h"
 
 namespace embree
 {
@@ -127,7 +127,7 @@ namespace embree
         /*! 4 integers out of 16 bytes; control as of _mm_shuffle_epi8 */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
-#if defined(__SSSE3__)
+#if defined(CBVH_BYTE_SHUFFLES)
           return _mm_shuffle_epi8(bytes,_mm_load_si128((const __m128i*)control));
 #else
           alignas(16) uint8_t b[16];

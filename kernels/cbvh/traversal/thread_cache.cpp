@@ -8,7 +8,7 @@
 #include "../framed/node_cache.h"
 #endif
 #include "../vert/mesh_cache.h"
-#include <mm_malloc.h>
+#include <cstdlib>
 #include <new>
 
 namespace embree
@@ -29,12 +29,13 @@ namespace embree
     template<typename Entries>
     ThreadCache<Entries>& ThreadCache<Entries>::renew (unsigned now)
     {
-      struct Owner { ~Owner () { _mm_free(current); current = nullptr; } };
+      struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
         static thread_local Owner owner; // ends with the thread
         (void)owner;
-        current = (ThreadCache*)_mm_malloc(sizeof(ThreadCache),64);
-        if (current == nullptr) throw std::bad_alloc();
+        void* memory = nullptr;
+        if (posix_memalign(&memory,64,sizeof(ThreadCache)) != 0) throw std::bad_alloc();
+        current = (ThreadCache*)memory;
       }
       current->clear();
       current->made = now;

@@ -6,6 +6,7 @@
 /* Fields of a cell of cVERT, cvert/format/cell.h, out of their bits: all of them at a time. */
 
 #include "tables.h"
+#include "../base/intrinsics.h"
 #include "../base/vectors.h"
 #include "../base/codec.h"
 #include "../../cvert/format/cell.h"
@@ -47,14 +48,14 @@ namespace embree
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
           }
 #else
-#if defined(__SSE4_1__)
+#if defined(CBVH_BYTE_SHUFFLES)
           if (likely(start == 0 && VertTables::hasWindows(bits))) {
             const VertTables::Windows& windows = vertTables.windows[bits];
             if (likely(bits <= VertTables::maxBitsOfFour)) {
               for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<false>(data,windows,c);
               return;
             }
-#if defined(__AVX2__)
+#if defined(CBVH_LANE_SHIFTS)
             for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<true>(data,windows,c);
             return;
 #endif
@@ -73,7 +74,7 @@ namespace embree
         }
 
       private:
-#if defined(__SSE4_1__) && !defined(__AVX512F__)
+#if defined(CBVH_BYTE_SHUFFLES) && !defined(__AVX512F__)
         static __forceinline __m128i pick (const uint8_t* data, const VertTables::Windows& windows, int i, const uint8_t (*control)[16]) {
           return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),_mm_load_si128((const __m128i*)control[i]));
         }
@@ -97,7 +98,7 @@ namespace embree
         /*! ofRow where a field may have bits in five bytes */
         static __forceinline vint4 ofWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
         {
-#if defined(__AVX2__)
+#if defined(CBVH_LANE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
           /* a shift by 32 makes 0 */
           return _mm_or_si128(_mm_srlv_epi32(pick(data,windows,row,windows.control),shift),

@@ -5,9 +5,13 @@
 
 /* Four floats or integers at a time, for encoders. Every operation rounds as the scalar one does, so that blocks are the same bytes whatever
  * they are compiled for. The exception is a compiler that fuses multiply and add, in scalar code as here: where that is possible,
- * -ffp-contract=off keeps the bytes. Define CVERT_PORTABLE to do without SSE. */
+ * -ffp-contract=off keeps the bytes. Define CVERT_PORTABLE to do without SSE and NEON. */
 
-#if defined(__SSE2__) && !defined(CVERT_PORTABLE)
+#if defined(CVERT_PORTABLE)
+#include "lanes_portable.h"
+#elif defined(__aarch64__) // before SSE2, which Embree defines there, too
+#include "lanes_neon.h"
+#elif defined(__SSE2__)
 #include "lanes_sse.h"
 #else
 #include "lanes_portable.h"
