@@ -17,14 +17,18 @@ namespace embree
     /*! Addresses that hold all blocks that are mapped, and others; no bytes where none are. To be read in this order. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! The same as isUsable, of a block between those addresses. */
+    /*! The same as isUsable, of a block between those addresses; null until a file is mapped. */
     extern std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood;
 
     /*! Whether a block may be decoded. Of one that may not the device was told, once for its geometry; it has no surface. */
     __forceinline bool isUsable (const void* block, bool isVert)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
-      return likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed)) || isMappedBlockGood.load(std::memory_order_relaxed)(block,isVert);
+      if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
+      /* Relaxed loads: while another thread maps the first file, the addresses may be seen before the function. A thread
+       * that sees none traces no mapped block: the commit of a scene that has one comes before its rays. */
+      bool (*const isGood) (const void*, bool) = isMappedBlockGood.load(std::memory_order_relaxed);
+      return !isGood || isGood(block,isVert);
     }
   }
 }
