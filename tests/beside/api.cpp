@@ -595,6 +595,47 @@ TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
   context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
 }
 
+// Of the vertices' faces, or of those that an attribute has.
+TEST(Beside, AttributesAtTooManyFacesAreErrors)
+{
+  Context context;
+  Displacement displacement;
+  const Cage poles = trapezohedronCage(65), sheet = sheetCage(12);
+  ASSERT_GT(sheet.faces.size(), poles.faces.size());
+  for (bool isOwn : {false, true}) {
+    const Cage& cage = isOwn ? sheet : poles;
+    std::vector<unsigned> corners = poles.indices; // and a value of its own at each corner of the faces after those
+    while (corners.size() < cage.indices.size()) corners.push_back(unsigned(poles.positions.size() + corners.size()));
+    const std::vector<float> values(poles.positions.size() + cage.indices.size(), 2.0f);
+    const unsigned* const indices = isOwn ? corners.data() : nullptr;
+    const CbvhAttribute attribute = {values.data(), values.size(), 4, 1, indices, CBVH_BOUNDARY_SMOOTH};
+    const Surface surface(context);
+    CageInput input(cage, settingsOf(displacement, 1, 4));
+    input.cage.numAttributes = 1;
+    input.cage.attributes = &attribute;
+    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    float value = -1;
+    const float u = 0.25f, v = 0.5f;
+    CbvhInterpolation points = CbvhInterpolation();
+    points.count = 1;
+    points.u = &u;
+    points.v = &v;
+    points.P = &value;
+    for (unsigned face : {0u, 7u, 129u}) {
+      points.primID = face;
+      const char* const why = "cannot be interpolated";
+      const CbvhError error = cbvhInterpolate(surface, face, u, v, 0, &value, nullptr, nullptr);
+      context.expect(error, CBVH_ERROR_INVALID_ARGUMENT, why);
+      context.expect(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, why);
+      EXPECT_EQ(value, -1) << "face " << face;
+    }
+    if (!isOwn) continue;
+    ASSERT_EQ(cbvhInterpolate(surface, 140, u, v, 0, &value, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_NEAR(value, 2, 1e-5f);
+  }
+}
+
 // Of hits, and all of them.
 TEST(Beside, TrianglesComeOut)
 {

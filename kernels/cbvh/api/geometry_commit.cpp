@@ -3,7 +3,7 @@
 
 /* Commits of geometries, as far as compression has a part in them. */
 
-#include "../embree/scene.h"
+#include "interpolation.h"
 #include "../base/environment.h"
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
@@ -198,7 +198,9 @@ namespace embree
   bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads"); }
   bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->triangles,"triangles"); }
 
-  void endCommit (SubdivMesh* mesh) {
+  void endCommit (SubdivMesh* mesh)
+  {
+    markUnsupportedFaces(mesh);
     if (compressNow(mesh)) releaseInput(mesh);
   }
 
@@ -227,6 +229,7 @@ namespace embree
       std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges0);
       std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges1);
       if (!hasAttributes) topology.halfEdges.clear();
+      else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
     }
     mesh->faceVertices = BufferView<unsigned int>();
     mesh->edge_creases = BufferView<SubdivMesh::Edge>();

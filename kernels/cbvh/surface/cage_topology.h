@@ -97,7 +97,7 @@ namespace embree
       {
         if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
-        const unsigned n = h->numEdges();
+        const unsigned n = mesh->faceVertices[f];
         for (unsigned i=0; i<n; i++) edge(h+i) = Edge();
         if (!hasSurface(mesh,f)) return;
         bool isTracedByGrid = false;

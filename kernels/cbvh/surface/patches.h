@@ -25,30 +25,39 @@ namespace embree
     }
 
     /*! True if Embree cannot evaluate the surface at the vertex where an edge begins: one of the vertex's faces has fewer than 3
-     *  or more than 16 corners, or there are more than 64 of them. */
+     *  or more than 16 corners, or there are more than 64 of them, or more vertices around it than a ring stores. */
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
+      size_t faceValence = 0, edgeValence = 0;
       const HalfEdge* around = edge; // back around the vertex, and at a border on from its other end
       do {
         const unsigned corners = around->numEdges();
         if (corners < 3 || corners > MAX_PATCH_VALENCE) return true;
+        faceValence++;
+        edgeValence += corners-2;
         around = around->prev();
-        if (around->hasOpposite()) around = around->opposite();
-        else for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
+        if (around->hasOpposite()) { around = around->opposite(); continue; }
+        faceValence++; // between the borders, where a ring stores two vertices
+        edgeValence += 2;
+        for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
       } while (around != edge);
-      size_t faceValence = 0, edgeValence = 0; // counted after the corners: the count requires faces of at least 3
-      edge->calculateFaceValenceAndEdgeValence(faceValence,edgeValence);
       return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
+    }
+
+    /*! Whether Embree's patches hold a face of so many corners, in the topology of its first half-edge. */
+    inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
+    {
+      if (corners < 3) return false; // the edge of a single corner has no next one
+      const HalfEdge* edge = first;
+      while (!isUnsupportedAtVertex(edge))
+        if ((edge = edge->next()) == first) return true;
+      return false;
     }
 
     /*! True if Embree cannot evaluate a face whatever the vertices are, and the face is no hole. */
     inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
     {
-      if (!hasEdges(mesh,face)) return false;
-      const HalfEdge* const first = mesh->getHalfEdge(0,face);
-      const HalfEdge* edge = first;
-      while (!isUnsupportedAtVertex(edge))
-        if ((edge = edge->next()) == first) return false;
+      if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return false;
       for (size_t i=0; i<mesh->holes.size(); i++)
         if (mesh->holes[i] == face) return false;
       return true;
