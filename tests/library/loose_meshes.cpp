@@ -19,35 +19,6 @@ class LooseMeshes : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Isas, LooseMeshes, testing::Values(TEST_ISAS), nameOfIsa);
 
-struct Shape
-{
-  std::string name;
-  DicedMesh mesh;
-};
-
-// Their vertices are on a lattice, and so are stored as they are.
-std::vector<Shape> shapes(Random& random)
-{
-  const DicedMesh sheet = jittered(meshOf(dicedSheet(1, 50, lattice), QuadOrder::Rows, random), random, 0.01, lattice),
-    ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01, lattice);
-  DicedMesh heap;
-  for (unsigned i = 0; i < 2000; i++) {
-    const Vec at = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))};
-    for (int c = 0; c < 3; c++) {
-      Vec p = at;
-      for (float& x : p) x = roundTo(x + 0.05*random.normal(), lattice);
-      heap.vertices.push_back(p);
-    }
-    heap.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
-  }
-  const DicedMesh fine = meshOf(dicedSheet(1, 80, lattice), QuadOrder::Rows, random);
-  return {{"a sheet of triangles with irregular stripes", partlyIrregular(fine, random, true)},
-    {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)},
-    {"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
-    {"a ball of triangles", irregularTriangles(ball, random)}, {"a ball of quads", irregularQuads(ball, random)},
-    {"a heap of triangles", heap}};
-}
-
 void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random)
 {
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
@@ -72,7 +43,7 @@ TEST_P(LooseMeshes, HitsAreEmbrees)
     Device device((GetParam() + std::string(error)).c_str());
     if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
     Random random(151);
-    for (const Shape& shape : shapes(random)) {
+    for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
       SCOPED_TRACE(shape.name + error);
       expectEmbreesHits(device, shape.mesh, random);
       if (HasFatalFailure()) return;
@@ -86,7 +57,7 @@ TEST_P(LooseMeshes, MasksFiltersAndInstances)
   Device device(GetParam());
   if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
   Random random(152);
-  for (const Shape& shape : shapes(random)) {
+  for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
     SCOPED_TRACE(shape.name);
     const DicedMesh& mesh = shape.mesh;
     Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};

@@ -64,4 +64,33 @@ inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double la
   return mesh;
 }
 
+struct NamedMesh
+{
+  std::string name;
+  DicedMesh mesh;
+};
+
+// Of each kind of mesh that mesh blocks store. With vertices on a lattice, these are stored as they are.
+inline std::vector<NamedMesh> irregularMeshes(Random& random, double lattice)
+{
+  const DicedMesh sheet = jittered(meshOf(dicedSheet(1, 50, lattice), QuadOrder::Rows, random), random, 0.01, lattice),
+    ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01, lattice);
+  DicedMesh heap;
+  for (unsigned i = 0; i < 2000; i++) {
+    const Vec at = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))};
+    for (int c = 0; c < 3; c++) {
+      Vec p = at;
+      for (float& x : p) x = roundTo(x + 0.05*random.normal(), lattice);
+      heap.vertices.push_back(p);
+    }
+    heap.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+  }
+  const DicedMesh fine = meshOf(dicedSheet(1, 80, lattice), QuadOrder::Rows, random);
+  return {{"a sheet of triangles with irregular stripes", partlyIrregular(fine, random, true)},
+    {"a sheet of quads with irregular stripes", partlyIrregular(fine, random, false)},
+    {"a sheet of triangles", irregularTriangles(sheet, random)}, {"a sheet of quads", irregularQuads(sheet, random)},
+    {"a ball of triangles", irregularTriangles(ball, random)}, {"a ball of quads", irregularQuads(ball, random)},
+    {"a heap of triangles", heap}};
+}
+
 } // namespace cbvh::test

@@ -21,7 +21,8 @@ CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< a node whose children mov
 CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles that follow each other, from the index on
 CVERT_CONSTANT uint32_t firstBlockReference = 8u; //!< and the number of the kind
 CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< of cVERT
-CVERT_CONSTANT uint32_t numReferenceTypes = movingBlockReference + 1u;
+CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< of cVERT
+CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
 
 /*! a child that is none; its type is no other's */
 CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;

@@ -127,17 +127,15 @@ namespace embree
             out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,ids[root->geomID()] });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
-          if (type == MESH_BLOCK)
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"geometry " + std::to_string(ids[((const MeshHeader*)data)->surface])
-              + " has triangles in mesh blocks, which flat scenes do not support: expected a mesh that lies in grids, or"
-              " RTC_COMPRESSION_NONE");
-          const bool moves = type == MOVING_VERT_BLOCK, isVert = type == VERT_BLOCK || moves;
+          const bool moves = type == MOVING_VERT_BLOCK;
           if (!moves && !isUsable(data,formOfBlock(type)))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the file of one of the scene's geometries is damaged: one of its blocks is none");
-          const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
-          const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
-          const uint32_t referenceType = moves ? movingBlockReference : blockReference(kind);
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,formOfBlock(type)),referenceType,ids[surface] });
+          const BlockForm form = formOfBlock(type);
+          uint32_t surface;
+          memcpy(&surface,data+offsetOfSurface(form),sizeof(surface));
+          const uint32_t referenceType = moves ? movingBlockReference : form == MESH_FORM ? meshBlockReference
+            : blockReference(form == VERT_FORM ? kindVert : kindOf(((const BlockHeader*)data)->info));
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,form),referenceType,ids[surface] });
           return makeReference(referenceType,index(out.ownBlocks.size()-1));
         }
 

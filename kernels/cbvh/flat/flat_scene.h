@@ -19,7 +19,7 @@ namespace embree
   namespace cbvh
   {
     /*! of the structures below: a library of another number does not fit */
-    static const uint32_t flatSceneVersion = 5;
+    static const uint32_t flatSceneVersion = 6;
 
     /*! Four children, bounds by axis. Those that are none have the reference emptyReference and bounds
      *  that nothing meets: all are infinite. */
@@ -43,7 +43,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      uint32_t type;     //!< reference.h: blockReference of the kind, movingBlockReference, or cellReference for a grid
+      uint32_t type;     //!< reference.h: blockReference of the kind, movingBlockReference, meshBlockReference, or cellReference for a grid
       uint32_t geomID;   //!< in this scene; in the block is the number of its surface, which is the same in all
     };
 
