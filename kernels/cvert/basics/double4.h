@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Four doubles at a time, on x86-64. Every operation rounds as the scalar one does. Embree has four doubles for AVX only. */
+/* Vectors of four doubles on x86-64. Every operation rounds as the scalar one does. Embree has such vectors only for
+ * AVX. */
 
 #include "lanes.h"
 
@@ -46,10 +47,10 @@ namespace cvert { inline namespace CVERT_ISA
   inline Double4 select(Mask4 m, Double4 a, Double4 b) { return _mm256_blendv_pd(b.v,a.v,m.v); }
   inline Float4 toFloat(Double4 a) { return _mm256_cvtpd_ps(a.v); }
 
-  /*! a, 0 where the mask is not set */
+  /*! a where the mask is set, 0 elsewhere. */
   inline Double4 operator&(Mask4 m, Double4 a) { return _mm256_and_pd(m.v,a.v); }
 
-  /*! towards zero */
+  /*! Rounds towards zero. */
   inline Int4 toInt(Double4 a) { return _mm256_cvttpd_epi32(a.v); }
 
   inline Int4 operator&(Mask4 m, Int4 a) {
@@ -57,20 +58,22 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_and_si128(_mm_castps_si128(_mm_shuffle_ps(low,high,_MM_SHUFFLE(2,0,2,0))),a.v);
   }
 
-  /*! of a bit for each lane */
+  /*! Mask from a bit per lane. */
   inline Mask4 maskOf(uint32_t bits)
   {
-    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)), set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
-    return { _mm256_castsi256_pd(_mm256_insertf128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi32(set,set)),_mm_unpackhi_epi32(set,set),1)) };
+    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
+                  set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
+    return { _mm256_castsi256_pd(_mm256_insertf128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi32(set,set)),
+                                                         _mm_unpackhi_epi32(set,set),1)) };
   }
 
-  /*! a0 b1 - a1 b0 */
+  /*! a0 b1 - a1 b0. */
   inline double crossOf(Double4 a, Double4 b) {
     const __m128d l = _mm256_castpd256_pd128(b.v), p = _mm_mul_pd(_mm256_castpd256_pd128(a.v),_mm_shuffle_pd(l,l,1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }
 
-  /*! of all lanes */
+  /*! Minimum and maximum of all lanes. */
   inline double least(Double4 a) {
     const __m128d m = _mm_min_pd(_mm256_castpd256_pd128(a.v),_mm256_extractf128_pd(a.v,1));
     return _mm_cvtsd_f64(_mm_min_sd(m,_mm_unpackhi_pd(m,m)));
@@ -80,7 +83,7 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtsd_f64(_mm_max_sd(m,_mm_unpackhi_pd(m,m)));
   }
 
-  /*! lane i in all lanes */
+  /*! Lane i in all lanes. */
   template<int i> inline Double4 broadcast(Double4 a) {
     const __m128d half = i < 2 ? _mm256_castpd256_pd128(a.v) : _mm256_extractf128_pd(a.v,1);
     const __m128d lane = i & 1 ? _mm_unpackhi_pd(half,half) : _mm_unpacklo_pd(half,half);
@@ -112,26 +115,35 @@ namespace cvert { inline namespace CVERT_ISA
     friend Double4 operator-(Double4 a, Double4 b) { return { _mm_sub_pd(a.v[0],b.v[0]),_mm_sub_pd(a.v[1],b.v[1]) }; }
     friend Double4 operator*(Double4 a, Double4 b) { return { _mm_mul_pd(a.v[0],b.v[0]),_mm_mul_pd(a.v[1],b.v[1]) }; }
     friend Double4 operator/(Double4 a, Double4 b) { return { _mm_div_pd(a.v[0],b.v[0]),_mm_div_pd(a.v[1],b.v[1]) }; }
-    friend Mask4 operator<(Double4 a, Double4 b) { return {{ _mm_cmplt_pd(a.v[0],b.v[0]),_mm_cmplt_pd(a.v[1],b.v[1]) }}; }
-    friend Mask4 operator<=(Double4 a, Double4 b) { return {{ _mm_cmple_pd(a.v[0],b.v[0]),_mm_cmple_pd(a.v[1],b.v[1]) }}; }
+    friend Mask4 operator<(Double4 a, Double4 b) {
+      return {{ _mm_cmplt_pd(a.v[0],b.v[0]),_mm_cmplt_pd(a.v[1],b.v[1]) }};
+    }
+    friend Mask4 operator<=(Double4 a, Double4 b) {
+      return {{ _mm_cmple_pd(a.v[0],b.v[0]),_mm_cmple_pd(a.v[1],b.v[1]) }};
+    }
   };
 
   inline Double4 toDouble(Int4 a) { return { _mm_cvtepi32_pd(a.v),_mm_cvtepi32_pd(_mm_unpackhi_epi64(a.v,a.v)) }; }
   inline Double4 min(Double4 a, Double4 b) { return { _mm_min_pd(b.v[0],a.v[0]),_mm_min_pd(b.v[1],a.v[1]) }; }
   inline Double4 max(Double4 a, Double4 b) { return { _mm_max_pd(b.v[0],a.v[0]),_mm_max_pd(b.v[1],a.v[1]) }; }
-  inline Double4 abs(Double4 a) { return { _mm_andnot_pd(_mm_set1_pd(-0.0),a.v[0]),_mm_andnot_pd(_mm_set1_pd(-0.0),a.v[1]) }; }
+  inline Double4 abs(Double4 a) {
+    return { _mm_andnot_pd(_mm_set1_pd(-0.0),a.v[0]),_mm_andnot_pd(_mm_set1_pd(-0.0),a.v[1]) };
+  }
   inline Double4 select(Mask4 m, Double4 a, Double4 b) {
-    return { _mm_or_pd(_mm_and_pd(m.v[0],a.v[0]),_mm_andnot_pd(m.v[0],b.v[0])),_mm_or_pd(_mm_and_pd(m.v[1],a.v[1]),_mm_andnot_pd(m.v[1],b.v[1])) };
+    return { _mm_or_pd(_mm_and_pd(m.v[0],a.v[0]),_mm_andnot_pd(m.v[0],b.v[0])),
+             _mm_or_pd(_mm_and_pd(m.v[1],a.v[1]),_mm_andnot_pd(m.v[1],b.v[1])) };
   }
   inline Float4 toFloat(Double4 a) { return _mm_movelh_ps(_mm_cvtpd_ps(a.v[0]),_mm_cvtpd_ps(a.v[1])); }
   inline Double4 operator&(Mask4 m, Double4 a) { return { _mm_and_pd(m.v[0],a.v[0]),_mm_and_pd(m.v[1],a.v[1]) }; }
   inline Int4 toInt(Double4 a) { return _mm_unpacklo_epi64(_mm_cvttpd_epi32(a.v[0]),_mm_cvttpd_epi32(a.v[1])); }
   inline Int4 operator&(Mask4 m, Int4 a) {
-    return _mm_and_si128(_mm_castps_si128(_mm_shuffle_ps(_mm_castpd_ps(m.v[0]),_mm_castpd_ps(m.v[1]),_MM_SHUFFLE(2,0,2,0))),a.v);
+    return _mm_and_si128(_mm_castps_si128(_mm_shuffle_ps(_mm_castpd_ps(m.v[0]),_mm_castpd_ps(m.v[1]),
+                                                         _MM_SHUFFLE(2,0,2,0))),a.v);
   }
   inline Mask4 maskOf(uint32_t bits)
   {
-    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)), set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
+    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
+                  set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
     return {{ _mm_castsi128_pd(_mm_unpacklo_epi32(set,set)),_mm_castsi128_pd(_mm_unpackhi_epi32(set,set)) }};
   }
   inline double crossOf(Double4 a, Double4 b) {
@@ -152,7 +164,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
 #endif
 
-  /* what cvert/basics/language.h has for floats */
+  /* the functions that language.h defines for floats */
   inline Double4 lesser(Double4 a, Double4 b) { return min(b,a); }
   inline Double4 greater(Double4 a, Double4 b) { return max(b,a); }
   inline Double4 magnitude(Double4 a) { return abs(a); }
