@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of include/embree3, and what they become in the core. */
+/* Structs of include/embree3, and conversions to and from the structs of the core. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
