@@ -45,8 +45,8 @@ namespace embree
           const void* const block = ref.leaf(type);
           if (!isBlock(type))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry cannot be saved: a part of it is left to GRID "
-                           "because of its edge rates or because it has no valid frame; expected compressed blocks only, as "
-                           "with cVERT");
+                           "because of its edge rates or because it has no valid frame; expected compressed blocks "
+                           "only, as with cVERT");
           const BlockForm form = formOfBlock(type);
           if (type != MOVING_VERT_BLOCK && !isUsable(block,form))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,

@@ -42,7 +42,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      uint32_t type;     //!< blockReference of the kind, movingBlockReference, or cellReference for a grid (reference.h)
+      uint32_t type;     //!< see reference.h: blockReference(kind), movingBlockReference, or cellReference for a grid
       uint32_t geomID;   //!< in this scene; blocks store the surface number, which is the same in all scenes
     };
 
