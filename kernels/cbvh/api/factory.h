@@ -13,8 +13,8 @@ namespace embree
   /*! True if a value of subdiv_accel requests compression: "cbvh", "cbvh.vert" or "cvert", case-insensitive. */
   bool isNameOfOurs (const std::string& subdivAccel);
 
-  /*! True if a scene that keeps its accelerators, as dynamic scenes do, must create new ones because it has compressed
-   *  surfaces since its last commit, or no longer has. */
+  /*! True if a scene that keeps its accelerators, as dynamic scenes do, must create new ones. This is the case if it
+   *  now has its first compressed surface or no longer has any. */
   bool isCompressionOutdated (Scene* scene);
 
   /*! True if a subdivision surface of the scene has motion blur and is not compressed. */

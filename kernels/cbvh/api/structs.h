@@ -24,7 +24,6 @@ namespace embree
     CBVH_GROWING_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
   }
 
-  /*! Throws if an argument is null. */
   inline void require (const void* argument, const char* name) {
     if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
   }

@@ -53,14 +53,12 @@ namespace embree
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
-      /*! Adds a copy of an encoded block. */
       void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
         memcpy(begin(size),block,size);
         end(size,bounds,type);
       }
 
-      /*! Flushes if the buffer is large. */
       void flushIfFull () { if (used > fullPieceBytes) flush(); }
 
       /*! Copies the buffered blocks to memory of the surface and creates primitives. Allocates one piece, because the
@@ -81,7 +79,6 @@ namespace embree
         used = 0;
       }
 
-      /*! Adds a primitive of any kind. */
       void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;

@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Kinds of blocks. The number of a kind determines the kind in the header of a block with a frame (framed/block.h),
- * references of flat scenes and on Vulkan devices (reference.h), and the value of RTCCompression. The tables below add
- * keys of device strings and names for messages.
+/* Kinds of blocks. The number of a kind is stored in headers of blocks with frames (framed/block.h). References of flat
+ * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it. The tables below add keys of
+ * device strings and names for messages.
  *
- * To remove a kind, remove its number and its rows here, its row where the encoder and the intersectors select by kind
- * (block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl), and its folder. The other numbers
- * must not change because blocks store them. framed/writer.h stores blocks without a valid frame as cGRID, and patches
- * with holes as cLEAF if their kind does not support holes. */
+ * To remove a kind, remove its number and its rows here, and its folder. Also remove its rows where code selects by
+ * kind: block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. The other numbers must not
+ * change because blocks store them. framed/writer.h stores blocks without a valid frame as cGRID, and patches with
+ * holes as cLEAF if their kind does not support holes. */
 
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H

@@ -31,7 +31,6 @@ CVERT_FUNCTION uint32_t referenceType (uint32_t reference) { return reference >>
 CVERT_FUNCTION uint32_t referenceIndex (uint32_t reference) { return reference & referenceMask; }
 CVERT_FUNCTION uint32_t blockReference (uint32_t kind) { return firstBlockReference + kind; }
 
-/*! Maximum number of triangles of a run. */
 CVERT_CONSTANT uint32_t maxTriangleRun = 4u;
 CVERT_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
   return makeReference(triangleReference + count-1u,first);

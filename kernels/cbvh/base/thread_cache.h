@@ -7,8 +7,8 @@
  * same blocks, and decoding them is most of the cost of a ray.
  *
  * Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by the address of a block. A new block may have the
- * address of an old one that was traced and released since the build began, so each build invalidates all caches at its
- * end. */
+ * address of an old one that was traced and released during the build. Each build therefore invalidates all caches at
+ * its end. */
 
 #include "../embree/simd.h"
 #include <atomic>

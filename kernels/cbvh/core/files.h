@@ -33,9 +33,9 @@ namespace embree
     /*! Saves a geometry: blocks, tree, time steps, primitives and statistics, but not its mask, filters, user data,
      *  vertex attributes and input.
      *
-     *  Errors: RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, does not request compression, changed
-     *  since its last commit, or is not completely stored as blocks (faces with edge rates that only GRID supports),
-     *  and if writing fails, for example because the disk is full or a limit on file sizes is reached.
+     *  Errors: RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, does not request compression, or changed
+     *  since its last commit. The same if it is not completely stored as blocks because only GRID supports some of its
+     *  edge rates. The same if writing fails, for example because the disk is full or a limit on file sizes is reached.
      *  RTC_ERROR_INVALID_ARGUMENT for a path that cannot be written, or that is a device or a pipe. Thread safety:
      *  other threads may trace the geometry during this call, but not commit it. Cost: reads all blocks, writes them
      *  and computes their checksums. */

@@ -6,7 +6,7 @@
 /* Reads compressed surfaces: triangles, parts and clusters as they are stored.
  *
  * All functions throw RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, is not completely stored as cVERT
- * or cGRID (cLEAF and cVOXEL have no triangles), or was loaded from a file that is damaged.
+ * or cGRID, or was loaded from a file that is damaged. cLEAF and cVOXEL have no triangles.
  *
  * Thread safety: any number of threads may call them for a geometry and trace it at the same time. No thread may commit
  * it during a call. Closures run on the calling thread. Their arguments are valid until they return.
@@ -36,8 +36,8 @@ namespace embree
      *  Returns false if (u,v) is on no triangle of the primitive: for an unknown primID, for triangles that were left
      *  out, and for numbers that are not finite.
      *
-     *  Cost: decodes one or a few blocks. The first call after a commit builds an index of the geometry's blocks, with
-     *  16 bytes per block, plus 4 bytes per primitive for quad meshes and triangle meshes. */
+     *  Cost: decodes one or a few blocks. The first call after a commit builds an index of the geometry's blocks. It
+     *  needs 16 bytes per block, plus 4 bytes per primitive for quad meshes and triangle meshes. */
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
         cbvh::StoredTriangle& triangle);
 

@@ -21,7 +21,6 @@ namespace embree
   {
     namespace
     {
-      /*! Owns the arrays of a FlatScene. */
       struct OwnedScene : public FlatScene
       {
         std::vector<FlatNode> ownNodes;
@@ -234,7 +233,6 @@ namespace embree
         return out;
       }
 
-      /*! True if a tree contains moving surfaces. */
       bool moves (BVH4::NodeRef root)
       {
         if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();

@@ -11,8 +11,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! True if a corner of a patch, in halves, is the corner of a face with four corners, or the corner of a sub-patch of
-   *  another face as Embree places it: from 1/2 on, two units apart, up to 4 in a row. */
+  /*! True if a corner of a patch, in halves, is valid. Faces with four corners begin at 0. Embree places the
+   *  sub-patches of other faces from 1/2 on, two units apart, up to 4 in a row. */
   inline bool isPatchCorner(uint32_t u, uint32_t v) {
     return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13);
   }

@@ -103,7 +103,6 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(start+wordOffset,&word,sizeof(word));
     }
 
-    /*! Pads with zeros to a multiple of 4 bytes. */
     void fill (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
 
     void packRaw (const VertPlacement& at, uint32_t form, uint8_t* block)
@@ -149,7 +148,6 @@ namespace cvert { inline namespace CVERT_ISA
       return any;
     }
 
-    /*! Begins a block, raw or not. */
     VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
     {
       layout = vertLayout(at.region,form);

@@ -6,9 +6,9 @@
 /* Vertices of a cVERT block at one time, as coordinates and remainders of format/block.h.
  *
  * Nothing is rounded here. On each axis all vertices are multiples of a power of two, the step, which is found in the
- * floats. For vertices on a lattice it is at least the spacing of the lattice, for a regular terrain the size of a
- * cell, for other vertices the last bit of a float. The block's spacing is the step or a larger power of two. If it is
- * larger, vertices have remainders. */
+ * floats. For vertices on a lattice it is at least the spacing of the lattice. For a regular terrain it is the size of
+ * a cell, for other vertices the last bit of a float. The block's spacing is the step or a larger power of two. If it
+ * is larger, vertices have remainders. */
 
 #include "../format/block.h"
 #include "cell_encoder.h"
@@ -58,7 +58,6 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Number of quads with a vertex that is not finite. */
     uint32_t countInvalidQuads () const
     {
       uint32_t n = 0;
@@ -95,7 +94,6 @@ namespace cvert { inline namespace CVERT_ISA
       return setRemainders();
     }
 
-    /*! Computes origin, coordinates and remainders. */
     void place ()
     {
       for (int k=0; k<3; k++) {

@@ -23,7 +23,6 @@ namespace cvert { inline namespace CVERT_ISA
       memset(margins,0,sizeof(margins));
     }
 
-    /*! Adds group g at an end. */
     void addGroup (uint32_t end, uint32_t g)
     {
       const BlockVertices& of = *ends[end];
@@ -41,7 +40,6 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Adds all groups at all ends. */
     void addGroups ()
     {
       for (uint32_t e=0; e<numEnds; e++)
@@ -155,7 +153,6 @@ namespace cvert { inline namespace CVERT_ISA
       return { least(lower),greatest(upper) };
     }
 
-    /*! Vertices of a group. */
     class Group
     {
     public:

@@ -14,7 +14,6 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! An indexed mesh of the caller. */
   struct MeshSource
   {
     const float (*vertices)[3];

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Divides triangles into clusters of up to 256, and these into groups, recursively at the median of an axis, so that
- * all clusters and groups but the last are full. Compact groups share few vertices and have small boxes. A part of many
- * triangles is divided across its longest axis. A smaller part is divided across the axis that minimizes the sum of the
- * areas of both bounds; for this, bounds of triangles are rounded to 16 bits. */
+/* Divides triangles into clusters of up to 256, and these into groups. The division is recursive, at the median of an
+ * axis, such that all clusters and groups but the last are full. Compact groups share few vertices and have small
+ * boxes. A part of many triangles is divided across its longest axis. A smaller part is divided across the axis that
+ * minimizes the sum of the areas of both bounds; for this, bounds of triangles are rounded to 16 bits. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -16,7 +16,6 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! A triangle to be clustered. */
   struct MeshCenter
   {
     float at[3];    //!< center of its bounds, finite

@@ -298,7 +298,6 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(c,other,numVertices*sizeof(other[0]));
     }
 
-    /*! Computes the boxes of groups. */
     void bound ()
     {
       for (int k=0; k<3; k++)

@@ -5,8 +5,8 @@
 
 /* The lattice of a mesh, and its exceptions. Vertices snap to the nearest point of the lattice. If this flips or
  * flattens a triangle, its vertices become exceptions, which snap to a finer lattice or do not move. Exceptions are
- * stored by position, so all triangles and blocks that share a vertex agree and the surface remains watertight, whether
- * the application welds its vertices or not. */
+ * stored by position, so all triangles and blocks that share a vertex agree. The surface thus remains watertight, even
+ * if the application does not weld its vertices. */
 
 #include "../basics/world.h"
 #include "lattice.h"

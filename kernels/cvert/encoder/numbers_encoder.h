@@ -109,7 +109,6 @@ namespace cvert { inline namespace CVERT_ISA
       return bytes+size;
     }
 
-    /*! Copies the values of the block's quads. */
     template<typename Value>
     void copy (const std::vector<Value>& of, unsigned stride, unsigned x0, unsigned y0, Value* out) const {
       for (unsigned y=0; y<height; y++) std::copy_n(of.begin() + (size_t(y0+y)*stride + x0),width,out + y*width);

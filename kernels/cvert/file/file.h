@@ -24,7 +24,6 @@ namespace cvert
     File (const File&) = delete;
     File& operator= (const File&) = delete;
 
-    /*! Number of geometries. */
     size_t size () const { return header()->numGeometries; }
     const FileGeometry& geometry (size_t i) const { return ((const FileGeometry*)(data+header()->directory))[i]; }
 

@@ -46,7 +46,6 @@ namespace cvert
   /*! Form of the tree of a geometry: nodes, or a list of a few blocks, or a list of moving blocks. */
   enum FileForm : uint32_t { FILE_TREE = 0, FILE_LIST = 1, FILE_MOVING = 2 };
 
-  /*! Source of a geometry. */
   enum FileSource : uint32_t { FILE_CAGE = 0, FILE_GRIDS = 1, FILE_QUADS = 2, FILE_TRIANGLES = 3 };
 
   /*! Representation of a geometry, with the values of RTCCompression. */

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Resolves an output path to a file that can be replaced, or to something that must be written in place, such as a
- * device, a pipe or a descriptor of this process. Depends only on POSIX, so that programs use the same rule as the
- * library. */
+/* Resolves an output path. It leads to a file that can be replaced, or to a device, a pipe or a descriptor of this
+ * process, which must be written in place. Depends only on POSIX, so that programs use the same rule as the library. */
 
 #include <cctype>
 #include <cerrno>

@@ -94,8 +94,9 @@ CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >
 
 /*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate of the edge
  *  minus 1, which may be lower than the number of quads of the patch along it. The upper 4 bits of the first two are
- *  the parameters u and v of the face at the patch's corner, in halves. Edges follow the header, and bit 29 of boxForm
- *  is set, if the patch does not begin at the corner of its face or if the block touches an edge of a lower rate. */
+ *  the parameters u and v of the face at the patch's corner, in halves. A block stores edges if its patch does not
+ *  begin at the corner of its face, or if it touches an edge of a lower rate. They follow the header, and bit 29 of
+ *  boxForm is set. */
 struct VertEdges
 {
   uint32_t low, high; //!< the first two edges, and the other two

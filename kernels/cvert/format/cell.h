@@ -50,7 +50,6 @@ CVERT_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u);
  *  would mispredict a branch. */
 CVERT_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
 
-/*! Axis of component i of a residual. */
 CVERT_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
 
 /*! Slope of component i (1 or 2), in 1/16. */

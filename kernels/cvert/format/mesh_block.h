@@ -161,7 +161,6 @@ CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
   return bits;
 }
 
-/*! Number of vertices in the stream of a group. */
 CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
 /* Topology of a group, in this order, the lowest bit first. Triangle 0 starts a strip, and the first three vertices

@@ -333,8 +333,8 @@ CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) tri
   return t;
 }
 
-/*! Distance of the hit of a ray that starts at tnear and whose line passes through a triangle. If the ray lies in the
- *  plane and the plane does not determine the distance, the hit is where the ray is nearest to the longest edge, but
+/*! Distance of the hit of a ray that starts at tnear and whose line passes through a triangle. If the plane does not
+ *  determine the distance because the ray lies in it, the hit is where the ray is nearest to the longest edge. It is
  *  not before tnear: otherwise the ray could leave a closed surface there without a hit. */
 CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
