@@ -99,7 +99,7 @@ namespace embree
     stream.imbue(std::locale::classic());
     float e = -1.0f;
     if (!(stream >> e) || !stream.eof() || !std::isfinite(e) || e < 0.0f)
-      invalid(name,value,"expected a distance of at least 0");
+      invalid(name,value,"expected a distance, 0 or more");
     maxError = e;
   }
 

@@ -34,7 +34,7 @@ namespace embree
         const void* block = ref.leaf(type);
         if (isBlock(type) && type != MOVING_VERT_BLOCK && !isUsable(block,formOfBlock(type)))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-                         "the triangles of the geometry cannot be read: its file has a damaged block");
+                         "the geometry's file is damaged: one of its blocks cannot be decoded");
         if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the triangles of the geometry cannot be read: expected all of it "
                          "to be stored as cVERT or cGRID");

@@ -56,7 +56,7 @@ namespace cvert
       const OutputPath place(path);
       if (place.kind == OutputPath::STREAM)
         throw Error(ErrorCode::INVALID_ARGUMENT,
-                       path + ": is a device, a pipe or a standard stream: expected a regular file");
+                       path + ": is a device, a pipe or an open descriptor: expected a regular file");
       name = place.path + ending;
       file.reset(ending.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,ending));
     }
