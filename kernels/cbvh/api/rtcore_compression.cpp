@@ -13,7 +13,7 @@ namespace
   CompressionSettings settingsOf (const RTCCompressionArguments& args)
   {
     if (args.flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"expected bits of RTCCompressionFlags instead of flags "
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown bits of RTCCompressionFlags in flags "
                      + std::to_string(args.flags));
     CompressionSettings settings;
     // the application's value may be outside of the enumeration
@@ -47,8 +47,7 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
   case RTC_COMPRESSION_PROPERTY_VERSION_MINOR: return RTC_COMPRESSION_VERSION_MINOR;
   case RTC_COMPRESSION_PROPERTY_VERSION_PATCH: return RTC_COMPRESSION_VERSION_PATCH;
   }
-  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"expected a value of RTCCompressionProperty instead of "
-                 + std::to_string(property));
+  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown RTCCompressionProperty " + std::to_string(property));
   RTC_CATCH_END(device);
   return 0;
 }

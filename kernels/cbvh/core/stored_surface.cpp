@@ -37,7 +37,7 @@ namespace embree
       if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
           && format != cbvh::ClusterFormat::DGF1)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-                       "expected a known cluster format instead of " + std::to_string(int(format)));
+                       "unknown cluster format " + std::to_string(int(format)));
       cbvh::forEachCluster(blocks,traversalTime(geometry,time),format,closure,report);
     }
   }
