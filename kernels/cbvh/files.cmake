@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Files of the library, compiled once for the lowest ISA.
+# Files that are compiled once, for the lowest ISA.
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
   cbvh/api/factory.cpp
@@ -49,14 +49,14 @@ if(NOT EMBREE_CBVH_NO_PAPER)
   list(APPEND EMBREE_LIBRARY_FILES cbvh/framed/node_tables.cpp)
 endif()
 
-# Files of one ISA, appended to the list that `target` names.
+# Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
-  # As upstream's subdivision builder, which is chosen among the lowest ISA and AVX.
+  # Upstream selects its subdivision builder from the lowest ISA and AVX, too.
   if(${isa} EQUAL ${AVX})
     list(APPEND ${target} cbvh/building/builder.cpp)
   endif()
-  # The library compiles the files of the lowest ISA already: not twice.
+  # For the lowest ISA, the library already compiles them.
   if(${isa} EQUAL ${ISA_LOWEST})
     list(REMOVE_ITEM ${target} ${EMBREE_LIBRARY_FILES})
   endif()

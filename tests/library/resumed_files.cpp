@@ -164,11 +164,11 @@ TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)
 {
   RTCCompressedFileWriter writer = resume();
   append(writer, 0);
-  expectRefused("another writer has it");
+  expectRefused("another writer");
   rtcReleaseCompressedFileWriter(writer);
   const std::string sound = bytesOf(part);
-  expectRefused("begun with something else", key + 1);
-  expectRefused("begun with something else", key ^ (1ull << 63));
+  expectRefused("another key", key + 1);
+  expectRefused("another key", key ^ (1ull << 63));
   EXPECT_EQ(bytesOf(part), sound);
   auto expectAltered = [&](size_t at, const std::string& why) {
     std::string bytes = sound;
@@ -177,7 +177,7 @@ TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)
     expectRefused(why);
     EXPECT_EQ(bytesOf(part), bytes);
   };
-  expectAltered(0, "no file of compressed surfaces");
+  expectAltered(0, "not a file of compressed surfaces");
   expectAltered(12, "another version");
   expectAltered(16, "another version");
   expectAltered(24, "is damaged");
@@ -187,7 +187,7 @@ TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)
     expectRefused("is damaged");
   }
   writeBytes(part, "mesh");
-  expectRefused("no file of compressed surfaces");
+  expectRefused("not a file of compressed surfaces");
   /* what was begun, and nothing saved in it, is begun anew */
   for (const std::string& bytes : {std::string(), std::string(4096, '\0'), std::string(64, '\0') + "x"}) {
     writeBytes(part, bytes);

@@ -62,7 +62,7 @@ is_json "$folder/from_fifo"
 [ -p "$folder/fifo" ] || complain "a FIFO is replaced"
 for where in /dev/null "$folder/fifo" /dev/stdout; do
   # shellcheck disable=SC2086
-  expect_refusal "save.*regular file\|need a regular file" $quick $out --scene cube --save "$where"
+  expect_refusal "save.*regular file\|expected a regular file" $quick $out --scene cube --save "$where"
 done
 
 # What waits for a writer is not waited for.

@@ -168,8 +168,8 @@ grep -q "2 geometries, 0 of them from a build that was stopped" "$folder/herd_sa
 [ ! -e "$folder/herd.cbvh.part" ] || complain "something is left beside the file"
 refuses "save of a herd" $herd --save "$folder/herd.cbvh" --ambient 4
 echo mesh > "$folder/herd.cbvh.part"
-refuses "no file of compressed surfaces" $herd --save "$folder/herd.cbvh"
-refuses "no file of compressed surfaces\|only" --load "$folder/text.png"
+refuses "not a file of compressed surfaces" $herd --save "$folder/herd.cbvh"
+refuses "not a file of compressed surfaces\|only" --load "$folder/text.png"
 refuses "compare belongs to models" "$folder/cube.cbvh" --compare
 refuses "level belongs to models" --load "$folder/cube.cbvh" --level 3
 refuses "opened without a model" --scene cube "$folder/cube.cbvh"

@@ -33,7 +33,7 @@ refuses "$folder/missing.cbvh: cannot be opened" "$folder/missing.cbvh"
 refuses "opened alone" "$folder/quad.obj" "$folder/quad.cbvh"
 refuses "opened without a model" --scene cube "$folder/quad.cbvh"
 echo "no surfaces" > "$folder/text.cbvh"
-refuses "text.cbvh.*no file of compressed surfaces" "$folder/text.cbvh"
+refuses "text.cbvh.*not a file of compressed surfaces" "$folder/text.cbvh"
 refuses "level belongs to models" "$folder/text.cbvh" --level 3
 refuses "mode blocks needs a model" "$folder/text.cbvh" --mode blocks
 refuses "there is a --scene or a --cage already" --scene cube "$folder/quad.obj"

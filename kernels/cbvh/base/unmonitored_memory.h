@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Memory that the commit of a geometry allocates. Programs do not expect this commit to fail, and an application that
- * refuses memory to it would get no error if it detached the geometry before the next commit of the scene. So this
- * memory is not reported to the application's monitor while it is allocated. The commit of a scene reports the size of
- * what exists until then, and may fail. */
+/* Memory that the commit of a geometry allocates. Programs do not expect this commit to fail. If an application refused
+ * memory and then detached the geometry before the next commit of the scene, it would get no error. This memory is
+ * therefore not reported to the application's monitor when it is allocated. The commit of a scene reports the memory
+ * that exists then, and may fail. */
 
 #include "../embree/scene.h"
 
@@ -25,14 +25,14 @@ namespace embree
       return &none;
     }
 
-    /*! Embree's vector without reports. */
+    /*! Embree's vector without memory reports. */
     template<typename T>
     struct UnmonitoredVector : public mvector<T>
     {
       UnmonitoredVector () : mvector<T>(unmonitoredMemory(),0) {}
     };
 
-    /*! Reports memory that exists to the monitor of a device, for the lifetime of this object. The constructor throws
+    /*! Reports existing memory to the monitor of a device during the lifetime of this object. The constructor throws
      *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. */
     class ReportedMemory
     {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* How many bytes a block takes, and where it names its surface. */
+/* Size of a block, and the offset of its surface number. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -24,10 +24,10 @@ namespace embree
       }
     }
 
-    /*! offset in a block of the number of its surface */
+    /*! Offset of the surface number in a block. */
     inline uint32_t offsetOfSurface (BlockForm form)
     {
-      static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"one place in both");
+      static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"same offset in both headers");
       return form == FRAMED_FORM ? uint32_t(offsetof(BlockHeader,surface)) : uint32_t(offsetof(VertHeader,surface));
     }
   }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "stored_triangles.h"
 #include "../base/mapped_blocks.h"
@@ -33,9 +33,11 @@ namespace embree
         size_t type;
         const void* block = ref.leaf(type);
         if (isBlock(type) && type != MOVING_VERT_BLOCK && !isUsable(block,formOfBlock(type)))
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's file is damaged: one of its blocks is none");
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                         "the geometry's file is damaged: one of its blocks cannot be decoded");
         if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT or cGRID as a whole: only those hand out triangles");
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the triangles of the geometry cannot be read: expected all of it "
+                         "to be stored as cVERT or cGRID");
         closure(StoredBlock{ block,formOfBlock(type) });
       }
 
@@ -45,12 +47,12 @@ namespace embree
         for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
-      /*! where the quads of a block are in their patch */
+      /*! Position of the quads of a block in their patch. */
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
-        float corner[2];   //!< parameters of the patch's
-        bool isCut;        //!< whether edges have lower rates
+        float corner[2];   //!< parameters at the corner of the patch
+        bool isCut;        //!< true if the block stores edges
         VertEdges edges;
 
         explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
@@ -73,13 +75,15 @@ namespace embree
           corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
         }
 
-        /*! of the edges of a row or a column of vertices */
+        /*! Rate of a row (d = 0) or column (d = 1) of vertices: of an edge of the patch, or of its quads. across:
+         *  number of the row or column. */
         uint32_t rate (int d, uint32_t across) const {
-          return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3) : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
+          return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
+            : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
         }
       };
 
-      /*! a block that numbers none of its quads, decoded, with the parameters of its vertices */
+      /*! A decoded block without numbers of quads, with the parameters of its vertices. */
       struct DecodedBlock
       {
         const Place place;
@@ -91,7 +95,8 @@ namespace embree
           const uint32_t width = place.quads[0]+1, count = width*(place.quads[1]+1);
           vertices.resize(count);
           parameters.resize(count);
-          if (stored.isVert()) memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
+          if (stored.isVert())
+            memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
           else {
             const float* const planes = (const float*)stored.framed()->leaves();
             for (uint32_t i=0; i<count; i++)
@@ -105,7 +110,7 @@ namespace embree
         }
       };
 
-      /*! Calls closure(x, y) for the quads of a block that numbers them. */
+      /*! Calls closure(x, y) for the quads of a block. */
       template<typename Closure>
       void forEachQuad (const VertHeader* block, const Closure& closure)
       {
@@ -131,7 +136,7 @@ namespace embree
         }
       }
 
-      /*! the triangles of a primitive that a hit may be on, and which it is most likely */
+      /*! Finds the triangle of a primitive that contains a hit. */
       class Search
       {
       public:
@@ -140,7 +145,7 @@ namespace embree
 
         bool found () const { return hasBest; }
 
-        /*! a block that has it */
+        /*! Searches a block that contains the primitive. */
         void look (const StoredBlock& block, uint32_t primID)
         {
           if (block.isVert() && !VerticesAtTime::isThere(block.vert(),time)) return;
@@ -150,13 +155,14 @@ namespace embree
         }
 
       private:
-        /*! The triangles of a quad, or one of them, in the application's order of its vertices. */
+        /*! Considers the triangles of a quad, or one of them, in the application's order of vertices. */
         void lookForPrimitive (const VertHeader* block, uint32_t primID)
         {
           const VerticesAtTime vertices(block,time);
           slack = slackOf(u) + slackOf(v);
           forEachQuad(block,[&](uint32_t x, uint32_t y) {
-              const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
+              const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),
+                                                vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
               for (bool isSecond : { false,true }) {
                 const QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
                 const uint32_t form = primitive.form;
@@ -164,7 +170,8 @@ namespace embree
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
-                  const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u }; // as ownParameters counts them
+                  // in the order of ownParameters
+                  const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u };
                   p[i] = corners[around[(i + turnOfTriangle(form,isSecond)) % 3]];
                   if (!isOfTriangles(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
                 }
@@ -194,12 +201,14 @@ namespace embree
           {
             x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
             reach[d] = slackOf(parameters[d])*place.patchQuads[d];
-            /* parameters at edges of lower rates are elsewhere, by up to one of their quads */
-            if (place.isCut) reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
+            /* parameters at edges of lower rates differ by up to one of the quads of these edges */
+            if (place.isCut)
+              reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
             if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
           }
           const DecodedBlock decoded(block,time);
-          const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]), y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
+          const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]),
+            y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
           slack = std::max(slackOf(u)*place.patchQuads[0],slackOf(v)*place.patchQuads[1]);
           for (uint32_t j=y0; j<y1; j++)
             for (uint32_t i=x0; i<x1; i++) {
@@ -218,13 +227,15 @@ namespace embree
             }
         }
 
-        /*! what a parameter may have lost to rounding */
-        static double slackOf (float parameter) { return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter))); }
+        /*! Bound of the rounding error of a parameter. */
+        static double slackOf (float parameter) {
+          return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter)));
+        }
 
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        /*! vertices, and their parameters */
+        /*! Considers a triangle. p: vertices. vertexU, vertexV: their parameters. */
         void consider (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
@@ -233,10 +244,11 @@ namespace embree
             s[c] = vertexU[c];
             t[c] = vertexV[c];
           }
-          /* how far outside the hit is, in parts of the triangle */
+          /* distance of the hit from the triangle, in barycentric coordinates */
           const double area = (s[1]-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(t[1]-t[0]);
-          if (area == 0) return; // collapsed where edges are stitched
-          const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area, w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
+          if (area == 0) return; // collapsed at a stitched edge
+          const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area,
+            w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
           if (outside > slack) return;
           const double turned = Ng ? angle(p) : outside;
@@ -250,7 +262,7 @@ namespace embree
           }
         }
 
-        /*! of its normal to Ng, as 1 less the square of the cosine */
+        /*! Angle between the normal of a triangle and Ng, as 1 minus the square of the cosine. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -277,7 +289,8 @@ namespace embree
     {
       blocks.reserve(surface.numPrimitives);
       forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); });
-      std::sort(blocks.begin(),blocks.end(),[](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
+      std::sort(blocks.begin(),blocks.end(),
+                [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
       for (size_t i=0; i<blocks.size(); i++)
       {
         if (blocks[i].isMesh()) {
@@ -307,23 +320,26 @@ namespace embree
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
         StoredTriangle& triangle) const
     {
-      if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false; // nothing lies there
+      if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false;
       Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
         auto second = std::lower_bound(secondBlockOf.begin(),secondBlockOf.end(),std::make_pair(primID,0u));
-        for (; second != secondBlockOf.end() && second->first == primID; ++second) search.look(blocks[second->second],primID);
+        for (; second != secondBlockOf.end() && second->first == primID; ++second)
+          search.look(blocks[second->second],primID);
         return search.found();
       }
-      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
+      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,
+                                   [](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
            i != blocks.end() && i->primID() == primID; i++)
         search.look(*i,primID);
       return search.found();
     }
 
-    /*! Calls closure(block, part) for each triangle of a mesh block, or each quad, until it returns false. A quad with a
-     *  triangle elsewhere is two parts. Returns what the last call returned. */
-    static bool forEachMeshPart (const StoredBlock& block, const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
+    /*! Calls closure(block, part) for each triangle of a mesh block, or for each quad, until it returns false. A quad
+     *  whose triangles are in different blocks is two parts. Returns the result of the last call. */
+    static bool forEachMeshPart (const StoredBlock& block,
+                                 const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
       struct Triangle
       {
@@ -350,7 +366,8 @@ namespace embree
         };
         const bool isSecond = isSecondOfQuad(form,triangles[i].number);
         if (isSecond) set(p[2],p[2],p[1],p[0]);
-        else if (i+1 < triangles.size() && isSecondOfQuad(form,triangles[i+1].number) && triangles[i+1].number == triangles[i].number+1) {
+        else if (i+1 < triangles.size() && isSecondOfQuad(form,triangles[i+1].number)
+                 && triangles[i+1].number == triangles[i].number+1) {
           set(p[0],p[1],p[2],triangles[i+1].corners[0]);
           i++;
         }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The triangles of a surface as its blocks hold them, for who asks for them outside of traversal. */
+/* Triangles of a stored surface, for uses other than traversal. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -21,14 +21,15 @@ namespace embree
 
   namespace cbvh
   {
-    /*! When rays are traced that triangles are looked up for, and how: whether their device multiplies and adds at once. */
+    /*! The time of rays for which triangles are looked up. isFused: true if their device fuses multiplications and
+     *  additions. */
     struct TraversalTime
     {
-      float time;   //!< as of rays
+      float time;   //!< RTCRay::time
       bool isFused;
     };
 
-    /*! a block of cVERT or cGRID, or a mesh block */
+    /*! A block of cVERT or cGRID, or a mesh block. */
     struct StoredBlock
     {
       const void* data;
@@ -43,34 +44,35 @@ namespace embree
 
       uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
-      /*! whether each of its quads is a primitive */
+      /*! True if each quad is a primitive. */
       bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
-    /*! Blocks of a surface by their primitives. */
+    /*! Finds blocks of a surface by primitive. */
     class BlockIndex
     {
     public:
-      /*! Throws where a block is neither cVERT nor cGRID. */
+      /*! Throws if a block is not cVERT, cGRID or a mesh block. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
-      /*! see core/stored_surface.h */
+      /*! See core/stored_surface.h. */
       bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
           StoredTriangle& triangle) const;
 
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
 
-      std::vector<StoredBlock> blocks; //!< in the order of primitives
-      std::vector<uint32_t> blockOf;   //!< of each primitive, if they are those of a mesh; else empty
-      /*! Primitive and block, in order: quads with triangles in a second mesh block. */
+      std::vector<StoredBlock> blocks; //!< sorted by primitive
+      std::vector<uint32_t> blockOf;   //!< block of each primitive of a mesh; else empty
+      /*! Pairs of primitive and block, sorted, for quads with a triangle in a second mesh block. */
       std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
 
       void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each triangle of a mesh block is a part of its own, and
-     *  each quad, if both of its triangles are in the block. Throws where a block is none of cVERT or cGRID. */
+    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each triangle of a mesh block is
+     *  a part, or each quad if both of its triangles are in the block. Throws if a block is not cVERT, cGRID or a mesh
+     *  block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Four doubles at a time, on x86-64 and ARM64. Every operation rounds as the scalar one does. Embree has four doubles for AVX only. */
+/* Vectors of four doubles on x86-64 and ARM64. Every operation rounds as the scalar one does. Embree has such vectors only
+ * for AVX. */
 
 #if defined(__aarch64__) // before SSE2 and AVX, which Embree defines there, too
 #include "double4_neon.h"
@@ -15,7 +16,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /* what cvert/basics/language.h has for floats */
+  /* The functions that language.h defines for floats. */
   inline Double4 lesser(Double4 a, Double4 b) { return min(b,a); }
   inline Double4 greater(Double4 a, Double4 b) { return max(b,a); }
   inline Double4 magnitude(Double4 a) { return abs(a); }

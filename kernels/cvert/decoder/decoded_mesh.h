@@ -10,17 +10,17 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! The triangles of a group, one per lane. */
+  /*! Triangles of a group, one per lane. */
   struct DecodedMeshGroup
   {
     uint32_t numTriangles, numVertices;
-    uint32_t vertices[maxGroupVertices];                  //!< numbers in the block
-    //! into `vertices`: the corners of each triangle, in the order of the application
+    uint32_t vertices[maxGroupVertices];                  //!< indices in the block
+    //! indices into `vertices` of the corners of each triangle, in the order of the application
     uint8_t indices[3][maxGroupTriangles];
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
-    uint32_t numbers[maxGroupTriangles];                  //!< of triangles, as for MeshView::number
+    uint32_t numbers[maxGroupTriangles];                  //!< numbers of triangles, as MeshView::number
 
-    /*! Decodes group g. Reads the header, the records, the boxes, the topology and the numbers of the group, and the
+    /*! Decodes group g. Reads the header, all records and boxes, the topology and the numbers of the group, and the
      *  vertices that it uses. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
     {
@@ -68,7 +68,7 @@ namespace cvert { inline namespace CVERT_ISA
     float vertices[maxMeshVertices][3];
     uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices, in the order of the application
     uint32_t numbers[maxMeshTriangles];
-    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group; then the number of all
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group, then the total number
 
     explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)),
       numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))

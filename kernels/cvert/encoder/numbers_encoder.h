@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Encoder of the numbers of a block's quads, cvert/format/quad_numbers.h: the first pattern that says all of them, else a table of as few bits
- * for each as their range takes. Second triangles are a constant distance from the first ones, or all triangles are in
- * a table. */
+/* Encoder of the numbers of a block's quads, see format/quad_numbers.h. Uses the first pattern that describes all of
+ * them, else a table with as few bits per number as their range needs. Second triangles are at a constant distance from
+ * the first ones, or all triangles are in a table. */
 
 #include "../format/block.h"
 #include <algorithm>
@@ -13,15 +13,15 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! The numbers of the quads of a patch whose quads are primitives of their own, format/quad_numbers.h. */
+  /*! Numbers of the quads of a patch whose quads are primitives. */
   struct QuadNumbers
   {
     uint32_t form;                 //!< without a pattern; without turns if `turns` has them
     unsigned width;                //!< in quads
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* Of quads of two triangles, row by row; both are empty if each second triangle follows its first one and all are
-     * turned as the form says. Triangles have numbers below 2^30 then. */
+    /* For quads of two triangles, row by row. Both are empty if each second triangle follows its first one and all
+     * turns are those of the form. Otherwise triangles must have numbers below 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> turns;    //!< as bits 4..7 of forms
   };
@@ -31,10 +31,10 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertHalves) + 16;
 
-    uint32_t form;             //!< VertHeader::patchQuads
-    VertNumbers pattern; //!< after the header
+    uint32_t form;             //!< for VertHeader::patchQuads
+    VertNumbers pattern;       //!< stored after the header
 
-    /*! of width x height quads of a patch, from x0, y0 on */
+    /*! Selects the pattern for width x height quads of a patch, from x0, y0 on. */
     void set (const QuadNumbers& of, unsigned x0, unsigned y0, unsigned width, unsigned height)
     {
       this->width = width; this->height = height;
@@ -69,7 +69,7 @@ namespace cvert { inline namespace CVERT_ISA
       setTable(ofBlock,numbersInTable);
     }
 
-    /*! Completes a block that has `form` and `pattern`, and that many bytes; how many it has then. */
+    /*! Completes a block of `bytes` bytes that has `form` and `pattern`. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = first;
@@ -78,7 +78,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Returns how many bytes the block has then. */
+    /*! Returns the new size of the block. */
     size_t writeHalves (uint8_t* block, size_t bytes) const
     {
       const size_t begin = (bytes+3) & ~size_t(3);
@@ -109,7 +109,6 @@ namespace cvert { inline namespace CVERT_ISA
       return bytes+size;
     }
 
-    /*! The values of the block's quads. */
     template<typename Value>
     void copy (const std::vector<Value>& of, unsigned stride, unsigned x0, unsigned y0, Value* out) const {
       for (unsigned y=0; y<height; y++) std::copy_n(of.begin() + (size_t(y0+y)*stride + x0),width,out + y*width);
@@ -149,7 +148,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       form = of | kind;
       first = lowest;
-      pattern.x = 0; // known when the block is written
+      pattern.x = 0; // set when the block is written
       pattern.y = 0;
       const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(form));
       while ((uint64_t(most) >> pattern.y) != 0) pattern.y++;
@@ -165,8 +164,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
-    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< of the table
-    uint32_t distance;        //!< of second triangles from first ones
+    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
+    uint32_t distance;        //!< from first triangles to second triangles
     uint32_t lowest, highest, first;
   };
 }}

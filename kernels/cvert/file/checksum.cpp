@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* CRC-32C, eight bytes at a time: by the instruction that SSE4.2 and most of ARM64 have for it, else by eight tables. Compiled for the
- * library's lowest ISA only.
+/* CRC-32C, eight bytes at a time, with the instruction of SSE4.2 or ARM64, or with eight tables. Compiled only for the
+ * lowest ISA of the library.
  *
- * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators", 2005. */
+ * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators",
+ * 2005. */
 
 #include "checksum.h"
 #include <cstring>
@@ -31,7 +32,7 @@ namespace cvert
 
       Tables ()
       {
-        const uint32_t polynomial = 0x82F63B78u; // Castagnoli's, bits reversed
+        const uint32_t polynomial = 0x82F63B78u; // Castagnoli, bits reversed
         for (uint32_t i=0; i<256; i++) {
           uint32_t crc = i;
           for (int bit=0; bit<8; bit++) crc = (crc >> 1) ^ (crc & 1 ? polynomial : 0);
@@ -51,8 +52,9 @@ namespace cvert
       std::memcpy(&low,p,4);
       std::memcpy(&high,p+4,4);
       low ^= crc;
-      crc = tables.at[7][low & 255] ^ tables.at[6][(low >> 8) & 255] ^ tables.at[5][(low >> 16) & 255] ^ tables.at[4][low >> 24]
-          ^ tables.at[3][high & 255] ^ tables.at[2][(high >> 8) & 255] ^ tables.at[1][(high >> 16) & 255] ^ tables.at[0][high >> 24];
+      crc = tables.at[7][low & 255] ^ tables.at[6][(low >> 8) & 255] ^ tables.at[5][(low >> 16) & 255]
+          ^ tables.at[4][low >> 24] ^ tables.at[3][high & 255] ^ tables.at[2][(high >> 8) & 255]
+          ^ tables.at[1][(high >> 16) & 255] ^ tables.at[0][high >> 24];
     }
     for (; bytes; bytes--, p++) crc = (crc >> 8) ^ tables.at[0][(crc ^ *p) & 255];
     return crc;
@@ -87,6 +89,8 @@ namespace cvert
     return ~(hasInstruction && !isPortable ? byInstruction : byTables)((const uint8_t*)data,bytes,~before);
   }
 #else
-  uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before, bool) { return ~byTables((const uint8_t*)data,bytes,~before); }
+  uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before, bool) {
+    return ~byTables((const uint8_t*)data,bytes,~before);
+  }
 #endif
 }
