@@ -196,6 +196,7 @@ namespace embree
       }
 
       /*! Stores the points of side s of a patch that the face owns. line: fine+1 vertices along u or v. */
+      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
                     unsigned step)
       {
         const unsigned own = unsigned(patch.rate[s]);

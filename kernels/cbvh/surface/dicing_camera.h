@@ -6,9 +6,9 @@
 #include <algorithm>
 
 namespace embree
-// A camera, and the size of quads in its picture. Plain data that includes nothing of Embree. In world space unless
-// stated otherwise.
-   *  unless stated otherwise. */
+{
+  /*! A camera, and the size of quads in its picture. Plain data that includes nothing of Embree. In world space unless
+   *  stated otherwise. */
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };

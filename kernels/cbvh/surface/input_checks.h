@@ -4,7 +4,7 @@
 #pragma once
 
 /* Checks of the buffers of geometries, before Embree or the kernels read them. All throw rtcore_error, which names the
- * first value that is wrong. */
+ * first wrong value. */
 
 #include "../embree/scene.h"
 
@@ -25,18 +25,17 @@ namespace embree
           + std::to_string(mesh->time_range.upper));
   }
 
-  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would read, and write, past
-   *  their ends. */
+  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would access memory past their
+   *  ends. */
   void checkSizes (const SubdivMesh* mesh);
 
-  /*! Throws if a face of a cage refers to indices or vertices that do not exist: Embree would read them. Also checks
-   *  time steps and sizes. */
+  /*! Throws if a face of a cage refers to indices or vertices that do not exist. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Throws for a grid with more vertices along a side than Embree's own kernel counts in 15 bits. */
+  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count, which uses 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws for a large grid whose rows are all the same vertices. Its quads have no area, but there may be billions of
+  /*! Throws if all rows of a large grid are the same vertices. Its quads have no area, but there can be billions of
    *  them. */
   void checkStrides (const GridMesh* mesh);
 }
