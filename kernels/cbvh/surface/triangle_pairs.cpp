@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. A half-edge is 3 t + e: edge e of triangle t, from its corner e to the
- * next one. */
+/* Compiled for the library's lowest ISA only. Half-edge 3 t + e is edge e of triangle t, from its corner e to the next
+ * corner. */
 
 #include "triangle_pairs.h"
 #include "../base/atomic_ref.h"
@@ -47,19 +47,19 @@ namespace embree
 
       struct Triangle
       {
-        unsigned v[3]; //!< first equal vertices
+        unsigned v[3]; //!< welded vertices
         unsigned number;
       };
 
-      /*! a half-edge at its lower vertex */
+      /*! A half-edge, listed at its lower vertex. */
       struct Half
       {
-        unsigned other; //!< twice the higher vertex, and 1 if it begins there
+        unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
         unsigned half;
         bool operator< (const Half& h) const { return other < h.other; }
       };
 
-      /*! the edge that the first triangles of pairs share with the second ones, and which of theirs it is */
+      /*! The edge that first triangles share with second triangles, and which edge of the second triangles it is. */
       struct Edges
       {
         unsigned first, second;
@@ -89,12 +89,12 @@ namespace embree
 
       bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
 
-      /*! a vertex near which a triangle lies; numVertices of triangles that are not valid */
+      /*! Returns a vertex near which a triangle lies; numVertices for an invalid triangle. */
       unsigned vertexOf (const Triangle& t) const {
         return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
       }
 
-      /*! whether triangles that follow each other have vertices that do not */
+      /*! True if consecutive triangles tend to have vertices that are far apart in the buffer. */
       bool areScattered () const
       {
         const size_t step = max(size/samples,size_t(2));
@@ -106,8 +106,8 @@ namespace embree
         return 2*far > looked;
       }
 
-      /*! Copies the triangles, which all else visits in the order of neighbors. Those that are scattered are sorted by
-       *  their vertices first: vertices that follow each other are near each other more often. */
+      /*! Copies the triangles, because everything else visits them in the order of neighbors. Scattered triangles are
+       *  sorted by their vertices first, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -141,19 +141,19 @@ namespace embree
         cbvh::AtomicRef<unsigned>(count).fetchAdd(1u,std::memory_order_relaxed);
       }
 
-      /*! Returns the result. */
+      /*! Returns the decremented value. */
       static unsigned decrement (unsigned& count) {
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! From numbers of items to where they end. */
+      /*! Converts numbers of items to the ends of their ranges. */
       static void sumUp (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
         for (unsigned& count : counts) count = sum += count;
       }
 
-      /*! Calls closure(lower vertex, Half) for the edges of a triangle that have two ends. */
+      /*! Calls closure(lower vertex, Half) for the edges of a triangle whose two vertices differ. */
       template<typename Closure>
       void forEachHalf (size_t triangle, const Closure& closure) const
       {
@@ -165,7 +165,7 @@ namespace embree
         }
       }
 
-      /*! Sets opposite, for each half-edge the one of the other triangle. */
+      /*! Sets `opposite` for each half-edge. */
       void findEdges ()
       {
         fill(ends,numVertices+1,0u);
@@ -191,7 +191,7 @@ namespace embree
       void join (Half* begin, Half* end)
       {
         if (end-begin > 16) std::sort(begin,end);
-        else // insertion: there are six in most cases
+        else // insertion sort: most vertices have six
           for (Half* i=begin; i<end; i++)
             for (Half* j=i; j!=begin && *j < j[-1]; j--) std::swap(*j,j[-1]);
         for (Half* i=begin, * j; i!=end; i=j) {
@@ -202,7 +202,7 @@ namespace embree
         }
       }
 
-      /*! square of the length of a half-edge at the first time step; 0 if it is not finite */
+      /*! Returns the squared length of a half-edge at the first time step; 0 if it is not finite. */
       double lengthOf (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;
@@ -219,8 +219,8 @@ namespace embree
         return other != none && other % 3 == f;
       }
 
-      /*! The half-edge by which a triangle is paired, one of two edges; none if there is none. If quads with other
-       *  corners lie at a border, a triangle may share both edges: the longer one is the diagonal of a quad. */
+      /*! Returns the half-edge by which a triangle is paired, one of two edges, or none. If quads with other corners
+       *  are adjacent, a triangle can share both edges: the longer one is the diagonal of a quad. */
       unsigned sharedHalf (unsigned triangle, const Edges& edges) const
       {
         const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
@@ -231,7 +231,8 @@ namespace embree
         return isFirst ? first : isSecond ? second : unsigned(none);
       }
 
-      /*! The triangle with which a triangle is paired, or none. isFirst: whether the other one is second */
+      /*! Returns the triangle with which a triangle is paired, or none. isFirst: the other triangle is the second
+       *  one. */
       unsigned mateOf (unsigned triangle, const Edges& edges, bool& isFirst) const
       {
         const unsigned half = sharedHalf(triangle,edges);
@@ -243,15 +244,15 @@ namespace embree
         return mate;
       }
 
-      /*! What pairs by two edges have in common. */
+      /*! Statistics of the pairs that two edges create. */
       struct Pairing
       {
         Edges edges;
-        size_t paired = 0, lower = 0; //!< triangles, and first ones of which are lower than the second
-        double length = 0;            //!< sum of squares
+        size_t paired = 0, lower = 0; //!< triangles in pairs; those whose first triangle has the lower number
+        double length = 0;            //!< sum of squared lengths
       };
 
-      /*! Of some triangles; looked: how many they are */
+      /*! Computes statistics from a sample. looked: size of the sample. */
       Pairing look (const Edges& edges, size_t& looked) const
       {
         Pairing pairing;
@@ -271,7 +272,8 @@ namespace embree
         return pairing;
       }
 
-      /*! Chooses the edges by which most triangles are paired; of some, the longest. None if few are paired. */
+      /*! Chooses the edges that pair most triangles; if several do, the longest edges. Returns none if few are
+       *  paired. */
       Edges chooseEdges () const
       {
         std::vector<Pairing> all;
