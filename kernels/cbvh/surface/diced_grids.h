@@ -80,7 +80,9 @@ namespace embree
       explicit GridsOfGridMesh (const GridMesh* mesh) : mesh(mesh) {}
 
       size_t size () const { return mesh->size(); }
-      Grid operator[] (size_t i) const { const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY }); }
+      Grid operator[] (size_t i) const {
+        const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY });
+      }
 
       bool hasLoose () const { return false; }
 
@@ -91,13 +93,17 @@ namespace embree
         return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
       }
 
-      const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
+      const float* position (size_t vertex, unsigned step) const {
+        return (const float*)mesh->vertices[step].getPtr(vertex);
+      }
       bool number (size_t, cbvh::QuadNumbers&) const { return false; }
 
       /*! Vertices outside of their buffer are errors, unlike for Embree's other types. */
       static const bool reportsInvalid = true;
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) { return bytesOfGridInEmbree(quadsX,quadsY); }
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
+        return bytesOfGridInEmbree(quadsX,quadsY);
+      }
 
     private:
       const GridMesh* mesh;
@@ -132,10 +138,15 @@ namespace embree
       GridsOfRegions (const GridsOfRegions&) = delete;
 
       size_t size () const { return regions->regions.size(); }
-      Grid operator[] (size_t i) const { const QuadRegions::Region& r = regions->regions[i]; return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 }); }
+      Grid operator[] (size_t i) const {
+        const QuadRegions::Region& r = regions->regions[i];
+          return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 });
+      }
       bool hasLoose () const { return regions->hasLoose(); }
       bool isValid (size_t) const { return true; }
-      const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
+      const float* position (size_t vertex, unsigned step) const {
+        return (const float*)mesh->vertices[step].getPtr(vertex);
+      }
 
       bool number (size_t i, cbvh::QuadNumbers& out) const
       {
@@ -146,7 +157,9 @@ namespace embree
       /*! Embree skips quads with indices outside of the vertex buffer, and reports nothing. */
       static const bool reportsInvalid = false;
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) { return bytesOfQuad(numTimeSteps)*quadsX*quadsY; }
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {
+        return bytesOfQuad(numTimeSteps)*quadsX*quadsY;
+      }
 
     private:
       const std::shared_ptr<const QuadRegions> regions;

@@ -64,7 +64,8 @@ namespace embree
       if (mesh->displFunc)
       {
         for (unsigned i=0; i<padded; i++) {
-          const Double3 n = cross(Double3{ dPdu[i],dPdu[padded+i],dPdu[2*padded+i] },Double3{ dPdv[i],dPdv[padded+i],dPdv[2*padded+i] });
+          const Double3 n = cross(Double3{ dPdu[i],dPdu[padded+i],dPdu[2*padded+i] },
+            Double3{ dPdv[i],dPdv[padded+i],dPdv[2*padded+i] });
           const double length2 = dot(n,n), scale = length2 > 0.0 ? 1.0/std::sqrt(length2) : 1.0;
           N[i] = float(scale*n.x); N[padded+i] = float(scale*n.y); N[2*padded+i] = float(scale*n.z);
         }

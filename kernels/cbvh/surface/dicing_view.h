@@ -38,14 +38,16 @@ namespace embree
         for (int i=0; i<4; i++) { normals[i] = axes[i]; offsets[i] = i < 2 ? halfWidth : halfHeight; }
         return;
       }
-      const Double3 axes[4] = { right-halfWidth*forward,-1.0*right-halfWidth*forward,down-halfHeight*forward,-1.0*down-halfHeight*forward };
+      const Double3 axes[4] =
+        { right-halfWidth*forward,-1.0*right-halfWidth*forward,down-halfHeight*forward,-1.0*down-halfHeight*forward };
       for (int i=0; i<4; i++) { normals[i] = normalized(axes[i]); offsets[i] = 0.0; }
     }
 
     Double3 toWorld (const Double3& p) const
     {
       const double* m = transform;
-      return Double3{ m[0]*p.x+m[3]*p.y+m[6]*p.z+m[9],m[1]*p.x+m[4]*p.y+m[7]*p.z+m[10],m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
+      return Double3{ m[0]*p.x+m[3]*p.y+m[6]*p.z+m[9],m[1]*p.x+m[4]*p.y+m[7]*p.z+m[10],
+        m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
     }
 
     /*! Returns the number of quads of the requested size per unit of length, on a cell with these corners; infinite at

@@ -23,12 +23,18 @@ namespace embree
   inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
 
   /*! A quad of a quad mesh. */
-  inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64; }
+  inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64;
+  }
 
   /*! A triangle. At one time step, a lower bound of the measurements. */
-  inline size_t bytesOfTriangleInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 60 : numTimeSteps == 2 ? 52 : 80; }
+  inline size_t bytesOfTriangleInEmbree (unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? 60 : numTimeSteps == 2 ? 52 : 80;
+  }
   inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
 
   /*! Embree's grids of a moving subdivision surface. still: bytes at one time step. */
-  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) { return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4)); }
+  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4));
+  }
 }

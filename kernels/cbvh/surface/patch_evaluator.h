@@ -21,7 +21,8 @@ namespace embree
       explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
       /*! Evaluates a part of a patch of quadsX x quadsY quads, at least the rates of its edges. */
-      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const PatchPart& part)
+      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY,
+                     const PatchPart& part)
       {
         setSize(part);
         const float* rate = patch.level;
@@ -62,9 +63,11 @@ namespace embree
         }
       }
 
-      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)
+      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3],
+                        float* N[3], float* u, float* v)
       {
-        gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),unsigned(height),u,v);
+        gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),
+          unsigned(height),u,v);
         for (size_t i=count; i<stride; i++) { u[i] = u[count-1]; v[i] = v[count-1]; }
         if (stitched) stitchParameters(patch.level,range,u,v);
         for (size_t i=0; i<count; i+=VSIZEX)
@@ -83,7 +86,9 @@ namespace embree
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
-        const unsigned vertices[4] = { unsigned(rate[0])+1,unsigned(rate[1])+1,unsigned(rate[2])+1,unsigned(rate[3])+1 }, columns = unsigned(width);
+        const unsigned vertices[4] =
+          { unsigned(rate[0])+1,unsigned(rate[1])+1,unsigned(rate[2])+1,unsigned(rate[3])+1 },
+            columns = unsigned(width);
         auto stitchRow = [&](int s, size_t row) {
           if (vertices[s] < range.width) stitchGridEdges(vertices[s],range.width,part.x0,part.x1,u+row*width,1);
         };
@@ -96,11 +101,13 @@ namespace embree
         if (part.x0 == 0) stitchColumn(3,0);
       }
 
-      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)
+      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3],
+                          float* N[3], float* u, float* v)
       {
         const bool normals = mesh->displFunc;
         const float* rate = stitched ? patch.level : nullptr;
-        const unsigned w = unsigned(width), h = unsigned(height), x0 = range.part.x0, x1 = range.part.x1, y0 = range.part.y0, y1 = range.part.y1;
+        const unsigned w = unsigned(width), h = unsigned(height), x0 = range.part.x0, x1 = range.part.x1,
+          y0 = range.part.y0, y1 = range.part.y1;
         float *Nx = normals ? N[0] : nullptr, *Ny = normals ? N[1] : nullptr, *Nz = normals ? N[2] : nullptr;
         if (mesh->patch_eval_trees.size())
           feature_adaptive_eval_grid<PatchEvalGrid>
@@ -123,7 +130,8 @@ namespace embree
         }
       }
 
-      void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u,
+                     float* v)
       {
         RTCDisplacementFunctionNArguments args = { mesh->userPtr,(RTCGeometry)mesh,patch.primID(),patch.time(),u,v,
                                                    N[0],N[1],N[2],P[0],P[1],P[2],unsigned(count) };

@@ -72,7 +72,8 @@ namespace embree
     template<typename Closure>
     inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
     {
-      patch_eval_subdivision(mesh->getHalfEdge(0,face),[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch) {
+      patch_eval_subdivision(mesh->getHalfEdge(0,face),
+        [&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch) {
           PatchOfFace patch = { uv, subdiv, edgeLevel, subPatch, {} };
           SubdivPatch1Base::computeEdgeLevels(edgeLevel,subdiv,patch.rate);
           closure(patch);

@@ -21,7 +21,8 @@ namespace embree
       CompressionSettings settings;  //!< resolved
 
       CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
-        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)), numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
+        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
+          numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
           settings(geometry->compression.resolve(geometry->device->compression))
       {
         isCompressed = cbvh::findKind(settings.compression,blockKind);
@@ -53,7 +54,8 @@ namespace embree
 
       /*! True if frame levels follow from the error bound. */
       bool boundsError () const {
-        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() && cbvh::describe(kind()).hasThickness;
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
+          && cbvh::describe(kind()).hasThickness;
       }
 
       /*! Storage of a patch: Embree's GRID, blocks with frames, or cVERT. */

@@ -8,7 +8,8 @@
  * triangles of a triangle mesh that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree
  * splits it from v1 to v3, like the quads of grids:
  *
- *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and v1
+ *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
+ *    v1
  *     |  \  |   \  |       are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
  *    v0 --- v1 --- .       triangles as in their mesh. Vertices that quads share are the same for all of them. */
 

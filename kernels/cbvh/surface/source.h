@@ -29,13 +29,13 @@
  *       The same patch for another task. `other` outlives it.
  *   PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
  *       Evaluates a part of the patch at a time step, as quadsX x quadsY quads, at least `quads`. Returns the displaced
- *       vertices, row by row, and the undisplaced vertices if a writer of blocks with frames reads the patch. Edges of a
- *       lower rate are stitched as in Embree. The result is valid until the next call with the same scratch, and the
+ *       vertices, row by row, and the undisplaced vertices if a writer of blocks with frames reads the patch. Edges of
+ *       a lower rate are stitched as in Embree. The result is valid until the next call with the same scratch, and the
  *       caller may overwrite it.
  *   Side side (int s, unsigned step) const
- *       The vertices along a side, the same for all primitives that share it, by the rule in shared_border.h. A Side has
- *       `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of 0 to
- *       rate.
+ *       The vertices along a side, the same for all primitives that share it, by the rule in shared_border.h. A Side
+ *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
+ *       0 to rate.
  *   int latticeExponent (unsigned step) const
  *       The lattice of the vertices that the patch does not share; exactLattice if they are not rounded.
  *
@@ -51,14 +51,14 @@
  *   size_t size () const
  *       Number of primitives. Blocks store them in 32 bits.
  *   size_t estimateBlocks () const
- *       Rough number of blocks. Determines whether the surface is small or large, and how much memory is reserved. May be
- *       called before prepare().
+ *       Rough number of blocks. Determines whether the surface is small or large, and how much memory is reserved. May
+ *       be called before prepare().
  *   size_t perTask (bool isSmall) const
- *       Primitives per task, at least 1. isSmall: there are few blocks, and one task should take all. May be called before
- *       prepare().
+ *       Primitives per task, at least 1. isSmall: there are few blocks, and one task should take all. May be called
+ *       before prepare().
  *   void prepare (size_t perTask, const Progress& progress)
- *       Finds data of all primitives that is required before any of them is written: lattices and shared vertices. Calls
- *       progress(0.0) from time to time, also from several threads at once.
+ *       Finds data of all primitives that is required before any of them is written: lattices and shared vertices.
+ *       Calls progress(0.0) from time to time, also from several threads at once.
  *   void release ()
  *       Frees what prepare() allocated. No patch is used afterwards.
  *   void forEachPatch (size_t primitive, Scratch& scratch, const Closure& closure) const

@@ -285,14 +285,14 @@ namespace embree
           }
         if (4*most < 3*looked) return Edges{ none,none };
         const Pairing* best = nullptr;
-        for (const Pairing& pairing : all)
-          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length)) // others end at borders
+        for (const Pairing& pairing : all) // pairs at borders may be missing
+          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length))
             best = &pairing;
         const bool isFirst = 2*best->lower >= best->paired;
         return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
       }
 
-      /*! Pairs all triangles that have these two edges in common. */
+      /*! Pairs all triangles that share these two edges. */
       void pairBy (const Edges& edges)
       {
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
@@ -304,8 +304,8 @@ namespace embree
           });
       }
 
-      /*! Pairs triangles that are in no pair along the rows and columns of quads, from a first pair on. Only across
-       *  these edges, if there are any. */
+      /*! Pairs the remaining triangles along the rows and columns of quads, from a first pair on. Only across `edges`,
+       *  unless they are none. */
       void spread (const Edges& edges)
       {
         auto isFree = [&](unsigned half) {
@@ -315,7 +315,7 @@ namespace embree
               && (half % 3 != edges.second || other % 3 != edges.first)) return false;
           return mates[half/3] == none && mates[other/3] == none && half/3 != other/3;
         };
-        std::vector<unsigned> found; // of first triangles, the half-edges that pairs share
+        std::vector<unsigned> found; // half-edges that pairs share, of first triangles
         auto take = [&](unsigned half) {
           mates[half/3] = opposite[half]/3;
           mates[opposite[half]/3] = second;
@@ -331,7 +331,7 @@ namespace embree
           take(longest);
           for (; done<found.size(); done++)
           {
-            /* corners 00, 10, 01 and 11, 01, 10; `half` leads from 10 to 01 in the first triangle */
+            /* Corners are 00, 10, 01 and 11, 01, 10. `half` leads from 10 to 01 in the first triangle. */
             const unsigned half = found[done], back = opposite[half];
             const unsigned right = opposite[next(back)], up = opposite[before(back)];
             const unsigned left = opposite[next(half)], down = opposite[before(half)];
@@ -347,15 +347,15 @@ namespace embree
       const TriangleMesh* const mesh;
       const WeldedVertices* const welded;
       const size_t size, numVertices;
-      cbvh::UnmonitoredVector<Triangle> triangles; //!< all; half-edges and mates are places in it
-      cbvh::UnmonitoredVector<unsigned> ends;      //!< where the half-edges of a vertex begin, at last
-      cbvh::UnmonitoredVector<Half> halves;        //!< by their lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< of each half-edge, or none
-      cbvh::UnmonitoredVector<unsigned> mates;     //!< the second triangle of a first one, `second`, or none
+      cbvh::UnmonitoredVector<Triangle> triangles; //!< all triangles; half-edges and mates are indices into it
+      cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
+      cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
-    /*! Whether half of the vertices have six triangles: a look at some of them. Of a mesh with random diagonals 3 in 8
-     *  have, and quads of less regular meshes would be loose. */
+    /*! True if at least half of the vertices in a sample have six triangles. In a mesh with random diagonals, 3 in 8
+     *  do. In less regular meshes, most quads would be loose. */
     bool areRegular (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t numVertices = mesh->numVertices();
@@ -378,8 +378,8 @@ namespace embree
       return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
     }
 
-    /*! Whether triangles of the second half share edges with those of the first half, in the same order: a look at some
-     *  of them. */
+    /*! True if, in a sample, the triangles of the second half share edges with the triangles of the first half, in the
+     *  same order. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));
