@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A warning for users whose max_error is as large as the quads. Vertices of a quad fall together then, and pictures get
+/* Warning for users whose max_error is as large as the quads. Vertices of a quad then coincide, and pictures get
  * speckles. */
 
 #include "../base/environment.h"
@@ -15,11 +15,11 @@ namespace embree
 {
   namespace isa
   {
-    /*! part of an edge from which on a spacing is reported: quads flip from about there */
+    /*! Spacings from this fraction of an edge on are reported. Quads start to flip there. */
     static const double coarseSpacing = 0.5;
 
-    /*! Warns on stderr if a spacing that the application asked for is coarse: once per process, and at each commit if
-     *  the device or the environment is verbose. spacing, edge: means over the primitives of a geometry */
+    /*! Warns on stderr if the spacing that the application selected is coarse: once per process, and at each commit if
+     *  the device or the environment is verbose. spacing, edge: means over the primitives of a geometry. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

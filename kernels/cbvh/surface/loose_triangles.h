@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The triangles of a mesh that lie in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All have one
- * lattice; its exceptions are found before a block is encoded, so that blocks agree about the vertices that they
+/* The triangles of a mesh that are in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All use one
+ * lattice. Its exceptions are found before any block is encoded, so that blocks agree on the vertices that they
  * share. */
 
 #include "../base/resize_to_fit.h"
@@ -19,8 +19,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! The triangles of a mesh, by number. A quad has two, as Embree cuts it, with the numbers 2 primID and 2 primID
-     *  + 1. */
+    /*! The triangles of a mesh, by number. Embree splits a quad into two; they have the numbers 2 primID and 2 primID +
+     *  1. */
     class TrianglesOfMesh
     {
     public:
@@ -36,18 +36,18 @@ namespace embree
 
       bool areOfQuads () const { return perPrimitive == 2; }
 
-      /*! Number of the first triangle of a primitive (i = 0), or the second. */
+      /*! Number of the first (i = 0) or second triangle of a primitive. */
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
 
-      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false for a triangle that
-       *  Embree leaves out with its primitive: an index is not a vertex, or a vertex is not finite. */
+      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false if Embree skips its
+       *  primitive because an index is out of range or a vertex is not finite. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned numbers[3];
         return corners(triangle,out,numbers);
       }
 
-      /*! The same with the numbers of the vertices. */
+      /*! As above; also sets the numbers of the vertices. */
       bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
@@ -75,11 +75,11 @@ namespace embree
       const size_t stride;
     };
 
-    /*! Where the grids of a mesh store the vertices on their borders, for the triangles next to them. */
+    /*! The stored positions of vertices on the borders of a mesh's grids, for the triangles next to them. */
     class StoredBorders
     {
     public:
-      /*! Returns false for a vertex that is on no border. vertex: of the mesh, finite */
+      /*! Returns false if the vertex is on no border. vertex: number in the mesh; must be finite. */
       virtual bool find (size_t vertex, float out[3]) const = 0;
 
     protected:
@@ -89,12 +89,12 @@ namespace embree
     class LooseTriangles
     {
     public:
-      /*! primitives: of the mesh, ascending; null for all. plan and primitives outlive this. */
+      /*! primitives: of the mesh, ascending; null for all. plan and primitives must outlive this object. */
       LooseTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
                       Device* device)
         : mesh(mesh), primitives(primitives), plan(plan), device(device), centers(device,0) {}
 
-      /*! primitives, including those that are left out */
+      /*! Number of primitives, including invalid ones. */
       size_t numPrimitives () const { return primitives ? primitives->size() : mesh.numPrimitives; }
       size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
 
@@ -102,9 +102,9 @@ namespace embree
         return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
       }
 
-      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's
-       *  grids, null if there are none; must exist until release(). Calls progress() now and then, which may cancel
-       *  by an exception. */
+      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: borders of the
+       *  mesh's grids, or null; must exist until release(). Calls progress() from time to time, which may throw to
+       *  cancel. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
@@ -133,8 +133,8 @@ namespace embree
         lattice.reset();
       }
 
-      /*! Stored corners of a triangle: those on borders of grids as the grids store them. Returns the square of how
-       *  far the farthest of them moved. */
+      /*! Returns the stored corners of a triangle in `out`. Corners on borders of grids are those that the grids store.
+       *  Returns the square of the largest distance that a corner moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -151,7 +151,7 @@ namespace embree
         return farthest;
       }
 
-      /*! True if a triangle has no area: no ray hits it. */
+      /*! True if a triangle has no area: no ray can hit it. */
       bool isDegenerate (uint32_t triangle) const
       {
         const float* p[3];
@@ -175,16 +175,16 @@ namespace embree
       float spacing () const { return spacingOfLattice; }
 
       const TrianglesOfMesh mesh;
-      size_t numInvalid = 0;               //!< primitives that are left out because of their indices or vertices
+      size_t numInvalid = 0;               //!< primitives left out because of their indices or vertices
 
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
 
-      /*! of a task */
+      /*! Results of a task. */
       struct Found
       {
         size_t count = 0, numInvalid = 0;
-        std::vector<uint32_t> fragile;     //!< that the lattice may turn over
+        std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip
       };
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
@@ -235,7 +235,7 @@ namespace embree
         }
       }
 
-      /*! A finer vertex may turn over the other triangles that it belongs to: checks until none does. */
+      /*! A vertex on a finer lattice can flip other triangles that use it. Repeats the check until none flips. */
       template<typename Progress>
       void settle (const std::vector<Found>& found, const Progress& progress)
       {
@@ -260,7 +260,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Of the primitives that can be hit. prepare() fills them, and users reorder them. */
+      /*! Centers of the primitives that can be hit. Set by prepare(); users reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

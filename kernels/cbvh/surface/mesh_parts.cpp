@@ -11,7 +11,7 @@ namespace embree
 {
   namespace
   {
-    /*! Moves quads of regions that take less memory in mesh blocks to the loose primitives. */
+    /*! Moves quads to the loose primitives if their region needs less memory in mesh blocks. */
     template<typename Mesh>
     void loosen (const Mesh* mesh, QuadRegions& parts)
     {
@@ -45,8 +45,8 @@ namespace embree
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    /*! A mesh that moves has no mesh blocks: all of it is stored as grids, or nothing, as rays would leak where grids
-     *  meet Embree's own kernels. */
+    /*! There are no mesh blocks for moving meshes: all of such a mesh is stored as grids, or nothing, because rays
+     *  would leak between grids and Embree's own kernels. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {

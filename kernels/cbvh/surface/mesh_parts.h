@@ -3,20 +3,20 @@
 
 #pragma once
 
-/* How the primitives of a mesh are stored: those that lie like a grid's as grids (quad_regions.h), the others in mesh
- * blocks (loose_triangles.h). */
+/* Storage of the primitives of a mesh: primitives that form grids are stored as grids (quad_regions.h), the others in
+ * mesh blocks (loose_triangles.h). */
 
 #include "quad_regions.h"
 
 namespace embree
 {
-  /*! Finds the grids of a mesh, and its loose primitives. Returns null for a mesh that Embree's own kernel should
-   *  keep. */
+  /*! Finds the grids and the loose primitives of a mesh. Returns null if the mesh should be left to Embree's own
+   *  kernel. */
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 
-  /*! Returns the parts that the commit of a compressed mesh found. Finds them again if a build has released them.
-   *  Throws if memory is exhausted. */
+  /*! Returns the parts that the commit of a compressed mesh found, or finds them again if a build has released them.
+   *  Throws if out of memory. */
   template<typename Mesh>
   inline std::shared_ptr<const QuadRegions> partsOf (const Mesh* mesh)
   {

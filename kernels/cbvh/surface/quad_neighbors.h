@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The neighbors of all quads of a mesh on their four sides, in the sense of quad_regions.h. */
+/* The neighbors of the quads of a mesh on their four sides, as defined in quad_regions.h. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -20,15 +20,15 @@ namespace embree
     enum : unsigned { none = ~0u };
     enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
 
-    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< of each quad, or none
-    cbvh::UnmonitoredVector<uint8_t> isValid;        //!< whether all corners of a quad are vertices
-    size_t numLeftOut = 0;                           //!< quads that are not valid
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< neighbor of each quad, or none
+    cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners of a quad are vertices
+    size_t numLeftOut = 0;                           //!< number of invalid quads
     bool haveOwnForms = false;                       //!< neighbors may have different forms
 
     size_t size () const { return isValid.size(); }
   };
 
-  /*! Quads: QuadsOfMesh or PairsOfMesh */
+  /*! Quads: QuadsOfMesh or PairsOfMesh. */
   template<typename Quads>
   class NeighborFinder
   {
@@ -36,7 +36,7 @@ namespace embree
     NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
       : quads(quads), numVertices(numVertices), out(out) {}
 
-    /*! Returns false, and finds none, if a look at some quads shows that few are regular. */
+    /*! Finds the neighbors. Returns false, and finds none, if a sample shows that few quads are regular. */
     bool run ()
     {
       if (!findCorners()) return false;
@@ -58,7 +58,8 @@ namespace embree
       unsigned form;
     };
 
-    /*! A quad that begins at a vertex where one of a lower number begins, and one of its neighbors on that side */
+    /*! A quad that begins at the same vertex as a quad with a lower number, and a vertex that it shares with a
+     *  neighbor. */
     struct Other
     {
       unsigned first, second, quad;
@@ -76,12 +77,13 @@ namespace embree
       return q;
     }
 
-    /*! whether a quad lies on the right of another */
+    /*! True if `other` is right of q. */
     static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! Quads of different forms are neighbors only if their triangles begin at any corners, and both have two. */
+    /*! True if two quads can be neighbors. If their forms differ, neighbors may begin their triangles at different
+     *  corners, but must have the same number of triangles. */
     bool fit (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.form ^ other.form;
@@ -89,7 +91,7 @@ namespace embree
       return out.haveOwnForms ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Copies the corners of all quads, which the search visits again and again, in the order of neighbors. Returns
+    /*! Copies the corners of all quads, because the search visits them repeatedly, in the order of neighbors. Returns
      *  false if a table of their vertices would be much larger than the mesh. */
     bool findCorners ()
     {
@@ -97,7 +99,7 @@ namespace embree
       cbvh::resizeToFit(forms,quads.size());
       cbvh::resizeToFit(out.isValid,quads.size());
       std::atomic<size_t> numLeftOut(0);
-      typedef std::pair<unsigned,unsigned> Range; // lowest, highest
+      typedef std::pair<unsigned,unsigned> Range; // lowest and highest vertex
       const Range empty(unsigned(none),0u);
       const Range range = parallel_reduce(size_t(0),quads.size(),perTask,empty,[&](const embree::range<size_t>& r) {
           Range of = empty;
@@ -135,7 +137,7 @@ namespace embree
       while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
-    /*! quads by the vertex at which they begin */
+    /*! Finds the quads that begin at each vertex. */
     void link ()
     {
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
@@ -160,7 +162,8 @@ namespace embree
       std::sort(othersAbove.begin(),othersAbove.end());
     }
 
-    /*! A quad that begins at vertex `first` and has `second` as corner `c`, and fits q; or none. */
+    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and fits q. Returns false if there is
+     *  none. */
     bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<Other>& others,
                Quad& found) const
     {
@@ -179,8 +182,8 @@ namespace embree
     bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
 
-    /*! Whether of some quads a quarter has a quad on its right and one above that have the same quad between them. If
-     *  that is so of far more quads without regard to their forms, these are not regarded. */
+    /*! Returns true if at least a quarter of a sample of quads has a quad on the right and a quad above that share
+     *  their own neighbor. If far more quads do so when forms are ignored, haveOwnForms is set. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
@@ -216,7 +219,7 @@ namespace embree
         });
     }
 
-    /*! of quads that have the same one on a side, that one knows the first only */
+    /*! If several quads have the same neighbor on a side, the neighbor only stores the first of them. */
     void set (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;
@@ -229,7 +232,8 @@ namespace embree
     cbvh::UnmonitoredVector<Corners> corners;    //!< of all quads
     cbvh::UnmonitoredVector<uint8_t> forms;
     unsigned lowest = 0;
-    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad that begins at a vertex
-    std::vector<Other> othersRight, othersAbove; //!< the other quads there, by what they have to share
+    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad that begins at each vertex
+    std::vector<Other> othersRight, othersAbove; //!< other quads at a vertex, sorted by the vertices that neighbors
+                                                 //!< must share
   };
 }

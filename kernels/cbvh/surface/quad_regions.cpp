@@ -13,12 +13,14 @@ namespace embree
 {
   namespace
   {
-    /*! Quads that have no free quad on their left and none below are seeds first: they are corners of regions. From a
-     *  seed a region grows to the right and up, a column or a row at a time, as square as it can. Large regions are
-     *  taken before small ones, so that a row of quads at a pole does not cut the columns out of the quads above it.
+    /*! Finds regions. The first seeds are quads that have no free quad on the left and none below: corners of regions.
+     *  From a seed, a region grows to the right and up by a column or a row at a time, as square as it can. Large
+     *  regions are taken before small ones, so that a row of quads at a pole does not separate the columns of the quads
+     *  above it.
      *
-     *  Other seeds move to the left and down first, to where quads are not free. So a region has the same place
-     *  whichever of its quads comes first, and closed meshes, which have no corners, are filled from there on. */
+     *  Other seeds first move left and down until the next quad is not free. The position of a region therefore does
+     *  not depend on which of its quads comes first, and closed meshes, which have no corners, are filled from
+     *  there. */
     class RegionFinder
     {
     public:
@@ -43,8 +45,9 @@ namespace embree
 
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
-      /*! Bits above TAKEN are the last pass in which a region that began here was too small. Unless seeds are corners,
-       *  all quads of such a region are marked: a pass visits each once, even in strips that are too narrow for it. */
+      /*! The bits above TAKEN are the number of the last pass in which a region that began here was too small. If seeds
+       *  are not corners, all quads of such a region are marked, so that a pass visits each quad once, even in strips
+       *  that are too narrow. */
       enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
       enum Seeds { CORNERS, EDGES, ALL };
 
@@ -59,7 +62,7 @@ namespace embree
         return seeds == CORNERS ? !hasLeft && !hasBelow : !hasLeft || !hasBelow;
       }
 
-      /*! Takes regions of so many quads along each side, or more. */
+      /*! Takes all regions with at least `side` quads along each side. */
       void take (Seeds seeds, unsigned side)
       {
         pass++;
@@ -69,7 +72,8 @@ namespace embree
             if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
       }
 
-      /*! Grows from a seed, and from those that come up meanwhile. Returns false if the seed's region is too small. */
+      /*! Grows regions from a seed and from the seeds that this creates. Returns false if the region of the first seed
+       *  is too small. */
       bool growAll (unsigned seed, unsigned side, Seeds seeds)
       {
         const bool isTaken = grow(seed,side);
@@ -85,7 +89,7 @@ namespace embree
         return isTaken;
       }
 
-      /*! Returns where a region begins that a quad is part of. A ring of quads has no such place. */
+      /*! Returns the quad at which the region of a quad begins. If quads form a ring, any quad of the ring. */
       unsigned moved (unsigned quad)
       {
         for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
@@ -128,7 +132,7 @@ namespace embree
         return true;
       }
 
-      /*! a quad that has lost a neighbor */
+      /*! Adds a quad that lost a neighbor to the seeds. */
       void open (unsigned quad)
       {
         if (!isFree(quad)) return;
@@ -137,7 +141,7 @@ namespace embree
 
       void letGo (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
 
-      /*! Takes a quad next to the region, if it is free and next to the one before it. */
+      /*! Takes the neighbor of a quad of the region if it is free and adjacent to the quad taken before it. */
       bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
                      unsigned& next)
       {
@@ -171,28 +175,29 @@ namespace embree
         return true;
       }
 
-      /*! All seeds together move by so many quads per quad of the mesh, not by a long strip for each of its quads. */
+      /*! Total number of steps by which seeds move, per quad of the mesh. Prevents long walks along a strip from each
+       *  of its quads. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& of;
       QuadRegions& out;
       cbvh::UnmonitoredVector<uint8_t> flags;
-      size_t steps = 0;                     //!< that seeds may still move
+      size_t steps = 0;                     //!< steps that seeds may still move
       unsigned pass = 0;
-      bool marksAll = false;                //!< quads of regions that are too small
-      std::vector<unsigned> corners, edges; //!< that came up while regions were taken
-      unsigned region[maxSide*maxSide];     //!< that grows
+      bool marksAll = false;                //!< marks all quads of regions that are too small
+      std::vector<unsigned> corners, edges; //!< seeds that were created while regions were taken
+      unsigned region[maxSide*maxSide];     //!< the growing region
       unsigned width = 0, height = 0;
     };
 
-    /*! Collects the first triangle of each pair of consecutive triangles, unless all are of triangles 2i and 2i+1.
-     *  Returns false if a look at some triangles shows that few have a partner next to them. */
+    /*! Collects the first triangle of each pair of consecutive triangles; none if all pairs are triangles 2i and 2i+1.
+     *  Returns false if a sample shows that few triangles have a partner next to them. */
     bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       auto isPair = [&](size_t i) {
-        return i+1 < n && triangles.areJoined(i,i+1); // else only one of them is left out
+        return i+1 < n && triangles.areJoined(i,i+1); // otherwise only one of them may be invalid
       };
       const size_t step = max(n/4096,size_t(1));
       size_t looked = 0, paired = 0;
@@ -211,7 +216,7 @@ namespace embree
 
     typedef std::shared_ptr<QuadRegions> Found;
 
-    /*! Finds regions among quads whose vertices and pairs are known. */
+    /*! Finds regions of quads. Vertices and pairs must be known. */
     template<typename Mesh>
     void findRegions (const Mesh* mesh, QuadRegions& out)
     {
@@ -250,7 +255,7 @@ namespace embree
 
     Found findInPairsAnywhere (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
 
-    /*! Whether at most a part of the quads is loose. */
+    /*! True if at most 5% of the quads are loose. */
     bool areFewLoose (const QuadRegions& found)
     {
       const size_t few = 20;
@@ -258,7 +263,7 @@ namespace embree
       return all != 0 && few*found.numQuads(found.numRegular,found.regions.size()) <= all;
     }
 
-    /*! Bytes of the tables of numbers of all blocks, as estimated from some regions. */
+    /*! Estimates the bytes of the tables of numbers of all blocks, from a sample of regions. */
     template<typename Mesh>
     size_t bytesOfTables (const Mesh* mesh, const QuadRegions& found)
     {
@@ -279,7 +284,7 @@ namespace embree
       return size_t(double(bytes)*double(found.numQuads(0,found.regions.size()))/double(max(looked,size_t(1))));
     }
 
-    /*! Takes those regions that need fewer bytes. */
+    /*! Replaces `best` by `other` if it needs fewer bytes. */
     template<typename Mesh>
     void improve (const Mesh* mesh, Found& best, const Found& other)
     {
@@ -291,7 +296,7 @@ namespace embree
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
 
-    /*! Whether there is not much to gain: nearly all blocks are full. */
+    /*! True if little can be gained, because nearly all blocks are full. */
     bool isGood (const QuadRegions& found)
     {
       const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
@@ -299,8 +304,8 @@ namespace embree
       return quads != 0 && double(found.bytesOfBlocks()) <= 1.1*least;
     }
 
-    /*! Pairs of consecutive triangles come first. Where they leave many quads loose, partners are looked for
-     *  everywhere. */
+    /*! Tries pairs of consecutive triangles first. If they leave many quads loose, also tries partners anywhere in the
+     *  mesh. */
     template<typename Mesh>
     Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
@@ -312,9 +317,9 @@ namespace embree
     size_t numQuadsOf (const QuadMesh* mesh) { return mesh->quads.size(); }
     size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
 
-    /*! Indices come first, unless there are far more vertices than quads. Where equal vertices are better taken for
-     *  one, they are. That is not always so: an application may have numbered the quads of regions that it did not
-     *  weld. */
+    /*! Tries indices first, unless there are far more vertices than quads. Welding equal vertices is tried next, and
+     *  kept if it needs fewer bytes. It does not always: an application may have numbered the quads of regions that it
+     *  did not weld. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
     {

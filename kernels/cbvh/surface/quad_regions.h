@@ -3,14 +3,15 @@
 
 #pragma once
 
-/* Regions of a mesh in which its quads lie like those of a grid, found from its connectivity alone: what was diced is
- * regular inside. Vertices with the same position are one (welded_vertices.h). Quads are those of a quad mesh, or pairs
- * of triangles of a triangle mesh that share an edge (triangle_pairs.h). Corners of a quad are v0 to v3 around it, and
- * Embree cuts it from v1 to v3, as it cuts the quads of grids:
+/* Regions of a mesh whose quads form a grid, found from the connectivity alone: diced meshes are regular inside.
+ * Vertices with the same position count as one (welded_vertices.h). Quads are the quads of a quad mesh, or pairs of
+ * triangles of a triangle mesh that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree
+ * splits it from v1 to v3, like the quads of grids:
  *
- *     v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q, and it is above q if its v0
- *      |  \  |   \  |       and v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the
- *     v0 --- v1 --- .       same two triangles as in their mesh. Vertices that quads share are the same for all. */
+ *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
+ *    v1
+ *     |  \  |   \  |       are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
+ *    v0 --- v1 --- .       triangles as in their mesh. Vertices that quads share are the same for all of them. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -23,7 +24,7 @@ namespace embree
 {
   inline namespace CBVH_ISA
   {
-    /*! the quads of a quad mesh */
+    /*! The quads of a quad mesh. */
     struct QuadsOfMesh
     {
       const QuadMesh* mesh;
@@ -41,25 +42,25 @@ namespace embree
       unsigned number (size_t quad) const { return unsigned(quad); } //!< primID
       unsigned second (size_t quad) const { return unsigned(quad); } //!< the same
 
-      /*! see cvert/format/quad_numbers.h */
+      /*! See cvert/format/quad_numbers.h. */
       unsigned form (size_t) const { return 0; }
 
-      /*! both */
+      /*! Sets the corners and returns the form. */
       unsigned look (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
-    /*! the pairs of triangles of a triangle mesh */
+    /*! The pairs of triangles of a triangle mesh. */
     struct PairsOfMesh
     {
       const TriangleMesh* mesh;
       const WeldedVertices* welded;     //!< null if all vertices differ
-      const mvector<unsigned>* firsts;  //!< triangles of pairs; null if pair i begins with triangle 2i
-      const mvector<unsigned>* seconds; //!< the others; null if they follow the first ones
+      const mvector<unsigned>* firsts;  //!< first triangles of pairs; null if pair i begins with triangle 2i
+      const mvector<unsigned>* seconds; //!< second triangles; null if they follow the first ones
 
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
       unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
 
-      /*! the second triangle; number(pair) if there is none */
+      /*! Returns the second triangle, or number(pair) if there is none. */
       unsigned second (size_t pair) const
       {
         if (seconds) return (*seconds)[pair];
@@ -69,8 +70,8 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Corners of triangles that share an edge: the first has 00, 10, 01, the second 11, 01, 10. False if they share
-       *  none. */
+      /*! Sets the corners of a quad of two triangles that share an edge: the first has the corners 00, 10, 01, the
+       *  second 11, 01, 10. Returns false if they share no edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -83,7 +84,7 @@ namespace embree
         return false;
       }
 
-      /*! whether two triangles share an edge, and have no index that is no vertex */
+      /*! True if two triangles share an edge, and all their indices are vertices. */
       bool areJoined (size_t first, size_t second) const
       {
         unsigned a[3], b[3], v[4], turns;
@@ -92,13 +93,13 @@ namespace embree
         return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
       }
 
-      /*! its form */
+      /*! Sets the corners and returns the form. */
       unsigned look (size_t pair, unsigned v[4]) const
       {
         const unsigned first = number(pair), other = second(pair);
         unsigned a[3], b[3], turns = 0;
         triangle(first,a);
-        if (other == first) { // alone: the corner v2 is v1
+        if (other == first) { // a single triangle: corner v2 is v1
           v[0] = a[0]; v[1] = v[2] = a[1]; v[3] = a[2];
           return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
         }
@@ -123,30 +124,30 @@ namespace embree
   {
     struct Region
     {
-      size_t first;           //!< of its quads
+      size_t first;           //!< first of its quads
       unsigned width, height; //!< in quads
     };
 
-    /*! A region has at most so many quads along a side: its vertices have one lattice, and quads of a mesh may grow
-     *  along it. */
+    /*! Largest number of quads along a side of a region. Limited because a region has one lattice, and the size of
+     *  quads may change along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads in regions of fewer along a side are loose. A block takes 138 bytes and about 1 per quad: 16 bytes per
-     *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads are loose if their region has fewer quads along a side. A block takes 138 bytes and about 1 per quad: 16
+     *  bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned leastSide = 4;
 
-    cbvh::UnmonitoredVector<Region> regions; //!< those without loose quads first; none if the mesh is not regular
+    cbvh::UnmonitoredVector<Region> regions; //!< first the regions without loose quads; empty if the mesh is not
+                                             //!< regular
     size_t numRegular = 0;                   //!< regions without loose quads
-    cbvh::UnmonitoredVector<unsigned> quads; //!< of each region, row by row from its v0
+    cbvh::UnmonitoredVector<unsigned> quads; //!< quads of each region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
-    cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< of PairsOfMesh; empty if that needs none
-    bool haveOwnForms = false; //!< quads of a region have forms of their own, as their triangles begin at any corner
-    bool isOutOfMemory = false; //!< there was not enough to find them
+    cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
+    bool haveOwnForms = false; //!< quads of a region have their own forms: their triangles begin at different corners
+    bool isOutOfMemory = false; //!< the regions could not be found
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
     bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
-    size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
+    size_t numLeftOut = 0;    //!< quads and triangles with an index that is not a vertex; rays do not hit them
 
-    /*! Size in memory. */
     size_t bytes () const
     {
       return regions.size()*sizeof(Region) + (welded ? welded->bytes() : 0)
@@ -155,20 +156,20 @@ namespace embree
 
     bool hasLoose () const { return areAllLoose || !loose.empty(); }
 
-    /*! Estimated bytes of the blocks of all regions, with their part of the tree. Numbers that follow no pattern do not
-     *  count. */
+    /*! Estimated bytes of the blocks of all regions, with their share of the tree. Ignores tables of numbers without a
+     *  pattern. */
     size_t bytesOfBlocks () const;
 
-    /*! The same of a mesh that does not move: mesh blocks store the regions for which they need fewer bytes. */
+    /*! As above, for a mesh with one time step: regions are stored in mesh blocks if those need fewer bytes. */
     size_t bytesWithMeshBlocks () const;
 
-    /*! True if mesh blocks need fewer bytes for a region than blocks of a grid. */
+    /*! True if a region needs fewer bytes in mesh blocks than in blocks of a grid. */
     static bool isSmallerInMeshBlocks (const Region& region);
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
-    /*! Finds the regions of a mesh, with all threads and the same for any number of them. Never null. If a look at some
-     *  quads shows that the mesh is not regular, there are no regions. */
+    /*! Finds the regions of a mesh, with all threads; the result does not depend on their number. Never null. Returns
+     *  no regions if a sample of quads shows that the mesh is not regular. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
   };
@@ -185,7 +186,7 @@ namespace embree
       return PairsOfMesh{ mesh,of.welded.get(),ofPairs(of.firsts),ofPairs(of.seconds) };
     }
 
-    /*! Numbers of the quads of a region, and of their triangles. Quads: of the mesh, as quadsOf() returns them. */
+    /*! Sets the numbers of the quads of a region and of their triangles. quads: result of quadsOf(). */
     template<typename Quads>
     void numberRegion (const Quads& quads, const QuadRegions& of, size_t region, cbvh::QuadNumbers& out)
     {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. A half-edge is 3 t + e: edge e of triangle t, from its corner e to the
- * next one. */
+/* Compiled for the library's lowest ISA only. Half-edge 3 t + e is edge e of triangle t, from its corner e to the next
+ * corner. */
 
 #include "triangle_pairs.h"
 #include "../base/atomic_ref.h"
@@ -47,19 +47,19 @@ namespace embree
 
       struct Triangle
       {
-        unsigned v[3]; //!< first equal vertices
+        unsigned v[3]; //!< welded vertices
         unsigned number;
       };
 
-      /*! a half-edge at its lower vertex */
+      /*! A half-edge, listed at its lower vertex. */
       struct Half
       {
-        unsigned other; //!< twice the higher vertex, and 1 if it begins there
+        unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
         unsigned half;
         bool operator< (const Half& h) const { return other < h.other; }
       };
 
-      /*! the edge that the first triangles of pairs share with the second ones, and which of theirs it is */
+      /*! The edge that first triangles share with second triangles, and which edge of the second triangles it is. */
       struct Edges
       {
         unsigned first, second;
@@ -89,12 +89,12 @@ namespace embree
 
       bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
 
-      /*! a vertex near which a triangle lies; numVertices of triangles that are not valid */
+      /*! Returns a vertex near which a triangle lies; numVertices for an invalid triangle. */
       unsigned vertexOf (const Triangle& t) const {
         return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
       }
 
-      /*! whether triangles that follow each other have vertices that do not */
+      /*! True if consecutive triangles tend to have vertices that are far apart in the buffer. */
       bool areScattered () const
       {
         const size_t step = max(size/samples,size_t(2));
@@ -106,8 +106,8 @@ namespace embree
         return 2*far > looked;
       }
 
-      /*! Copies the triangles, which all else visits in the order of neighbors. Those that are scattered are sorted by
-       *  their vertices first: vertices that follow each other are near each other more often. */
+      /*! Copies the triangles, because everything else visits them in the order of neighbors. Scattered triangles are
+       *  sorted by their vertices first, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -141,19 +141,19 @@ namespace embree
         cbvh::AtomicRef<unsigned>(count).fetchAdd(1u,std::memory_order_relaxed);
       }
 
-      /*! Returns the result. */
+      /*! Returns the decremented value. */
       static unsigned decrement (unsigned& count) {
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! From numbers of items to where they end. */
+      /*! Converts numbers of items to the ends of their ranges. */
       static void sumUp (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
         for (unsigned& count : counts) count = sum += count;
       }
 
-      /*! Calls closure(lower vertex, Half) for the edges of a triangle that have two ends. */
+      /*! Calls closure(lower vertex, Half) for the edges of a triangle whose two vertices differ. */
       template<typename Closure>
       void forEachHalf (size_t triangle, const Closure& closure) const
       {
@@ -165,7 +165,7 @@ namespace embree
         }
       }
 
-      /*! Sets opposite, for each half-edge the one of the other triangle. */
+      /*! Sets `opposite` for each half-edge. */
       void findEdges ()
       {
         fill(ends,numVertices+1,0u);
@@ -191,7 +191,7 @@ namespace embree
       void join (Half* begin, Half* end)
       {
         if (end-begin > 16) std::sort(begin,end);
-        else // insertion: there are six in most cases
+        else // insertion sort: most vertices have six
           for (Half* i=begin; i<end; i++)
             for (Half* j=i; j!=begin && *j < j[-1]; j--) std::swap(*j,j[-1]);
         for (Half* i=begin, * j; i!=end; i=j) {
@@ -202,7 +202,7 @@ namespace embree
         }
       }
 
-      /*! square of the length of a half-edge at the first time step; 0 if it is not finite */
+      /*! Returns the squared length of a half-edge at the first time step; 0 if it is not finite. */
       double lengthOf (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;
@@ -219,8 +219,8 @@ namespace embree
         return other != none && other % 3 == f;
       }
 
-      /*! The half-edge by which a triangle is paired, one of two edges; none if there is none. If quads with other
-       *  corners lie at a border, a triangle may share both edges: the longer one is the diagonal of a quad. */
+      /*! Returns the half-edge by which a triangle is paired, one of two edges, or none. If quads with other corners
+       *  are adjacent, a triangle can share both edges: the longer one is the diagonal of a quad. */
       unsigned sharedHalf (unsigned triangle, const Edges& edges) const
       {
         const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
@@ -231,7 +231,8 @@ namespace embree
         return isFirst ? first : isSecond ? second : unsigned(none);
       }
 
-      /*! The triangle with which a triangle is paired, or none. isFirst: whether the other one is second */
+      /*! Returns the triangle with which a triangle is paired, or none. isFirst: the other triangle is the second
+       *  one. */
       unsigned mateOf (unsigned triangle, const Edges& edges, bool& isFirst) const
       {
         const unsigned half = sharedHalf(triangle,edges);
@@ -243,15 +244,15 @@ namespace embree
         return mate;
       }
 
-      /*! What pairs by two edges have in common. */
+      /*! Statistics of the pairs that two edges create. */
       struct Pairing
       {
         Edges edges;
-        size_t paired = 0, lower = 0; //!< triangles, and first ones of which are lower than the second
-        double length = 0;            //!< sum of squares
+        size_t paired = 0, lower = 0; //!< triangles in pairs; those whose first triangle has the lower number
+        double length = 0;            //!< sum of squared lengths
       };
 
-      /*! Of some triangles; looked: how many they are */
+      /*! Computes statistics from a sample. looked: size of the sample. */
       Pairing look (const Edges& edges, size_t& looked) const
       {
         Pairing pairing;
@@ -271,7 +272,8 @@ namespace embree
         return pairing;
       }
 
-      /*! Chooses the edges by which most triangles are paired; of some, the longest. None if few are paired. */
+      /*! Chooses the edges that pair most triangles; if several do, the longest edges. Returns none if few are
+       *  paired. */
       Edges chooseEdges () const
       {
         std::vector<Pairing> all;
@@ -283,14 +285,14 @@ namespace embree
           }
         if (4*most < 3*looked) return Edges{ none,none };
         const Pairing* best = nullptr;
-        for (const Pairing& pairing : all)
-          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length)) // others end at borders
+        for (const Pairing& pairing : all) // pairs at borders may be missing
+          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length))
             best = &pairing;
         const bool isFirst = 2*best->lower >= best->paired;
         return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
       }
 
-      /*! Pairs all triangles that have these two edges in common. */
+      /*! Pairs all triangles that share these two edges. */
       void pairBy (const Edges& edges)
       {
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
@@ -302,8 +304,8 @@ namespace embree
           });
       }
 
-      /*! Pairs triangles that are in no pair along the rows and columns of quads, from a first pair on. Only across
-       *  these edges, if there are any. */
+      /*! Pairs the remaining triangles along the rows and columns of quads, from a first pair on. Only across `edges`,
+       *  unless they are none. */
       void spread (const Edges& edges)
       {
         auto isFree = [&](unsigned half) {
@@ -313,7 +315,7 @@ namespace embree
               && (half % 3 != edges.second || other % 3 != edges.first)) return false;
           return mates[half/3] == none && mates[other/3] == none && half/3 != other/3;
         };
-        std::vector<unsigned> found; // of first triangles, the half-edges that pairs share
+        std::vector<unsigned> found; // half-edges that pairs share, of first triangles
         auto take = [&](unsigned half) {
           mates[half/3] = opposite[half]/3;
           mates[opposite[half]/3] = second;
@@ -329,7 +331,7 @@ namespace embree
           take(longest);
           for (; done<found.size(); done++)
           {
-            /* corners 00, 10, 01 and 11, 01, 10; `half` leads from 10 to 01 in the first triangle */
+            /* Corners are 00, 10, 01 and 11, 01, 10. `half` leads from 10 to 01 in the first triangle. */
             const unsigned half = found[done], back = opposite[half];
             const unsigned right = opposite[next(back)], up = opposite[before(back)];
             const unsigned left = opposite[next(half)], down = opposite[before(half)];
@@ -345,15 +347,15 @@ namespace embree
       const TriangleMesh* const mesh;
       const WeldedVertices* const welded;
       const size_t size, numVertices;
-      cbvh::UnmonitoredVector<Triangle> triangles; //!< all; half-edges and mates are places in it
-      cbvh::UnmonitoredVector<unsigned> ends;      //!< where the half-edges of a vertex begin, at last
-      cbvh::UnmonitoredVector<Half> halves;        //!< by their lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< of each half-edge, or none
-      cbvh::UnmonitoredVector<unsigned> mates;     //!< the second triangle of a first one, `second`, or none
+      cbvh::UnmonitoredVector<Triangle> triangles; //!< all triangles; half-edges and mates are indices into it
+      cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
+      cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
-    /*! Whether half of the vertices have six triangles: a look at some of them. Of a mesh with random diagonals 3 in 8
-     *  have, and quads of less regular meshes would be loose. */
+    /*! True if at least half of the vertices in a sample have six triangles. In a mesh with random diagonals, 3 in 8
+     *  do. In less regular meshes, most quads would be loose. */
     bool areRegular (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t numVertices = mesh->numVertices();
@@ -376,8 +378,8 @@ namespace embree
       return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
     }
 
-    /*! Whether triangles of the second half share edges with those of the first half, in the same order: a look at some
-     *  of them. */
+    /*! True if, in a sample, the triangles of the second half share edges with the triangles of the first half, in the
+     *  same order. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));

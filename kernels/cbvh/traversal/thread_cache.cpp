@@ -17,7 +17,7 @@ namespace embree
   {
     std::atomic<unsigned> cacheGeneration(0);
 
-    /* set by who maps blocks, so that codecs need nothing else of the library */
+    /* Set by the code that maps blocks, so that codecs depend on nothing else in the library. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
 
@@ -31,7 +31,7 @@ namespace embree
     {
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
-        static thread_local Owner owner; // ends with the thread
+        static thread_local Owner owner; // destroyed when the thread ends
         (void)owner;
         void* memory = nullptr;
         if (posix_memalign(&memory,64,sizeof(ThreadCache)) != 0) throw std::bad_alloc();
@@ -42,7 +42,8 @@ namespace embree
       return *current;
     }
 
-    static_assert(sizeof(VertEntries) < 512*1024,"more than the second-level cache of a core: see docs/performance.md");
+    static_assert(sizeof(VertEntries) < 512*1024,
+      "VertEntries must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
     template class ThreadCache<NodeEntries>;

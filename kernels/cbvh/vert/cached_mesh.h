@@ -5,8 +5,8 @@
 
 /* Gives access to a decoded mesh block, decoding it into the thread's cache if necessary, with the members that the
  * intersectors of cVERT expect (cached_block.h). References into the cache become invalid once a hit is reported,
- * because a filter function may trace further rays. Shared code names a block by a VertHeader: `surface` and `primID`
- * have the same place in a MeshHeader. */
+ * because a filter function may trace further rays. Shared code accesses the block as a VertHeader: `surface` and
+ * `primID` have the same offsets in a MeshHeader. */
 
 #include "../base/mapped_blocks.h"
 #include "hits1.h"
@@ -19,12 +19,13 @@ namespace embree
     namespace cbvh
     {
       static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface)
-                    && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),"named as other blocks are");
+                    && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
+                    "surface and primID must have the same offsets in both headers");
 
       class CachedMeshBlock
       {
       public:
-        /*! ray: VertRay or VertRays. Its cache is that of blocks of cVERT; mesh blocks have their own. */
+        /*! ray: VertRay or VertRays. Its cache is not used: mesh blocks have a cache of their own. */
         template<typename VertRay>
         __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)) {}
@@ -32,7 +33,7 @@ namespace embree
         /*! Returns the boxes, or null if they are not decoded. */
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! The bounds of a block are its leaf's, which the ray meets. */
+        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray intersects. */
         __forceinline bool mayMeet (const VertRayAxes<float>&, float, float) const { return true; }
 
         /*! Returns false if the block is damaged. Then no byte of it may be read. */
@@ -44,7 +45,7 @@ namespace embree
           return slot;
         }
 
-        /*! of group g, with their vertices */
+        /*! Returns the triangles of group g, with their vertices. */
         __forceinline const MeshTriangles& vertices (uint32_t g) const
         {
           MeshTriangles& at = cache.slot(block,g);
@@ -52,8 +53,8 @@ namespace embree
           return at;
         }
 
-        /*! Returns the primitive of triangle t of group g, and the parameters of a place with the weights w1 and w2
-         *  of its second and third corner: as in Embree's kernels. */
+        /*! Returns the primitive of triangle t of group g, and the parameters of a point, as in Embree's kernels. w1,
+         *  w2: weights of the triangle's second and third corner. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
         {
           const uint32_t number = MeshDecoder(block).number(boxes(),g,t);
@@ -83,7 +84,7 @@ namespace embree
 
         MeshCache& cache;
         const MeshHeader* block;
-        MeshBoxes& slot; //!< of its boxes
+        MeshBoxes& slot; //!< slot of the block's boxes
       };
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,

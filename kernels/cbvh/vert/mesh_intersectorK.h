@@ -18,7 +18,7 @@ namespace embree
       class MeshIntersectorK
       {
       public:
-        /*! Returns which of the rays in some lanes accepted a hit; any hit ends with it. */
+        /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               VertRays<K>& vertRays, const void* block)
         {
