@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays as Embree takes them. */
+/* Converts rays to Embree's structs. */
 
 #include "tracing/ray.h"
 
@@ -14,7 +14,7 @@
 
 namespace cbvh {
 
-/* Denormals off while tracing, as Embree's manual asks for. */
+/* Disables denormals while tracing, as Embree's manual recommends. Restores the previous mode. */
 class FastDenormals
 {
 public:
@@ -47,7 +47,7 @@ inline void load(const Ray& ray, RTCRay& out)
   out.flags = 0;
 }
 
-/* With no hit. */
+/* Also sets the hit to a miss. */
 inline void load(const Ray& ray, RTCRayHit& out)
 {
   load(ray, out.ray);
@@ -55,7 +55,7 @@ inline void load(const Ray& ray, RTCRayHit& out)
   out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Lane i of a packet. */
+/* Sets lane i of a packet. */
 template<typename RTCRayN>
 inline void load(const Ray& ray, RTCRayN& out, size_t i)
 {

@@ -151,7 +151,7 @@ Cage creasedQuads(const std::vector<float>& sharpness)
 TEST(CageValidation, WarnsWhereEmbreeHasAnotherRuleForCreases)
 {
   const auto isNamed = [](const Cage& cage) {
-    const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
+    const std::vector<unsigned> vertices = findVerticesWithOtherCreaseRules(cage);
     return std::find(vertices.begin(), vertices.end(), 4u) != vertices.end();
   };
   EXPECT_FALSE(isNamed(creasedQuads({1.5f})));

@@ -13,7 +13,7 @@ Model loadModel(const BenchOptions& options, const BenchScene& bench)
 {
   SceneSettings settings = bench.settings;
   settings.threads = options.buildThreads;
-  Model model = loadSceneOf("cbvh_bench", settings);
+  Model model = loadProgramScene("cbvh_bench", settings);
   for (Placement& copy : model.copies)
     copy.origin += options.position;
   return model;

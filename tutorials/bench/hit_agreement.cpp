@@ -12,7 +12,7 @@ HitAgreement agreementOf(const BuiltVariant& first, const BuiltVariant& other, c
                          const TraceSettings& trace)
 {
   const std::vector<KeptHit> hits = keepHits(first.use(), view.sets[set], trace);
-  return {view.name, set, trace, compareKept(hits, keepHits(other.use(), view.sets[set], trace))};
+  return {view.name, set, trace, compareKeptHits(hits, keepHits(other.use(), view.sets[set], trace))};
 }
 
 } // namespace

@@ -152,7 +152,7 @@ struct Words
 
 void declareLists(CLI::App& app, Words& words)
 {
-  addFiles(app, words.files);
+  addFileArguments(app, words.files);
   app.add_option("--scene", words.scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
     ->type_name("LIST");
   addSceneOptions(app, words.settings);
@@ -229,7 +229,7 @@ void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
 std::vector<BenchScene> readScenes(const Words& words)
 {
   SceneSettings settings = words.settings;
-  nameFiles(words.files, settings);
+  applyFileArguments(words.files, settings);
   if (words.scenes.empty() || !settings.cagePath.empty() || !settings.savedPath.empty())
   {
     settings.scene = words.scenes;

@@ -58,7 +58,7 @@ Robustness::Robustness(const Model& model, const BuildSettings& settings, const 
         pickAimPoints({layout, level, blockLevel(frameLevel)}, vertices, pointsOfKind, seed);
   double sum = 0;
   for (const AimPoint& point : points.begin()->second[AtVertex])
-    sum += length(point.neighbour - point.position);
+    sum += length(point.neighbor - point.position);
   meanQuadWidth = float(sum / double(std::max<size_t>(1, points.begin()->second[AtVertex].size())));
 }
 

@@ -26,8 +26,8 @@ std::string checkLines(const CheckResult& checks)
     const LeakCounts& c = *checks.leaks;
     std::snprintf(line, sizeof(line),
                   "    leaks of %zu rays: closest %zu, any %zu, through %zu (GRID %zu, %zu, %zu)\n", c.rays,
-                  c.ofScene.closest, c.ofScene.any, c.ofScene.through, c.ofGrid.closest, c.ofGrid.any,
-                  c.ofGrid.through);
+                  c.sceneLeaks.closest, c.sceneLeaks.any, c.sceneLeaks.through, c.gridLeaks.closest, c.gridLeaks.any,
+                  c.gridLeaks.through);
     out += line;
   }
   if (checks.sheets)
@@ -35,7 +35,7 @@ std::string checkLines(const CheckResult& checks)
     const SheetCrossings& c = *checks.sheets;
     std::snprintf(line, sizeof(line),
                   "    through %zu random sheets, of %zu rays: closest %zu, any %zu (GRID, too: %zu)\n", c.sheets,
-                  c.rays, c.closest, c.any, c.ofGrid);
+                  c.rays, c.closest, c.any, c.gridMisses);
     out += line;
     for (const std::string& example : c.examples)
       out += "      " + example + "\n";
@@ -44,7 +44,7 @@ std::string checkLines(const CheckResult& checks)
   {
     std::snprintf(line, sizeof(line),
                   "    %s crossings of %zu rays: %zu (GRID %zu), another number %zu, another parity %zu\n", c.view.c_str(),
-                  c.found.rays, c.found.ofScene, c.found.ofGrid, c.found.otherNumber, c.found.otherParity);
+                  c.found.rays, c.found.sceneCrossings, c.found.gridCrossings, c.found.differentCounts, c.found.differentParities);
     out += line;
   }
   for (const ShadowCheck& c : checks.shadows)
@@ -55,8 +55,8 @@ std::string checkLines(const CheckResult& checks)
                   "same place %.3f; turned %.3f; control %.3f\n",
                   c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
                   share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
-                  share(c.found.all.falsePasses, c.found.rays), share(c.found.ofSame.sum(), c.found.raysOfSame),
-                  share(c.found.ofTurned.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
+                  share(c.found.all.falsePasses, c.found.rays), share(c.found.sameHitErrors.sum(), c.found.sameHitRays),
+                  share(c.found.flippedErrors.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
     out += line;
   }
   return out;

@@ -30,7 +30,7 @@ View makeView(const BenchOptions& options, const Camera& camera, const BuiltScen
   if (moves)
     setTimes(view.primary, Shutter(), 0, view.camera.size(), view.camera.size().width);
   view.gridHits = traceClosest(grid, view.primary, threads);
-  view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
+  view.sample = sampleHits(view.gridHits, options.trueHits, options.seed);
   view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
   std::set_intersection(view.sample.begin(), view.sample.end(), view.away.begin(), view.away.end(),
                         std::back_inserter(view.sampleAway));

@@ -115,7 +115,7 @@ int run(int argc, char** argv)
     SceneSettings of = options.cage;
     of.scene = scene;
     std::string warnings;
-    Model model = loadScene(withStrength(of), warnings);
+    Model model = loadScene(withDefaultAmplitude(of), warnings);
     std::fputs(warnings.c_str(), stderr);
     decoded += measure(options, model);
   }

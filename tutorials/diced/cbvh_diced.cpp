@@ -98,7 +98,7 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   const FastDenormals fast;
   for (int set = 0; set < 3; set++)
   {
-    speed[set] = speedInTurns(embree.handle(), ours.handle(), *sets[set], set == 1 ? TimedQuery::Packets : TimedQuery::Single, options.compared.repeat, hits);
+    speed[set] = medianSpeedup(embree.handle(), ours.handle(), *sets[set], set == 1 ? TimedQuery::Packets : TimedQuery::Single, options.compared.repeat, hits);
     for (size_t i = 0; i < sets[set]->size(); i++) disagreements += !agree(hits[0][i], hits[1][i], 1e-3f * model.cage.bounds().diagonal());
     rays += sets[set]->size();
   }

@@ -89,7 +89,7 @@ void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsi
   const FastDenormals fast;
   std::vector<RTCRayHit> hits[2];
   for (int set = 0; set < numQueries; set++)
-    speed[set] = speedInTurns(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);
+    speed[set] = medianSpeedup(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);
 }
 
 void measure(const Options& options, const Model& model)

@@ -83,7 +83,7 @@ int run(int argc, char** argv)
   if (options->window)
     requireWindows();
   installCancelHandler();
-  const Model model = loadSceneOf("cbvh_pathtracer", options->scene);
+  const Model model = loadProgramScene("cbvh_pathtracer", options->scene);
   const Camera camera = findCamera(*options, model);
   const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
   const std::unique_ptr<PathTracer> tracer =

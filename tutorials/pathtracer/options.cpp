@@ -47,14 +47,14 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   CLI::App app("Renders a displaced subdivision surface by path tracing, all of it in a shader on a Vulkan device, or\n"
                "with the same random numbers on the processor: into a file, or in a window, sample by sample.",
                "cbvh_pathtracer");
-  addFiles(app, files);
+  addFileArguments(app, files);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representation,
                  listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :")
     ->type_name("NAME")->capture_default_str();
-  LevelWords levels;
+  LevelOptions levels;
   addViewLevelOptions(app, levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
@@ -74,9 +74,9 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
-  nameFiles(files, o.scene);
+  applyFileArguments(files, o.scene);
   validateScene(o.scene);
-  o.autoLevel = readLevel(levels, o.build.level);
+  o.autoLevel = parseLevel(levels, o.build.level);
   validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);

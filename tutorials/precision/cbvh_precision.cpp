@@ -384,7 +384,7 @@ void measure(const Options& options, const Source& source)
       const FastDenormals fast;
       std::vector<RTCRayHit> hits[2];
       for (const auto& set : sets)
-        printSpread(speedsInTurns(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));
+        printSpread(interleavedSpeedups(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));
     }
     std::vector<double> times;
     for (double seconds : built.seconds)

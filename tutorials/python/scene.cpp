@@ -231,7 +231,7 @@ Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pa
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
   return interruptible(py::none(), [&] {
-    const Camera camera = chooseCamera(view, modelOfBox(scene.path, scene.saved.bounds()), scene.saved, image, threadCount(0));
+    const Camera camera = chooseCamera(view, boxModel(scene.path, scene.saved.bounds()), scene.saved, image, threadCount(0));
     scene.saved.check();
     return camera;
   });
@@ -297,7 +297,7 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
   requireRays(hits, "hits", rays.rays.size(), "origins and directions");
   return objectOf(errorsJson(interruptible(progress, [&] {
     const TrueSurfaces surfaces(*scene.model);
-    const TrueView view{*scene.model, surfaces, rays.rays, sampleOfHits(hits.hits, count, seed), footprint};
+    const TrueView view{*scene.model, surfaces, rays.rays, sampleHits(hits.hits, count, seed), footprint};
     return compareToTrueSurface(view, hits.hits, scene.built.layout(), n);
   })));
 }

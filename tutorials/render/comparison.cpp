@@ -140,7 +140,7 @@ private:
   {
     if (options.speed || options.compares())
       makeRaySets(options, scene, primary, hits, sets);
-    sample = sampleOfHits(hits, options.trueHits, sampleSeed);
+    sample = sampleHits(hits, options.trueHits, sampleSeed);
     for (const SurfaceHit& hit : hits)
       comparison.primaryHits += hit.hit();
   }

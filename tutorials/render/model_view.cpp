@@ -38,7 +38,7 @@ BuildSettings settingsFor(const Options& options, const Model& model, const Came
 } // namespace
 
 ModelView::ModelView(const Options& options)
-  : model(loadSceneOf("cbvh_render", options.scene)), camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
+  : model(loadProgramScene("cbvh_render", options.scene)), camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
 {
 }
 

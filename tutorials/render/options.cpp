@@ -19,7 +19,7 @@ struct Words
   std::vector<std::string> files;
   std::string representations = wordOf(RepresentationKind::CVert), size = "1024x1024", crop;
   std::string colors = "neutral", shutter = "0,1";
-  LevelWords levels;
+  LevelOptions levels;
   bool compare = false;
   std::optional<size_t> trueHits; // none: not said
 };
@@ -28,7 +28,7 @@ struct Words
 
 void declarePictures(CLI::App& app, Options& o, Words& words)
 {
-  addFiles(app, words.files, true);
+  addFileArguments(app, words.files, true);
   app.add_option("--scene", o.scene.scene, "instead of files, a generated scene: " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
@@ -107,7 +107,7 @@ void read(const CLI::App& app, const Words& words, Options& o)
 {
   if (o.loadPath.empty())
   {
-    nameFiles(words.files, o.scene);
+    applyFileArguments(words.files, o.scene);
     o.loadPath = o.scene.savedPath;
   }
   else if (!(words.files.empty() && o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty()))
@@ -119,8 +119,8 @@ void read(const CLI::App& app, const Words& words, Options& o)
   if (o.loadPath.empty())
     validateScene(o.scene);
   else
-    refuseModelOptions(app, o.loadPath);
-  o.autoLevel = readLevel(words.levels, o.build.level);
+    rejectModelOptions(app, o.loadPath);
+  o.autoLevel = parseLevel(words.levels, o.build.level);
   validateBuild(o.build);
   if (o.repeat < 1)
     throw Error("--repeat must be at least 1");

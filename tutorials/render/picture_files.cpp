@@ -29,7 +29,7 @@ void PictureFiles::writeErrors(const Representation& r, const std::vector<float>
 
 void PictureFiles::writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light)
 {
-  writePng(path(r, "_ambient.png"), grid.empty() ? greyPicture(size, light) : compareAmbient(size, grid, light));
+  writePng(path(r, "_ambient.png"), grid.empty() ? grayImage(size, light) : compareAmbient(size, grid, light));
   (grid.empty() ? ambient : ambientBesideGrid).push_back(r.fileStem());
 }
 

@@ -58,7 +58,7 @@ void render(const Options& options, const std::string& file, const std::string& 
 {
   const unsigned threads = threadCount(options.build.threads);
   const SavedScene scene(file, threads, options.build.isa);
-  const Model box = given ? Model() : modelOfBox(name, scene.bounds(), options.scene.up);
+  const Model box = given ? Model() : boxModel(name, scene.bounds(), options.scene.up);
   const Camera camera = given ? *given : chooseCamera(options.view, box, scene, options.size, threads);
   const double firstRay = firstRaySeconds(options, scene, camera);
 

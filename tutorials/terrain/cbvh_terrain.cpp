@@ -149,7 +149,7 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
   std::vector<float> factors(heights.size());
   std::atomic<size_t> rays{0}, done{0};
   const double seconds = secondsOf([&] {
-    Phase phase("tracing horizons", Phase::SaysTimeLeft);
+    Phase phase("tracing horizons", Phase::PercentAndTimeLeft);
     parallelFor(factors.size(), 64, threadCount(options.threads), [&](size_t begin, size_t end) {
       size_t traced = 0;
       for (size_t i = begin; i < end; i++)

@@ -28,7 +28,7 @@ std::unique_ptr<const LoadedModel> openSaved(const SceneSettings& source, const 
   loaded->source = source;
   const unsigned threads = threadCount(options.build.threads);
   loaded->saved = std::make_unique<SavedScene>(source.savedPath, threads, options.build.isa);
-  loaded->model = modelOfBox(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds(), source.up);
+  loaded->model = boxModel(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds(), source.up);
   loaded->start = chooseCamera(options.view, loaded->model, *loaded->saved, options.size, threads);
   return loaded;
 }
@@ -47,7 +47,7 @@ std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const 
   if (!source.savedPath.empty())
     return openSaved(source, options);
   auto loaded = std::make_unique<LoadedModel>();
-  loaded->source = withStrength(source);
+  loaded->source = withDefaultAmplitude(source);
   loaded->model = loadScene(loaded->source, loaded->warnings);
   BuildSettings settings = options.build;
   settings.level = coarseLevel(loaded->model, settings.level); // whatever the view

@@ -18,7 +18,7 @@ namespace cbvh {
 /* A model as read or made, ready to be shown. */
 struct LoadedModel
 {
-  SceneSettings source;                // with the strength of the displacement, see withStrength
+  SceneSettings source;                // with the strength of the displacement, see withDefaultAmplitude
   Model model;
   std::string warnings;                // a line each
   std::optional<Camera> start;

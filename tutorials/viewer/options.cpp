@@ -39,7 +39,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
                "that lists its keys and opens what is dropped on it, or in a picture with --screenshot.",
                "cbvh_viewer");
-  addFiles(app, files, true);
+  addFileArguments(app, files, true);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
@@ -47,7 +47,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
                  listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :; "
                  "two of them, with a comma between, for a split screen")
     ->type_name("LIST")->capture_default_str();
-  LevelWords levels;
+  LevelOptions levels;
   addViewLevelOptions(app, levels);
   app.add_option("--mode", mode, "what is shown: " + listOfModes())->type_name("MODE")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
@@ -66,11 +66,11 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
-  nameFiles(files, o.scene);
+  applyFileArguments(files, o.scene);
   const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty() && o.scene.heightPath.empty();
   if (!o.scene.savedPath.empty())
   {
-    refuseModelOptions(app, o.scene.savedPath);
+    rejectModelOptions(app, o.scene.savedPath);
     if (mode != "shading" && mode != "normals")
       throw Error("--mode " + mode + " needs a model, which " + o.scene.savedPath + " has not");
   }
@@ -78,7 +78,7 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
     validateScene(o.scene);
   requireFile(o.scene.cagePath);
   requireFile(o.scene.savedPath);
-  o.autoLevel = readLevel(levels, o.build.level);
+  o.autoLevel = parseLevel(levels, o.build.level);
   validateBuild(o.build);
   if (!o.autoLevel && levels.maxPixelError)
     throw Error("--max-pixel-error belongs to --level auto");

@@ -73,7 +73,7 @@ void Viewer::openFiles(const std::vector<std::string>& paths)
 
 void Viewer::setStrength(float strength)
 {
-  SceneSettings source = withStrength(latestSource());
+  SceneSettings source = withDefaultAmplitude(latestSource());
   std::optional<float>& given = source.mapScale ? source.mapScale : source.amplitude;
   if (given && *given != strength)
   {
@@ -146,7 +146,7 @@ void Viewer::showLoaded()
   latestCamera.reset();
   shown = wanted;
   printWarnings("cbvh_viewer", document->loaded->warnings);
-  lastMessage = linesAfter("warning: ", document->loaded->warnings);
+  lastMessage = prefixLines("warning: ", document->loaded->warnings);
 }
 
 /* --- every frame ------------------------------------------------------------------------- */
