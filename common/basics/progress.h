@@ -22,6 +22,7 @@ bool interrupted();
 /* Makes a signal also end the process, 0.25 s later, by _exit with status 130 and a line that starts with `program`.
  * Embree polls for cancellation rarely, and freeing a large scene takes seconds. The unfinished file is removed. Only
  * for programs that need no other cleanup. Requires installCancelHandler. */
+void endSoonAfterCancel(const char* program);
 
 /* Sets the file that endSoonAfterCancel removes. Empty for none. */
 void setUnfinishedFile(const std::string& path);

@@ -31,6 +31,7 @@ struct HitErrors : ErrorSummary
 
 /* Compares hits of primary rays. `reference` and `hits` hold one entry per ray, in the order of the rays. `footprint`
  * is the width of a pixel at distance 1; directions have unit length. `layout` is the model's at the level of both. */
+HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits, float footprint,
                       const PatchLayout& layout);
 
 constexpr float farOffPixels = 5.0f;

@@ -35,7 +35,6 @@ struct Leaks
 
   Leaks& operator+=(const Leaks& other);
 };
-};
 
 struct LeakCounts
 {

@@ -88,6 +88,13 @@ inline void addDeviceOption(CLI::App& app, std::string& device)
     ->type_name("DEVICE")->capture_default_str();
 }
 
+/* The widest instruction set, see BuildSettings. */
+inline void addIsaOption(CLI::App& app, std::string& isa)
+{
+  app.add_option("--isa", isa, "widest instruction set to use: sse2, sse4.2, avx, avx2 or avx512 [the host's best]")
+    ->type_name("ISA");
+}
+
 /* Throws Error that names the option if the value is negative or not finite. */
 inline void requireNotNegative(const std::string& option, float value)
 {

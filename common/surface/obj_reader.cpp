@@ -344,7 +344,9 @@ private:
     else if (tag.name == "interpolateboundary")
     {
       if (ints.size() != 1 || ints[0] > 2)
-        fail("tag 'interpolateboundary' has an invalid value; expected 0, 1 or 2");
+        fail("tag 'interpolateboundary' has " +
+             (ints.size() == 1 ? "the value " + std::to_string(ints[0]) : std::to_string(ints.size()) + " values") +
+             "; expected one value: 0, 1 or 2");
       cage.boundary = BoundaryRule(ints[0]);
     }
     else if (tag.name == "creasemethod")
