@@ -14,6 +14,7 @@
 #include "scenes/trex_cage.h"
 #include "scenes/trex_skin.h"
 #include "scenes/uv_charts.h"
+#include "support/message_parts.h"
 #include "surface/cage_validation.h"
 #include "surface/face_borders.h"
 #include "measure/true_errors.h"
@@ -323,7 +324,7 @@ TEST(Catalogue, UnknownNamesListTheKnownOnes)
 {
   SceneSettings s;
   s.scene = "teapot";
-  EXPECT_EQ(complaint(s), "unknown --scene 'teapot', known are cube, frog, herd, knee, scythe and trex");
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--scene 'teapot'", "cube", "frog", "herd", "knee", "scythe", "trex"}));
   for (const std::string& name : sceneNames())
   {
     s.scene = name;
@@ -354,14 +355,14 @@ TEST(Catalogue, OptionsBelongToTheirScenes)
   SceneSettings s;
   s.scene = "cube";
   s.count = 3;
-  EXPECT_EQ(complaint(s), "--count belongs to --scene herd");
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--count ", "--scene herd"}));
   s.scene = "herd";
   EXPECT_EQ(complaint(s), "");
   s.count = 0;
   EXPECT_NE(complaint(s).find("--count 0 is out of range"), std::string::npos);
   s.count = 2;
   s.mapping = "sphere";
-  EXPECT_EQ(complaint(s), "unknown --mapping 'sphere', known are faces and atlas");
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--mapping 'sphere'", "faces", "atlas"}));
   s.mapping = "atlas";
   EXPECT_EQ(complaint(s), "");
 }
