@@ -189,8 +189,8 @@ int run(int argc, char** argv)
 {
   Options options;
   CLI::App app("Compares compressed moving surfaces with GRID's motion blur. Prints bytes per quad, seconds of "
-               "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of distances "
-               "up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 rays.",
+               "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
+               "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 rays.",
                "cbvh_motion");
   options.compared.addOptions(app, "--cage");
   app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")
