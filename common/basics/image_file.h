@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Writes images with OpenImageIO. */
-
 #include <OpenImageIO/imageio.h>
 
 #include <string>

@@ -11,7 +11,6 @@
 
 namespace cbvh {
 
-/* True if the path is a pipe. */
 bool isPipe(const std::string& path);
 
 class PipeInput : public std::streambuf

@@ -23,7 +23,6 @@ public:
   size_t live() const { return size_t(liveBytes.load()); }
   size_t peak() const { return size_t(peakBytes.load()); }
 
-  /* Sets the peak to the live bytes. */
   void resetPeak() { peakBytes.store(liveBytes.load()); }
 
   void count(ssize_t bytes);

@@ -13,7 +13,6 @@
 
 namespace cbvh {
 
-/* Colors of hits. */
 enum class HitColors
 {
   Neutral, // gray from both sides

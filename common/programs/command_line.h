@@ -150,7 +150,6 @@ inline bool parseLevel(const LevelOptions& options, int& level)
   return false;
 }
 
-/* Adds --level and --frame-level. */
 inline void addLevelOptions(CLI::App& app, int& level, std::string& frameLevel)
 {
   app.add_option("--level", level, "tessellation level, " + levelRange() + ": each face has 2^L x 2^L quads")

@@ -42,7 +42,6 @@ inline std::string shortNumber(float value)
   return text;
 }
 
-/* Adds the options of a cage's map. */
 inline void addMapOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--height", settings.heightPath,
@@ -101,7 +100,6 @@ inline void rejectModelOptions(const CLI::App& app, const std::string& path)
   }
 }
 
-/* Adds the option for a mesh instead of a scene. */
 inline void addMeshOption(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--mesh", settings.meshPath,

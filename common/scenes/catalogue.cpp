@@ -148,7 +148,6 @@ const SceneEntry* findScene(const std::string& name)
   return found == std::end(scenes) ? nullptr : found;
 }
 
-/* Checks the settings of a map. */
 void validateMap(const SceneSettings& s)
 {
   const bool isRepeated = s.repeat.x != 1.0f || s.repeat.y != 1.0f;

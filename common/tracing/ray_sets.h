@@ -27,7 +27,6 @@ Ray primaryRay(const Camera& camera, int x, int y, Vec2f offset = {});
 /* Returns one ray per pixel, in rows. `offset` is from the centers of the pixels, in pixels. */
 std::vector<Ray> primaryRays(const Camera& camera, Vec2f offset = {});
 
-/* Returns the rays of a part of the picture. */
 std::vector<Ray> primaryRays(const Camera& camera, const Crop& part, Vec2f offset = {});
 
 /* Returns the coherent set: primary rays in tiles of 8 x 8 pixels, each tile in rows. If `count` is less than the

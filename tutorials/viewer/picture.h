@@ -91,7 +91,6 @@ public:
    * addSample. */
   Picture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
-  /* Adds one sample to each pixel. */
   void addSample();
 
   int samples() const { return count; }
