@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays as Embree takes them. */
+/* Converts rays to Embree's structs. */
 
 #include "tracing/denormals.h"
 #include "tracing/ray.h"
@@ -28,7 +28,7 @@ inline void load(const Ray& ray, RTCRay& out)
   out.flags = 0;
 }
 
-/* With no hit. */
+/* Also sets the hit to a miss. */
 inline void load(const Ray& ray, RTCRayHit& out)
 {
   load(ray, out.ray);
@@ -36,7 +36,7 @@ inline void load(const Ray& ray, RTCRayHit& out)
   out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Lane i of a packet. */
+/* Sets lane i of a packet. */
 template<typename RTCRayN>
 inline void load(const Ray& ray, RTCRayN& out, size_t i)
 {

@@ -98,7 +98,7 @@ expect_refusal "json .*would replace" $quick $out $model --cage-end "$folder/qua
   --json "$folder/quad_cvert.png"
 expect_refusal "json .*would replace" --load "$folder/cube.cbvh" --json "$folder/cube.cbvh"
 # shellcheck disable=SC2086
-expect_refusal "is the file of --export, too" $quick $out --scene cube --json "$folder/same" --export "$folder/./same"
+expect_refusal "json .*same: .*--export" $quick $out --scene cube --json "$folder/same" --export "$folder/./same"
 # shellcheck disable=SC2086
 expect_refusal "would replace" $quick --cage "$folder/quad.obj" --height "$folder/quad_cvert.png" --output "$folder"
 cp "$folder/skin.pgm" "$folder/tile.1001.pgm"

@@ -381,7 +381,7 @@ void untilCancelled()
 TEST(Worker, TellsThePhaseOfItsWork)
 {
   Worker worker;
-  worker.listen();
+  worker.reportProgress();
   EXPECT_FALSE(worker.progress());
   std::atomic<int> step{0};
   worker.start("loading", [&] {
