@@ -26,8 +26,8 @@ namespace embree
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
 
-    /*! Runs closure as the commit of a scene does: with denormals as zero, and isolated from the application's tasks.
-     *  */
+    /*! Runs closure as the commit of a scene does: with denormals as zero, and isolated from the application's
+     *  tasks. */
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
@@ -126,8 +126,8 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Compresses a geometry that requests compression unless there is a reason not to. An empty reason is not printed.
-     *  */
+    /*! Compresses a geometry that requests compression unless there is a reason not to. An empty reason is not
+     *  printed. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
     {
       geometry->setCompressed(asks && !whyNot);

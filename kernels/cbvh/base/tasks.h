@@ -9,8 +9,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Number of quads after which a task of a build reports progress: often enough to cancel, too rarely to cost time.
-     *  */
+    /*! Number of quads after which a task of a build reports progress: often enough to cancel, too rarely to cost
+     *  time. */
     static const size_t progressQuads = 1 << 15;
 
     /*! Calls closure(range) for ranges of 0 to n, like parallel_for, but without tasks if there is only one range: a

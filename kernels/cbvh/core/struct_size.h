@@ -22,8 +22,8 @@ namespace embree
     /*! Specialized by CBVH_GROWING_STRUCT. firstSize: size of the struct in the first version that has it. */
     template<typename T> struct GrowingStruct;
 
-    /*! Declares a struct that may grow. lastOfFirst: last member in the first version. Use in namespace embree::core.
-     *  */
+    /*! Declares a struct that may grow. lastOfFirst: last member in the first version. Use in namespace
+     *  embree::core. */
 #define CBVH_GROWING_STRUCT(T,lastOfFirst) \
     template<> struct GrowingStruct<T> \
     { \

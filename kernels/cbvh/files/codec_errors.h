@@ -13,8 +13,8 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls function() and returns its result. Throws an error of Embree if function() throws an error of the codec.
-     *  */
+    /*! Calls function() and returns its result. Throws an error of Embree if function() throws an error of the
+     *  codec. */
     template<typename Function>
     auto withEmbreeErrors (const Function& function) -> decltype(function())
     {

@@ -36,8 +36,8 @@ namespace embree
       /*! Checks the block at an offset from the first block. */
       cvert::Reason validate (size_t offset, BlockForm form) const;
 
-      /*! True if a block may be decoded. Stores the result. Reports an error to the device for the first damaged block.
-       *  */
+      /*! True if a block may be decoded. Stores the result. Reports an error to the device for the first damaged
+       *  block. */
       bool isGood (const void* block, BlockForm form) const
       {
         const size_t offset = size_t((const char*)block-begin);

@@ -27,8 +27,8 @@ namespace embree
     void* progressUserPtr = nullptr;
 
     /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
-     *  cbvh_release_input in a device string. Returns false for keys of Embree. Throws rtcore_error with key and value.
-     *  */
+     *  cbvh_release_input in a device string. Returns false for keys of Embree. Throws rtcore_error with key and
+     *  value. */
     bool parse (const Token& key, TokenStream& stream);
 
     /*! Compression that EMBREE_CBVH=1 and subdiv_accel=cbvh select. cVERT needs less memory than cGRID, is smaller and

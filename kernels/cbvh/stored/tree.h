@@ -26,8 +26,8 @@ namespace embree
       return n;
     }
 
-    /*! Builds a tree over primitives whose IDs are references. progress() may throw. nodes: set to the number of nodes.
-     *  */
+    /*! Builds a tree over primitives whose IDs are references. progress() may throw. nodes: set to the number of
+     *  nodes. */
     template<typename Progress>
     inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
                                     size_t& nodes)

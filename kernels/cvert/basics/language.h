@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Macros with which the headers of this library compile as C++11 and as GLSL 4.60. These headers are the only
- * description of the format and of the hit rule. The scalar CPU path, the scalar parts of the SIMD path, the tests and
- * the shaders share them.
+/* Macros with which the headers of this library compile as C++11 and as GLSL 4.60. These headers implement
+ * the format and the hit rule once. The scalar CPU path, the scalar parts of the SIMD path, the tests and the shaders
+ * share them.
  *
  * Shared code consists of free functions on plain values. It has no member functions, no references and pointers except
  * those of bytes.h and int3.h, no 64-bit integers, no recursion, and no braces around values except in initializers of

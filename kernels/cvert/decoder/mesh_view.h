@@ -94,8 +94,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
 
-    /*! Box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the origin.
-     *  */
+    /*! Box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the
+     *  origin. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)

@@ -167,8 +167,8 @@ namespace cvert { inline namespace CVERT_ISA
      *  twice as many. */
     static const int unitsOfFloats = 6;
 
-    /*! Number of bits of the integers of an axis before their division by the step. Their differences have at most 31.
-     *  */
+    /*! Number of bits of the integers of an axis before their division by the step. Their differences have at most
+     *  31. */
     static const int integerBits = 29;
 
     int step[3]; //!< exponent

@@ -23,8 +23,8 @@ namespace cvert { inline namespace CVERT_ISA
      *  move. */
     static const int finerBits = 6;
 
-    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice if vertices must not move.
-     *  */
+    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice if vertices must not
+     *  move. */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
         WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),

@@ -158,8 +158,8 @@ namespace cvert
       return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
     }
 
-    /*! Returns the final name. If `more` bytes would not fit after it, it is cut and a checksum of the name is added.
-     *  */
+    /*! Returns the final name. If `more` bytes would not fit after it, it is cut and a checksum of the name is
+     *  added. */
     std::string fitted (size_t more) const
     {
       const std::string all = nameOf(place.path);

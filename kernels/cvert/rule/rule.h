@@ -8,8 +8,8 @@
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
  *   containment  if the line of the ray passes through a triangle: sides, and exact signs if a side rounded to 0
  *   distance     where it does: at the triangle's plane, clamped to the triangle's extent along the ray
- *   nearest hit  if a hit is within the ray and nearer than the previous one; which of two hits at the same distance
- *   counts parameters   (u,v) of a hit on the face
+ *   nearest hit  if a hit is within the ray and nearer than the previous one, or counts among hits at the same distance
+ *   parameters   (u,v) of a hit on the face
  *
  * A quad has the triangles of GRID, (00,10,01) and (01,10,11), and five edges:
  *
@@ -80,8 +80,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 /*! Distance by which planes of the sheared coordinate are moved outwards. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! Factor of a world axis in the sheared coordinate of boxes: i = 0 for the sheared axis m, 1 and 2 for the next axes.
- *  */
+/*! Factor of a world axis in the sheared coordinate of boxes: i = 0 for the sheared axis m, 1 and 2 for the next
+ *  axes. */
 CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
@@ -109,8 +109,8 @@ CVERT_FUNCTION int largestAxis (float x, float y, float z)
 }
 
 /*! Side of the ray on which the sheared edge from a to b lies. The result for the edge's other triangle is the exact
- *  negative because products commute. Rounding is monotonic, so the result may round to 0 but never to the wrong sign.
- *  */
+ *  negative because products commute. Rounding is monotonic, so the result may round to 0 but never to the wrong
+ *  sign. */
 CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 {
   CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // CVERT_PRECISE: drivers must not fuse the difference
@@ -233,8 +233,8 @@ CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, 
 /* --- distance ------------------------------------------------------------------------ */
 
 /*! Vertices of a triangle by axis: at[axis][vertex]. Differences of floats are exact in double if their exponents
- *  differ by at most 28. Distances come from the plane because weights of a needle have larger errors than its plane.
- *  */
+ *  differ by at most 28. Distances come from the plane because weights of a needle have larger errors than its
+ *  plane. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
 /*! Cross product of the edges from the first vertex. 0 if the triangle is a line. */
@@ -303,8 +303,8 @@ CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide
 }
 
 /*! True if the plane determines the distance: the ray does not lie in it, or the plane's distance is within the
- *  triangle. Otherwise the ray may be inside only because vertices are rounded, and the plane does not determine where.
- *  */
+ *  triangle. Otherwise the ray may be inside only because vertices are rounded, and the plane does not determine
+ *  where. */
 CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isOfPlane (CVERT_OF_WIDE(PlaneMeeting) at, CVERT_OF_WIDE(TriangleSpan) span) {
   return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
 }
