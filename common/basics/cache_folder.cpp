@@ -21,7 +21,8 @@ std::string userCacheFolder()
   {
     const std::filesystem::path home = variable("HOME");
     if (!home.is_absolute())
-      throw Error("there is no cache directory: set HOME or XDG_CACHE_HOME, or give " + settingName("maps") + " DIR");
+      throw Error("cannot locate the cache folder: neither XDG_CACHE_HOME nor HOME is an absolute path; set one of "
+                  "them, or pass " + settingName("maps") + " DIR");
     caches = home / ".cache";
   }
   return (caches / "embree-cbvh").string();

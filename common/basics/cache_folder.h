@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* Where programs keep what they can make again. */
+/* The folder for files that programs can generate again. */
 
 #include <string>
 
 namespace cbvh {
 
-/* $XDG_CACHE_HOME/embree-cbvh or ~/.cache/embree-cbvh, whether it is there or not. As the
- * XDG base directory specification says, a relative $XDG_CACHE_HOME does not count.
- * Throws Error when neither variable is set. */
+/* Returns $XDG_CACHE_HOME/embree-cbvh or ~/.cache/embree-cbvh; the folder may not exist. A relative $XDG_CACHE_HOME
+ * is ignored, as the XDG base directory specification requires. Throws Error if neither variable is an absolute
+ * path. */
 std::string userCacheFolder();
 
 } // namespace cbvh

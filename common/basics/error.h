@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What the tools throw. A program catches it once, in runProgram, and prints what() as
- * one line on stderr, so a message names the file or argument and its value. */
+/* Exceptions of the tools. runProgram catches them and prints what() as one line on stderr, so a message must name
+ * the file or the argument, and its value. */
 
 #include <stdexcept>
 #include <string>

@@ -21,7 +21,7 @@ using cvert::UnfinishedFile;
 
 namespace {
 
-/* A descriptor that is closed. Throws std::system_error where there is none. */
+/* Owns a file descriptor. Throws std::system_error if it is negative. */
 class Descriptor
 {
 public:
@@ -37,7 +37,7 @@ public:
   const int number;
 };
 
-/* What is written into a device or a pipe: in memory until all is there, as writers of images go back and forth. */
+/* Output to a device or a pipe. Collects the bytes in memory until the commit, because image writers seek. */
 struct Stream
 {
   explicit Stream(const OutputPath& output)
@@ -49,7 +49,7 @@ struct Stream
 
   void copy() const
   {
-    std::fflush(stdout); // which may be the target
+    std::fflush(stdout); // stdout may be the target
     std::vector<char> piece(1 << 20);
     for (off_t at = 0;;)
     {
@@ -89,7 +89,7 @@ struct PendingFile::Place
 
   int descriptor() const { return file ? file->descriptor() : stream->memory.number; }
 
-  std::unique_ptr<UnfinishedFile> file; // or
+  std::unique_ptr<UnfinishedFile> file; // exactly one of the two is set
   std::unique_ptr<Stream> stream;
   int error = 0;
 };
@@ -169,15 +169,15 @@ void prepareOutputFolder(const std::string& path)
   std::error_code code;
   fs::create_directories(path, code);
   if (code || !fs::is_directory(path, code))
-    throw Error(path + ": cannot be made an output folder" + (code ? ": " + code.message() : ""));
-  /* Asking for permissions lies on some file systems; a file does not. */
+    throw Error(path + ": cannot create this output folder: " + (code ? code.message() : "it is a file"));
+  /* Some file systems report wrong permissions, so create a file. */
   try
   {
     const UnfinishedFile probe(OutputPath((fs::path(path) / "cbvh-probe").string()));
   }
   catch (const std::system_error& e)
   {
-    throw Error(path + ": files cannot be written there: " + e.code().message());
+    throw Error(path + ": cannot create files in this folder: " + e.code().message());
   }
 }
 

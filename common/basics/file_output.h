@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Files that are there whole or not at all: they are written under a temporary name next to the final one, then
- * renamed. What a rename would destroy is written into instead: devices, pipes, and descriptors of the process such as
- * /dev/stdout. */
+/* Files that appear either complete or not at all: they are written under a temporary name next to the final one,
+ * then renamed. Devices, pipes and descriptors of the process such as /dev/stdout are written in place, because a
+ * rename would replace them. */
 
 #include <cstdint>
 #include <memory>
@@ -13,11 +13,11 @@
 
 namespace cbvh {
 
-/* One at a time: that is what a cancelled program removes, see endSoonAfterCancel. */
+/* At most one may exist at a time, because endSoonAfterCancel removes only one. Not thread-safe. */
 class PendingFile
 {
 public:
-  /* Throws Error, also if an input of the run has this path, see input_files.h. */
+  /* Creates the temporary file. Throws Error, also if this path is an input of the run (input_files.h). */
   explicit PendingFile(const std::string& path);
 
   /* Removes the temporary file if it was not committed. */
@@ -26,16 +26,16 @@ public:
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /* Name for writers that open the file themselves. It has no extension. */
+  /* Path for writers that open the file themselves. It has no extension. */
   const std::string& temporary() const;
 
-  /* Returns false where that fails. commit() then throws, so nobody else has to look. Throws nothing itself. */
+  /* Writes `bytes` bytes at `offset`. Returns false on failure; commit() then throws. */
   bool write(const void* data, size_t bytes, uint64_t offset) noexcept;
 
-  /* Of the first write that failed, in words; empty for none. */
+  /* Returns the reason of the first write that failed, or an empty string. */
   std::string error() const;
 
-  /* Gives the file its name, with the permissions of the file that it replaces. Throws Error. */
+  /* Moves the file to its final path, with the permissions of the file that it replaces. Throws Error. */
   void commit();
 
 private:
@@ -44,13 +44,13 @@ private:
   std::unique_ptr<Place> place;
 };
 
-/* Writes a text. Throws Error. */
+/* Writes a file. Throws Error. */
 void writeTextFile(const std::string& path, const std::string& text);
 
-/* Writes a text to standard output, all of it. Throws Error, on a full disk for one. */
+/* Writes a text to standard output and flushes it. Throws Error, for example if the disk is full. */
 void writeStandardOutput(const std::string& text);
 
-/* Makes a folder and its parents and sees that files can be made in it. Throws Error. */
+/* Creates a folder and its parents if necessary, and checks that files can be created in it. Throws Error. */
 void prepareOutputFolder(const std::string& path);
 
 } // namespace cbvh

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hashes of keys of a few words, for containers, and of any bytes, for names and keys of files. */
+/* Hashes of short integer keys, for containers, and of bytes, for names and keys of files. */
 
 #include <array>
 #include <cstddef>
@@ -23,7 +23,7 @@ struct HashOfWords
   }
 };
 
-/* FNV-1a. before: hash of the bytes before these. */
+/* FNV-1a. `before` is the hash of the preceding bytes. */
 constexpr uint64_t hashOfNothing = 14695981039346656037ull;
 inline uint64_t hashOfBytes(const void* data, size_t bytes, uint64_t before = hashOfNothing)
 {

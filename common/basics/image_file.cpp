@@ -13,8 +13,8 @@
 namespace cbvh {
 namespace {
 
-/* Has OpenImageIO's writers write into a PendingFile, which remembers what fails: they ignore what closing a file
- * returns. */
+/* Redirects OpenImageIO's writers into a PendingFile, which records errors: the writers ignore the result of closing
+ * a file. */
 class PendingProxy : public OIIO::Filesystem::IOProxy
 {
 public:

@@ -3,16 +3,14 @@
 
 #pragma once
 
-/* Images by OpenImageIO's writers. */
-
 #include <OpenImageIO/imageio.h>
 
 #include <string>
 
 namespace cbvh {
 
-/* Writes an image in the format that the path's extension names, PNG without one; whole or not at all.
- * type: of the pixels. Throws Error with the path. */
+/* Writes an image, completely or not at all. The extension of the path selects the format; the default is PNG.
+ * `type` is the type of the values in `pixels`. Throws Error with the path. */
 void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels);
 
 } // namespace cbvh

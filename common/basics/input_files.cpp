@@ -15,9 +15,9 @@ namespace {
 using FileIdentity = std::pair<dev_t, ino_t>;
 
 std::mutex mutex;
-std::map<FileIdentity, std::string> inputs; // to the path that each was noted by
+std::map<FileIdentity, std::string> inputs; // to the path under which the file was read
 
-/* False for what cannot be replaced: devices and pipes are written into. */
+/* Returns false for devices and pipes, which are written in place and cannot be replaced. */
 bool findIdentity(const std::string& path, FileIdentity& identity)
 {
   struct stat status;
@@ -45,7 +45,7 @@ void requireNoInputFile(const std::string& path)
     return;
   const std::lock_guard<std::mutex> lock(mutex);
   const auto found = inputs.find(identity);
-  /* the inode of a file that was removed may be another file's today */
+  /* The inode of a removed file may belong to another file now. */
   if (found == inputs.end() || !findIdentity(found->second, now) || now != identity)
     return;
   const std::string input =

@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* The files that a run reads, so that none of its outputs replaces one of them. Safe in any thread. */
+/* Keeps outputs of a run from replacing its inputs. All functions are thread-safe. */
 
 #include <string>
 
 namespace cbvh {
 
-/* Remembers a file by its device and inode, if there is one. */
+/* Records a file, if it exists, by device and inode. */
 void noteInputFile(const std::string& path);
 
-/* Throws Error, which names both, if output to a path would replace a file that was noted and is still there. */
+/* Throws Error with both paths if writing to `path` would replace a recorded file that still exists. */
 void requireNoInputFile(const std::string& path);
 
 } // namespace cbvh

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The word that a user may have meant. */
+/* Finds the word that a user may have meant. */
 
 #include <algorithm>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace cbvh {
 
-/* Levenshtein's distance: the fewest letters to insert, delete or replace that make b of a. */
+/* Levenshtein distance: the smallest number of letters to insert, delete or replace that turns a into b. */
 inline size_t editDistance(const std::string& a, const std::string& b)
 {
   std::vector<size_t> costs(b.size() + 1), previous(b.size() + 1);
@@ -25,7 +25,7 @@ inline size_t editDistance(const std::string& a, const std::string& b)
   return costs.back();
 }
 
-/* The nearest word, of two equally near the first; empty if there are none. */
+/* Returns the first of the nearest words, or an empty string if `words` is empty. */
 inline std::string nearestWord(const std::string& word, const std::vector<std::string>& words)
 {
   std::string nearest;

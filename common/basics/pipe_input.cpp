@@ -17,9 +17,9 @@
 namespace cbvh {
 namespace {
 
-constexpr std::chrono::seconds longestWait{10};     // for a writer
-constexpr std::chrono::milliseconds step{20};       // between looks at whether there is one
-constexpr int mostMillisecondsUntilCancelled = 100; // while a writer has nothing to say
+constexpr std::chrono::seconds longestWait{10}; // for a program that opens the pipe for writing
+constexpr std::chrono::milliseconds step{20};   // between two checks for such a program
+constexpr int pollMilliseconds = 100;           // the time in which an idle read notices that it was cancelled
 
 } // namespace
 
@@ -55,10 +55,10 @@ PipeInput::int_type PipeInput::underflow()
     }
     if (bytes == 0 && hadWriter)
       return traits_type::eof();
-    if (bytes == 0) // of a pipe that does not block: no program has it open for writing
+    if (bytes == 0) // from a non-blocking pipe: no program has it open for writing
     {
       if (std::chrono::steady_clock::now() - start > longestWait)
-        throw Error(path + ": is a pipe, and no program opened it for writing within " +
+        throw Error(path + ": cannot read this pipe: no program opened it for writing within " +
                     std::to_string(longestWait.count()) + " seconds");
       std::this_thread::sleep_for(step);
       continue;
@@ -67,7 +67,7 @@ PipeInput::int_type PipeInput::underflow()
     {
       hadWriter = true;
       pollfd waiting{file, POLLIN, 0};
-      poll(&waiting, 1, mostMillisecondsUntilCancelled);
+      poll(&waiting, 1, pollMilliseconds);
     }
     else if (errno != EINTR)
       throw Error(path + ": read error: " + std::strerror(errno));

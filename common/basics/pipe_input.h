@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Reads from named pipes and those of a shell's <(command). */
+/* Reads from named pipes and from a shell's <(command). */
 
 #include <array>
 #include <streambuf>
@@ -11,7 +11,6 @@
 
 namespace cbvh {
 
-/* True if a path is a pipe. */
 bool isPipe(const std::string& path);
 
 class PipeInput : public std::streambuf
@@ -24,7 +23,7 @@ public:
   PipeInput& operator=(const PipeInput&) = delete;
 
 protected:
-  /* Waits for data, at most 10 seconds if no program has opened the pipe for writing. Throws Error; Cancelled. */
+  /* Waits for data, but at most 10 seconds for a program that opens the pipe for writing. Throws Error, Cancelled. */
   int_type underflow() override;
 
 private:

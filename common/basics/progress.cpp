@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <utility>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -20,15 +21,15 @@ volatile std::sig_atomic_t signalFlag = 0;
 std::atomic<bool> requestFlag{false};
 PhaseListener phaseListener;
 
-/* What the handlers read, which may allocate nothing. */
-char lastWords[64] = "";           // of endSoonAfterCancel, empty without it
-char unfinishedFile[PATH_MAX] = ""; // likewise
+/* Read by signal handlers, which must not allocate. Empty unless endSoonAfterCancel was called. */
+char cancelMessage[64] = "";
+char unfinishedFile[PATH_MAX] = "";
 
 void onSignal(int signal)
 {
   signalFlag = 1;
   std::signal(signal, SIG_DFL);
-  if (!lastWords[0])
+  if (!cancelMessage[0])
     return;
   constexpr suseconds_t grace = 250000; // microseconds for phases to end by themselves
   const itimerval timer{{0, 0}, {0, grace}};
@@ -37,18 +38,19 @@ void onSignal(int signal)
 
 void onGraceOver(int)
 {
-  constexpr int cancelledStatus = 130; // as a shell has it: 128 + SIGINT
+  constexpr int cancelledStatus = 130; // 128 + SIGINT, as in shells
   if (unfinishedFile[0])
     unlink(unfinishedFile);
-  (void)!write(STDERR_FILENO, lastWords, std::strlen(lastWords));
+  (void)!write(STDERR_FILENO, cancelMessage, std::strlen(cancelMessage));
   _exit(cancelledStatus);
 }
 
-/* "about 12 min" or "about 40 s", of what is left after that time. fraction: that is done, above 0. */
+/* Returns the remaining time in words, "about 12 min" or "about 40 s", if `fraction` > 0 took `seconds`. */
 std::string timeLeft(double seconds, double fraction)
 {
   const double left = seconds / fraction - seconds;
-  return left < 90 ? "about " + std::to_string(int(left + 0.5)) + " s" : "about " + std::to_string(int(left / 60 + 0.5)) + " min";
+  const bool isShort = left < 90;
+  return "about " + std::to_string(int((isShort ? left : left / 60) + 0.5)) + (isShort ? " s" : " min");
 }
 
 } // namespace
@@ -66,13 +68,13 @@ bool interrupted()
 
 void endSoonAfterCancel(const char* program)
 {
-  std::snprintf(lastWords, sizeof(lastWords), "\n%s: cancelled\n", program);
+  std::snprintf(cancelMessage, sizeof(cancelMessage), "\n%s: cancelled\n", program);
   std::signal(SIGALRM, onGraceOver);
 }
 
 void setUnfinishedFile(const std::string& path)
 {
-  unfinishedFile[0] = 0; // while the rest changes
+  unfinishedFile[0] = 0; // a handler that runs during the copy sees an empty path
   if (path.empty() || path.size() >= sizeof(unfinishedFile))
     return;
   std::memcpy(unfinishedFile + 1, path.c_str() + 1, path.size());
@@ -105,8 +107,8 @@ void setPhaseListener(PhaseListener listener)
   phaseListener = std::move(listener);
 }
 
-Phase::Phase(const std::string& name, Says says)
-  : name(name), says(says), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
+Phase::Phase(const std::string& name, Display display)
+  : name(name), display(display), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
 {
   throwIfCancelled();
   print(false);
@@ -145,8 +147,11 @@ void Phase::print(bool final)
     return;
   const char* back = terminal ? "\r\033[K" : "";
   if (!final)
-    std::fprintf(stderr, "%s  %s %d%%%s", back, name.c_str(), percent,
-                 says == SaysTimeLeft && percent ? (", " + timeLeft(seconds(), 0.01 * percent) + " left").c_str() : "");
+  {
+    const bool showsTime = display == PercentAndTimeLeft && percent;
+    const std::string left = showsTime ? ", " + timeLeft(seconds(), 0.01 * percent) + " left" : "";
+    std::fprintf(stderr, "%s  %s %d%%%s", back, name.c_str(), percent, left.c_str());
+  }
   else if (stopped)
     std::fprintf(stderr, "%s  %s: stopped after %.1f s\n", back, name.c_str(), seconds());
   else

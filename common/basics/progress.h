@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What a long run is doing, on stderr, and how the user stops it. */
+/* Progress of long runs on stderr, and cancellation by the user. */
 
 #include <atomic>
 #include <chrono>
@@ -13,53 +13,52 @@
 
 namespace cbvh {
 
-/* Makes Ctrl-C (SIGINT) and SIGTERM stop what runs instead of ending the process; the
- * second signal ends it. */
+/* Makes the first Ctrl-C (SIGINT) or SIGTERM request cancellation. The second signal ends the process. */
 void installCancelHandler();
 
-/* Whether there was such a signal: the process is about to end. */
+/* True after such a signal. The process must end soon. */
 bool interrupted();
 
-/* Has a signal also end the process, by _exit with status 130 and a line that starts with the
- * program's name, if it is still there a little later: Embree looks at the flag only now and
- * then, and large scenes take seconds to be freed. A PendingFile that is being written is
- * removed. For programs that leave nothing else behind. Follows installCancelHandler. */
+/* Makes a signal also end the process, 0.25 s later, by _exit with status 130 and a line that starts with `program`.
+ * Embree polls for cancellation rarely, and freeing a large scene takes seconds. The unfinished file is removed. Only
+ * for programs that need no other cleanup. Requires installCancelHandler. */
 void endSoonAfterCancel(const char* program);
 
-/* The file that endSoonAfterCancel removes, empty for none. */
+/* Sets the file that endSoonAfterCancel removes. Empty for none. */
 void setUnfinishedFile(const std::string& path);
 
-/* Stops what runs, as a signal does. */
+/* Requests cancellation, as a signal does. */
 void requestCancel();
 
-/* Takes that back, for a program that goes on after what it stopped; a signal stays. */
+/* Withdraws requestCancel, for programs that continue. Does not withdraw a signal. */
 void clearCancel();
 
-/* Whether what runs is to stop. Safe in any thread. */
+/* True if the running work should stop. Thread-safe. */
 bool cancelRequested();
 
-/* Throws Cancelled if it is. */
+/* Throws Cancelled if cancelRequested(). */
 void throwIfCancelled();
 
-/* Hears of phases in place of stderr: the name, and how much of it is done, 0 at the start and 1 at the end of a
- * phase that is not stopped. Called by any thread, by one at a time; throws nothing. */
+/* Receives the name of a phase and the fraction that is done: 0 at the start, 1 at the end of a phase that was not
+ * stopped. Called on any thread, but never concurrently. Must not throw. */
 using PhaseListener = std::function<void(const std::string& name, double fraction)>;
 
-/* Empty: stderr again. Called while no phase runs. */
+/* Sends progress to a listener instead of stderr; an empty listener selects stderr again. Must not be called while a
+ * phase runs. */
 void setPhaseListener(PhaseListener listener);
 
-/* One line a phase: its name, percents while it runs if stderr is a terminal, and
- * its time at the end. Only one phase runs at a time; update may come from any
- * thread. */
+/* Prints a line per phase: its name, the percentage while it runs if stderr is a terminal, and its time at the end.
+ * Only one phase may run at a time. */
 class Phase
 {
 public:
-  enum Says { SaysPercents, SaysTimeLeft }; // the latter besides percents, for phases that go at an even speed
+  /* PercentAndTimeLeft is for phases of constant speed. */
+  enum Display { Percent, PercentAndTimeLeft };
 
-  explicit Phase(const std::string& name, Says says = SaysPercents);
+  explicit Phase(const std::string& name, Display display = Percent);
   ~Phase();
 
-  /* fraction in [0,1]; smaller ones than before are ignored. */
+  /* Reports the fraction done, in [0,1]; values below an earlier one are ignored. Thread-safe. */
   void update(double fraction);
 
   double seconds() const;
@@ -68,7 +67,7 @@ private:
   void print(bool final);
 
   std::string name;
-  Says says;
+  Display display;
   std::chrono::steady_clock::time_point start;
   bool terminal;
   std::mutex mutex;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Random numbers and directions, the same on every machine: distributions of the
- * standard library are not. */
+/* Random numbers and directions that are the same on every machine, unlike the distributions of the standard
+ * library. */
 
 #include "basics/vec.h"
 
@@ -13,19 +13,19 @@
 
 namespace cbvh {
 
-/* In [0,1). */
+/* Uniform in [0,1). */
 inline float uniform(std::mt19937& random)
 {
   return float(random() >> 8) * 0x1p-24f;
 }
 
-/* Below n, which is not 0. */
+/* Uniform in [0,n), n > 0. */
 inline size_t below(size_t n, std::mt19937& random)
 {
   return size_t((uint64_t(random()) * n) >> 32);
 }
 
-/* The direction with cosine `cosine` to the unit vector n, at an angle about it. */
+/* Returns the unit direction whose cosine to the unit vector n is `cosine`, rotated by `angle` radians about n. */
 inline Vec3f around(Vec3f n, float cosine, float angle)
 {
   const Vec3f s = normalize(std::abs(n.x) > 0.5f ? cross(n, Vec3f{0, 1, 0}) : cross(n, Vec3f{1, 0, 0}));
@@ -34,14 +34,14 @@ inline Vec3f around(Vec3f n, float cosine, float angle)
   return normalize((sine * std::cos(angle)) * s + (sine * std::sin(angle)) * t + cosine * n);
 }
 
-/* Cosine distribution about the unit vector n. */
+/* Cosine-distributed about the unit vector n. */
 inline Vec3f cosineDirection(Vec3f n, std::mt19937& random)
 {
   const float radius2 = uniform(random), angle = 2.0f * float(M_PI) * uniform(random);
   return around(n, std::sqrt(1.0f - radius2), angle);
 }
 
-/* All directions alike. */
+/* Uniform on the sphere. */
 inline Vec3f anyDirection(std::mt19937& random)
 {
   const float z = 2.0f * uniform(random) - 1.0f, angle = 2.0f * float(M_PI) * uniform(random);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How messages name the settings of a scene. The same code serves programs, whose users write --frame-level, and the Python
- * module, whose users write frame_level. */
+/* The spelling of scene settings in messages. Programs and the Python module share code, but a program's option is
+ * --frame-level and the Python argument is frame_level. */
 
 #include <string>
 
@@ -16,10 +16,10 @@ enum class SettingNames
   Arguments // frame_level
 };
 
-/* The default is Options. Not thread-safe: a program sets it before it does anything else. */
+/* The default is Options. Not thread-safe: a program calls it before anything else. */
 void setSettingNames(SettingNames names);
 
-/* Returns the name of a setting as the user writes it. words: in lower case, with hyphens between, "frame-level". */
+/* Returns a setting as the user spells it. `words` is in lower case with hyphens: "frame-level". */
 std::string settingName(const std::string& words);
 
 } // namespace cbvh

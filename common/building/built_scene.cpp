@@ -9,6 +9,7 @@
 #include "surface/mesh.h"
 
 #include <cstdint>
+#include <cstdio>
 #include <set>
 
 namespace cbvh {
@@ -20,8 +21,8 @@ bool onProgress(void* phase, double fraction)
   return !cancelRequested();
 }
 
-/* contexts: of the scene's subdivision geometries, if Embree tessellates before its monitor
- * hears anything. */
+/* `contexts` are those of the scene's subdivision geometries if Embree tessellates before it calls its progress
+ * monitor; otherwise empty. */
 void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, size_t quads,
                  std::vector<DisplacementContext>& contexts)
 {
@@ -37,9 +38,10 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
   device.check("committing the scene");
 }
 
-/* contexts: as many as copies, whose capture is set already or is none; outlive the
- * scene. poses: of the model, or none where it is to stand still. */
-void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
+/* Sets up one context per copy, which must outlive the scene; captures may be set already. `poses` are the model's, or
+ * empty for a static scene. */
+void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
+                  const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
 {
   contexts.resize(model.copies.size());
@@ -52,7 +54,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model, cons
   }
 }
 
-/* Builds GRID of the first time step and drops it again. captures: a copy each, with where its vertices go. */
+/* Builds GRID at the first time step and frees it. `captures`, one per copy, receive the vertices. */
 void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
                      const std::string& phase)
 {
@@ -98,31 +100,35 @@ RTCCompressionArguments compressionArguments(const BuildSettings& settings)
 void validateBuild(const BuildSettings& settings)
 {
   if (settings.level < 0 || settings.level > maxLevel)
-    throw Error(settingName("level") + " " + std::to_string(settings.level) + " is out of range, " + levelRange());
+    throw Error(settingName("level") + " " + std::to_string(settings.level) + " is out of range: expected " +
+                levelRange());
   if (settings.threads < 0)
-    throw Error(settingName("threads") + " must not be negative");
+    throw Error(settingName("threads") + " " + std::to_string(settings.threads) +
+                " is negative: expected a number of threads, or 0 for all");
   if (!std::set<std::string>{"", "sse2", "sse4.2", "avx", "avx2", "avx512"}.count(settings.isa))
     throw Error("unknown " + settingName("isa") + " '" + settings.isa +
-                "', known are sse2, sse4.2, avx, avx2 and avx512");
+                "': expected sse2, sse4.2, avx, avx2 or avx512");
   validateTraceDevice(settings.device);
 }
 
 BuiltScene::BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings)
-  : what(representation), name(settings.name.empty() ? what.label() : settings.name), patches(model.layout(settings.level)), rates(settings.rates),
-    facesOfCopy(model.cage.numFaces()), quadsOfCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
+  : what(representation), name(settings.name.empty() ? what.label() : settings.name),
+    patches(model.layout(settings.level)), rates(settings.rates), facesOfCopy(model.cage.numFaces()),
+    quadsOfCopy(patches.numQuads() / model.copies.size()), numGeometries(model.copies.size())
 {
   BuildSettings own = settings;
   if (model.isMesh && own.maxError < 0.0f && model.spacing > 0.0f)
-    own.maxError = model.spacing; // vertices that lie on a lattice stay where they are
+    own.maxError = model.spacing; // keeps vertices on a lattice exact
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, own));
   scene.reset(rtcNewScene(device->handle()));
   if (settings.filters)
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  device->check("making a scene");
+  device->check("creating a scene");
   if (model.isMesh)
     buildMesh(model, settings);
   else if (representation.kind == RepresentationKind::Naive && rates)
-    throw Error("the triangles of naive have one " + settingName("level") + " for all edges");
+    throw Error("naive supports only one " + settingName("level") +
+                " for all edges: expected another representation, or no rates by the view");
   else if (representation.kind == RepresentationKind::Naive)
     buildTriangles(model, settings);
   else
@@ -131,9 +137,9 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
   if (settings.device != "cpu")
   {
-    Phase phase(name + ": to the device");
+    Phase phase(name + ": upload to the device");
     vulkanTracer = VulkanTracer::create(settings.device, scene.get());
-    device->check("putting a scene on a Vulkan device");
+    device->check("uploading a scene to a Vulkan device");
     built.onDevice = vulkanTracer->report();
   }
 }
@@ -141,8 +147,9 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
 void BuiltScene::commit(const char* doing)
 {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<DisplacementContext> none; // whose tessellation nobody waits for
-  commitScene(*device, scene.get(), name + ": " + doing, rates ? rates->quads : patches.numQuads(), what.isCompressed() ? none : contexts);
+  std::vector<DisplacementContext> none; // compressed scenes report progress themselves
+  commitScene(*device, scene.get(), name + ": " + doing, rates ? rates->quads : patches.numQuads(),
+              what.isCompressed() ? none : contexts);
   built.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   built.liveBytes = device->memory().live();
   built.peakBytes = device->memory().peak();
@@ -152,47 +159,53 @@ void BuiltScene::buildSubdivision(const Model& model, const BuildSettings& setti
 {
   const auto start = std::chrono::steady_clock::now();
   const RTCCompressionArguments arguments = compressionArguments(settings);
-  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts, what.isCompressed() ? &arguments : nullptr);
+  attachCopies(*device, scene.get(), model, model.poses, settings.level, rates.get(), contexts,
+               what.isCompressed() ? &arguments : nullptr);
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
-  askForStatistics();
+  readStatistics();
 }
 
-void BuiltScene::askForStatistics()
+void BuiltScene::readStatistics()
 {
   if (!what.isCompressed())
     return;
   rtcGetSceneCompressionStatistics(scene.get(), &built.compression);
-  device->check("asking for the compression statistics");
+  device->check("reading the compression statistics");
 }
 
-/* A mesh of triangles alone is a geometry of triangles, else they are quads whose last two vertices are one. */
+/* A mesh of triangles only becomes a triangle geometry. Any other mesh becomes a quad geometry, whose triangles repeat
+ * their last vertex. */
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
   if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::CVert)
-    throw Error(settingName("mesh") + " has no " + what.label() +
-                ": it is traced as grid, by Embree's own kernel of quads or triangles, or as cvert");
+    throw Error(settingName("mesh") + ": meshes have no " + what.label() +
+                ": expected grid (Embree's own quads or triangles) or cvert");
   const Cage& mesh = model.cage;
   bool ofTriangles = true;
   for (size_t face = 0; face < mesh.numFaces(); face++)
     ofTriangles &= isTriangle(mesh, face);
-  GeometryHandle geometry(rtcNewGeometry(device->handle(), ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
+  const RTCGeometryType type = ofTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD;
+  GeometryHandle geometry(rtcNewGeometry(device->handle(), type));
   std::copy(mesh.positions.begin(), mesh.positions.end(),
-            newBuffer<Vec3f>(*device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions.size(), "allocating the vertices of a mesh"));
+            newBuffer<Vec3f>(*device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
+                             mesh.positions.size(), "allocating the vertices of a mesh"));
   const auto fill = [&](auto* faces) {
     for (size_t face = 0; face < mesh.numFaces(); face++)
       std::copy_n(&mesh.faceIndices[4 * face], faces->size(), faces[face].begin());
   };
   const char* const doing = "allocating the faces of a mesh";
   if (ofTriangles)
-    fill(newBuffer<std::array<uint32_t, 3>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.numFaces(), doing));
+    fill(newBuffer<std::array<uint32_t, 3>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
+                                            mesh.numFaces(), doing));
   else
-    fill(newBuffer<std::array<uint32_t, 4>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, mesh.numFaces(), doing));
+    fill(newBuffer<std::array<uint32_t, 4>>(*device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4,
+                                            mesh.numFaces(), doing));
   if (what.isCompressed())
   {
     const RTCCompressionArguments arguments = compressionArguments(settings);
     rtcSetGeometryCompression(geometry.get(), &arguments);
-    device->check("asking for compression");
+    device->check("enabling compression");
   }
   const auto start = std::chrono::steady_clock::now();
   rtcCommitGeometry(geometry.get());
@@ -200,29 +213,31 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
   device->check("committing a mesh");
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   commit("build");
-  askForStatistics();
+  readStatistics();
   if (what.isCompressed() && built.compression.numQuads == 0)
-    std::fprintf(stderr, "%s: nothing of the mesh is compressed, as it does not lie in grids: Embree's own kernel traces it\n", name.c_str());
+    std::fprintf(stderr,
+                 "%s: nothing of the mesh is compressed, because it contains no grids of quads: Embree's own kernel "
+                 "traces it\n",
+                 name.c_str());
 }
 
-/* NAIVE's vertices are GRID's own: a second subdivision geometry, built as GRID and
- * dropped, hands over each vertex that it tessellates. Two triangles a quad, split
- * as GRID splits them, from (1,0) to (0,1):
+/* NAIVE's vertices are GRID's: a second subdivision geometry is built as GRID, captures each vertex that it
+ * tessellates, and is freed. Each quad becomes two triangles, split as in GRID from (1,0) to (0,1):
  *
  *     01 --- 11
  *      | \ B |        A = 00, 10, 01    B = 01, 10, 11    (first digit u)
  *      | A \ |
  *     00 --- 10
  *
- * Every patch has its own vertices, every copy is a geometry. */
+ * Every patch has its own vertices; every copy is a geometry. */
 void BuiltScene::buildTriangles(const Model& model, const BuildSettings& settings)
 {
   const PatchLayout layout(model.cage, settings.level);
   if (!model.poses.empty())
-    throw Error("the triangles of NAIVE do not move");
+    throw Error("the triangles of NAIVE do not move: expected a model without motion, or another representation");
   for (const Patch& patch : layout.patches())
     if (settings.level == 0 && !layout.isQuadFace(patch.face))
-      throw Error("NAIVE at level 0 needs a cage of quads only");
+      throw Error("NAIVE at level 0 needs a cage of quads only, but face " + std::to_string(patch.face) + " is none");
 
   std::vector<GeometryHandle> copies;
   std::vector<DisplacementContext> captures(model.copies.size());

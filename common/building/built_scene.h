@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A model built in one representation, with what that took. */
+/* A model built in one representation, with the cost of building it. */
 
 #include "building/edge_rates.h"
 #include "building/embree_device.h"
@@ -24,45 +24,47 @@
 
 namespace cbvh {
 
-/* A surface as it is stored: quads of vertices, each with the triangles 00, 10, 01 and 01, 10, 11. */
+/* The surface that a scene stores: quads, each of which stands for the triangles 00, 10, 01 and 01, 10, 11. */
 struct StoredMesh
 {
-  std::vector<Vec3f> vertices;                  // where blocks meet, twice, as the same floats
-  std::vector<std::array<unsigned, 4>> quads;   // 00, 10, 11, 01: around the quad
-  std::vector<unsigned> faces;                  // of quads, as hits have them; of two triangles the first
+  std::vector<Vec3f> vertices;                // stored once per block: duplicates at borders are the same floats
+  std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01: in order around the quad
+  std::vector<unsigned> faces;                // per quad, as hits report them; the first of two triangles
 };
 
-/* A bound on what cVERT moves vertices by, in pixels of a camera. */
+/* A bound on the distance by which cVERT moves vertices, in pixels of a camera. */
 struct PixelBound
 {
   float pixels = 0;     // 0 for none
   Vec3f eye;
-  float footprint = 0;  // width of a pixel at a distance of 1
+  float footprint = 0;  // of a pixel at a distance of 1
 };
 
 struct BuildSettings
 {
   int level = 6;
-  std::shared_ptr<const EdgeRates> rates; // in place of it, of a model's edges; not for NAIVE nor meshes
+  std::shared_ptr<const EdgeRates> rates; // replaces `level` if set; not for NAIVE or meshes
   int threads = 0;     // of Embree's build, 0 for all
-  // Largest spacing of cVERT, 0: lossless; largest thickness of leaves where frame levels are automatic, 0: no bound. Negative: the library's
-  // default.
+
+  /* The coarsest lattice spacing of cVERT, 0 for lossless. For automatic frame levels of cLEAF and cVOXEL: the largest
+   * thickness of leaves, 0 for no bound. Negative: the library's default. */
   float maxError = -1;
+
   PixelBound pixelBound;
-  bool filters = false;    // of contexts are called
-  std::string isa;     // Embree's name of the widest instruction set to use, empty for the host's best
+  bool filters = false; // call filter functions of contexts
+  std::string isa;      // Embree's name of the widest instruction set to use; empty for the host's best
   std::string device = "cpu"; // that traces: "cpu", "vulkan", "ray-query", "vulkan:NAME" or "ray-query:NAME"
-  std::string name;    // in lines of progress, empty for the representation's label
+  std::string name;     // in lines of progress; empty for the representation's label
 };
 
-/* Throws Error that names the option, --level, --threads, --isa or --device, and its value. */
+/* Throws Error that names the option (--level, --threads, --isa or --device) and its value. */
 void validateBuild(const BuildSettings& settings);
 
-/* What a device and its geometries are told of them. */
+/* Returns the configurations of the device and of its geometries. */
 std::string deviceConfig(const Representation& representation, const BuildSettings& settings);
 RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 
-/* The part of a scene's quads in blocks that cLEAF stores exactly, as cVERT: 0 to 1. */
+/* Returns the fraction of quads that cLEAF stores exactly, as cVERT, in [0,1]. */
 inline double exactQuadShare(const RTCCompressionStatistics& s)
 {
   return s.numQuads ? double(s.numExactQuads) / double(s.numQuads) : 0.0;
@@ -70,15 +72,15 @@ inline double exactQuadShare(const RTCCompressionStatistics& s)
 
 struct BuildReport
 {
-  double seconds = 0;    // commit of geometry and scene
-  size_t liveBytes = 0;  // held by the device after the commit, buffers and cage included
-  size_t peakBytes = 0;  // most held at any time of the commit
+  double seconds = 0;    // for committing geometries and scene
+  size_t liveBytes = 0;  // held by the device after the commit, including buffers and cage
+  size_t peakBytes = 0;  // the most held during the commit
   size_t quads = 0;
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
-  std::optional<VulkanSceneReport> onDevice; // where a Vulkan device traces
+  std::optional<VulkanSceneReport> onDevice; // set if a Vulkan device traces
 
-  /* How far the surface may be from the mesh that it stands for: the thickness of its leaves, or the way
-   * that its vertices were moved, and, where faces tear the mesh, that one face's were to another's. */
+  /* Returns a bound on the distance between the surface and its mesh: the thickness of leaves, or the distance by
+   * which vertices were moved. Where faces tear the mesh, includes the width of the gap. */
   float distanceFromMesh() const
   {
     return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderGap);
@@ -86,52 +88,55 @@ struct BuildReport
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
 
-  /* The part of cLEAF's quads that is stored exactly, as cVERT: 0 to 1. */
+  /* Returns the fraction of cLEAF's quads that are stored exactly, as cVERT, in [0,1]. */
   double exactShare() const { return exactQuadShare(compression); }
 };
 
 class BuiltScene : public TracedScene
 {
 public:
-  /* Builds. Shows progress, and stops with Cancelled on Ctrl-C.
-   * The model outlives the scene. Errors: throws Error with Embree's message. */
+  /* Builds the scene and shows progress. The model must outlive the scene. Throws Error with Embree's message, and
+   * Cancelled. */
   BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings);
 
   RTCScene handle() const override { return scene.get(); }
-  const SceneTracer& tracer() const override { return vulkanTracer ? static_cast<const SceneTracer&>(*vulkanTracer) : *embreeTracer; }
+  const SceneTracer& tracer() const override
+  {
+    return vulkanTracer ? static_cast<const SceneTracer&>(*vulkanTracer) : *embreeTracer;
+  }
   const VulkanTracer* vulkan() const override { return vulkanTracer.get(); }
 
   const Representation& representation() const { return what; }
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
 
-  /* Saves all of a compressed scene to a file (saved_scene.h), or leaves what was there. Throws Error. */
+  /* Saves a compressed scene to a file (saved_scene.h). The file is replaced only on success. Throws Error. */
   void save(const std::string& path) const;
 
-  /* Translates what Embree reports; NAIVE's triangles become faces and (u,v). */
+  /* Translates Embree's hit: NAIVE's triangles become faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
-  /* The vertices of the triangle that a hit is on, as they are stored; false where there is none. time: of the ray, of a model that moves.
-   * Of cVERT and cGRID; throws Error of others. */
+  /* Writes the vertices of the stored triangle that was hit. `time` is the ray's, for models that move. Returns false
+   * if there is no triangle. Only for cVERT and cGRID; throws Error for other representations. */
   bool triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const;
 
-  /* All that is stored, likewise. */
+  /* Returns the whole stored surface at a time. Only for cVERT and cGRID; throws Error for others. */
   StoredMesh storedMesh(float time = 0) const;
 
 private:
   void buildSubdivision(const Model& model, const BuildSettings& settings);
   void buildTriangles(const Model& model, const BuildSettings& settings);
   void buildMesh(const Model& model, const BuildSettings& settings);
-  void askForStatistics();
+  void readStatistics();
   void fillTriangles(RTCGeometry triangles, const PatchLayout& layout, const BuildSettings& settings);
   void commit(const char* doing);
 
   Representation what;
   std::string name; // in lines of progress
   PatchLayout patches;
-  std::shared_ptr<const EdgeRates> rates; // of contexts
+  std::shared_ptr<const EdgeRates> rates; // used by contexts
   size_t facesOfCopy, quadsOfCopy, numGeometries;
-  std::vector<DisplacementContext> contexts; // one a copy
+  std::vector<DisplacementContext> contexts; // one per copy
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
@@ -139,8 +144,8 @@ private:
   BuildReport built;
 };
 
-/* Vertices of all patches of all copies, in the order of the model's layout: those that
- * GRID holds, to the bit, at the first time step. Throws Error, Cancelled. */
+/* Returns the vertices of all patches of all copies, in the order of the model's layout: GRID's vertices to the bit, at
+ * the first time step. Throws Error, Cancelled. */
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
 
 } // namespace cbvh

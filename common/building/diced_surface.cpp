@@ -12,12 +12,14 @@
 #include <cstring>
 #include <numeric>
 #include <random>
+#include <system_error>
 #include <unordered_map>
 
 namespace cbvh {
 namespace {
 
-/* Names the points of a cage that several patches have: its vertices, points on its edges, and on spokes and in the centres of n-gons. */
+/* Identifies points of a cage that several patches share: vertices, points on edges, and points on the spokes and in
+ * the centers of n-gons. */
 class BorderPoints
 {
 public:
@@ -33,12 +35,15 @@ public:
 
   using Name = std::array<unsigned, 4>;
 
-  /* Of vertex (x,y) of a patch, on its border. */
+  /* Returns the name of vertex (x,y) of a patch, which must be on its border. */
   Name name(const Patch& patch, unsigned face, unsigned x, unsigned y) const
   {
     const unsigned n = patch.resolution, size = faces[face].size;
     if (size == 4)
-      return y == 0 ? onEdge(face, 0, x, n) : x == n ? onEdge(face, 1, y, n) : y == n ? onEdge(face, 2, n - x, n) : onEdge(face, 3, n - y, n);
+      return y == 0   ? onEdge(face, 0, x, n)
+             : x == n ? onEdge(face, 1, y, n)
+             : y == n ? onEdge(face, 2, n - x, n)
+                      : onEdge(face, 3, n - y, n);
     const unsigned corner = patch.subPatch, before = (corner + size - 1) % size;
     if (y == 0)
       return onEdge(face, corner, x, 2 * n);
@@ -48,7 +53,7 @@ public:
   }
 
 private:
-  enum Kind : unsigned { Vertex, Edge, Spoke, Centre };
+  enum Kind : unsigned { Vertex, Edge, Spoke, Center };
 
   struct Face
   {
@@ -64,18 +69,18 @@ private:
     return a < b ? Name{Edge, a, b, k} : Name{Edge, b, a, steps - k};
   }
 
-  /* from the middle of an edge */
+  /* A spoke begins in the middle of an edge. */
   Name onSpoke(unsigned face, unsigned edge, unsigned k, unsigned steps) const
   {
     if (k == 0)
       return onEdge(face, edge, steps, 2 * steps);
-    return k == steps ? Name{Centre, face, 0, 0} : Name{Spoke, face, edge, k};
+    return k == steps ? Name{Center, face, 0, 0} : Name{Spoke, face, edge, k};
   }
 
   std::vector<Face> faces;
 };
 
-/* The quads of a cage that OpenSubdiv has refined uniformly, one after the other. */
+/* Iterates over the quads of a cage that OpenSubdiv refined uniformly. */
 class RefinedQuads
 {
 public:
@@ -102,8 +107,9 @@ private:
   int face = 0;
 };
 
-/* Of the n-th of 4^k quads that refinement cuts out of a patch: x and y. Its four children begin at its corners, around it. */
-std::array<unsigned, 2> placeOfRefined(unsigned n)
+/* Returns x and y of the n-th of 4^k quads into which refinement divides a patch. The four children of a quad are
+ * ordered around it, from corner 0. */
+std::array<unsigned, 2> refinedPosition(unsigned n)
 {
   const unsigned x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};
   std::array<unsigned, 2> at{0, 0};
@@ -118,10 +124,11 @@ std::array<unsigned, 2> placeOfRefined(unsigned n)
 void copyVertices(EmbreeDevice& device, RTCGeometry geometry, const std::vector<Vec3f>& vertices)
 {
   std::copy(vertices.begin(), vertices.end(),
-            newBuffer<Vec3f>(device, geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, vertices.size(), "allocating vertices"));
+            newBuffer<Vec3f>(device, geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, vertices.size(),
+                             "allocating vertices"));
 }
 
-/* Vertex of corner c of quad x, y, around the quad. */
+/* Returns the index of corner c, in order around the quad, of quad (x,y). */
 size_t vertexOf(const Patch& patch, unsigned x, unsigned y, unsigned c)
 {
   return patch.firstVertex + (y + c / 2) * (patch.resolution + 1) + x + (c == 1 || c == 2);
@@ -147,12 +154,15 @@ DicedInput DicedInput::parse(const std::string& text)
   else if (colon != std::string::npos)
     isKnown &= input.order != Refined;
   if (!isKnown)
-    throw Error("unknown input '" + text + "', known are grids, grids:N, of N x N quads, quads and triangles, and these with :rows or :shuffled");
+    throw Error("unknown input '" + text +
+                "': expected grids, grids:N for N x N quads, quads or triangles, the last two also with :rows or "
+                ":shuffled");
   return input;
 }
 
 DicedSurface::DicedSurface(const Model& model, const BuildSettings& settings)
-  : model(model), level(settings.level), layout(model.layout(settings.level)), positions(tessellate(model, settings)), first(positions.size())
+  : model(model), level(settings.level), layout(model.layout(settings.level)), positions(tessellate(model, settings)),
+    first(positions.size())
 {
   std::iota(first.begin(), first.end(), 0u);
   const size_t patches = layout.patches().size() / model.copies.size();
@@ -204,14 +214,14 @@ QuadMesh DicedSurface::refinedMesh() const
       refined.rewind();
     for (unsigned q = 0; q < patch.resolution * patch.resolution; q++)
     {
-      const std::array<unsigned, 2> at = placeOfRefined(q);
+      const std::array<unsigned, 2> at = refinedPosition(q);
       std::array<unsigned, 4> quad = refined.next();
       for (unsigned c = 0; c < 4; c++)
       {
         const Vec3f& p = positions[vertexOf(patch, at[0], at[1], c)];
         const unsigned v = quad[c] += firstVertex;
         if (isSet[v] && std::memcmp(&mesh.vertices[v], &p, sizeof(p)) != 0)
-          throw Error("vertex " + std::to_string(v) + " of OpenSubdiv's refinement is at two places");
+          throw Error("vertex " + std::to_string(v) + " of OpenSubdiv's refinement has two positions: expected one");
         mesh.vertices[v] = p;
         isSet[v] = true;
       }
@@ -254,12 +264,14 @@ GeometryHandle DicedSurface::makeGrids(EmbreeDevice& device, unsigned gridQuads)
   for (const Patch& patch : layout.patches())
   {
     const unsigned n = patch.resolution, side = gridQuads ? gridQuads : n;
+    const auto vertices = [&](unsigned begin) { return static_cast<unsigned short>(std::min(side, n - begin) + 1); };
     for (unsigned y = 0; y < n; y += side)
       for (unsigned x = 0; x < n; x += side)
-        grids.push_back({unsigned(patch.firstVertex + y * (n + 1) + x), n + 1, static_cast<unsigned short>(std::min(side, n - x) + 1),
-                         static_cast<unsigned short>(std::min(side, n - y) + 1)});
+        grids.push_back({unsigned(patch.firstVertex + y * (n + 1) + x), n + 1, vertices(x), vertices(y)});
   }
-  std::copy(grids.begin(), grids.end(), newBuffer<RTCGrid>(device, geometry.get(), RTC_BUFFER_TYPE_GRID, RTC_FORMAT_GRID, grids.size(), "allocating grids"));
+  std::copy(grids.begin(), grids.end(),
+            newBuffer<RTCGrid>(device, geometry.get(), RTC_BUFFER_TYPE_GRID, RTC_FORMAT_GRID, grids.size(),
+                               "allocating grids"));
   return geometry;
 }
 
@@ -267,15 +279,18 @@ GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTr
 {
   using Triangle = std::array<unsigned, 3>;
   using Quad = std::array<unsigned, 4>;
-  GeometryHandle geometry(rtcNewGeometry(device.handle(), asTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD));
+  const RTCGeometryType type = asTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD;
+  GeometryHandle geometry(rtcNewGeometry(device.handle(), type));
   copyVertices(device, geometry.get(), mesh.vertices);
   if (!asTriangles)
   {
     std::copy(mesh.quads.begin(), mesh.quads.end(),
-              newBuffer<Quad>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, mesh.quads.size(), "allocating quads"));
+              newBuffer<Quad>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT4, mesh.quads.size(),
+                              "allocating quads"));
     return geometry;
   }
-  Triangle* out = newBuffer<Triangle>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 2 * mesh.quads.size(), "allocating triangles");
+  Triangle* out = newBuffer<Triangle>(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3,
+                                      2 * mesh.quads.size(), "allocating triangles");
   for (const Quad& q : mesh.quads)
   {
     *out++ = {q[0], q[1], q[3]};

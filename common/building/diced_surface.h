@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A model as an application dices it: the vertices that GRID tessellates, welded where patches share them, and the geometry that it
- * hands over. */
+/* A model as an application dices it: the vertices of GRID's tessellation, merged where patches share them, and the
+ * geometries that the application passes to Embree. */
 
 #include "building/built_scene.h"
 #include "building/embree_device.h"
@@ -16,9 +16,11 @@
 
 namespace cbvh {
 
-/* How a surface is handed over: "grids" of a patch each, or "grids:N" of N x N quads; "quads", indexed, in the order in which OpenSubdiv's
- * uniform refinement has them, "quads:rows", patch by patch and in each row by row, or "quads:shuffled"; "triangles", two for each of these
- * quads, likewise. */
+/* The form in which a surface is passed to Embree:
+ *   "grids", "grids:N"                     one grid per patch, or grids of N x N quads
+ *   "quads", "quads:rows", "quads:shuffled"  indexed quads: in the order of OpenSubdiv's uniform refinement; patch by
+ *                                          patch, row by row; or shuffled
+ *   "triangles", and with :rows, :shuffled two triangles for each of these quads */
 struct DicedInput
 {
   enum Shape { Grids, Quads, Triangles };
@@ -27,34 +29,34 @@ struct DicedInput
   std::string name;
   Shape shape = Grids;
   Order order = Refined;
-  unsigned gridQuads = 0; // along a side, 0 for whole patches
+  unsigned gridQuads = 0; // per side of a grid, 0 for whole patches
 
-  /* Throws Error that names the word. */
+  /* Throws Error with the word if it is unknown. */
   static DicedInput parse(const std::string& text);
 };
 
-/* As an application welds it. */
+/* A mesh whose patches share vertices. */
 struct QuadMesh
 {
   std::vector<Vec3f> vertices;
-  std::vector<std::array<unsigned, 4>> quads; // around each
+  std::vector<std::array<unsigned, 4>> quads; // vertices in order around each quad
 };
 
-/* A geometry that has its own copy of a mesh, as quads, or as two triangles for each; not committed. */
+/* Returns an uncommitted geometry with its own copy of the mesh, as quads or as two triangles per quad. */
 GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles);
 
 class DicedSurface
 {
 public:
-  /* Tessellates. The model outlives the surface. Throws Error, Cancelled. */
+  /* Tessellates the model, which must outlive the surface. Throws Error, Cancelled. */
   DicedSurface(const Model& model, const BuildSettings& settings);
 
   size_t numQuads() const { return layout.numQuads(); }
 
-  /* A vertex for all that patches share. Throws Error where OpenSubdiv's refinement is not what the patches say. */
+  /* Returns a mesh with one vertex for each shared position. Throws Error if OpenSubdiv's refinement differs. */
   QuadMesh mesh(DicedInput::Order order) const;
 
-  /* A geometry that has its own copy of the vertices, not committed. gridQuads: as DicedInput has it */
+  /* Returns an uncommitted geometry with its own copy of the vertices. gridQuads as in DicedInput. */
   GeometryHandle makeGrids(EmbreeDevice& device, unsigned gridQuads) const;
 
 private:
@@ -65,8 +67,8 @@ private:
   const Model& model;
   int level;
   PatchLayout layout;
-  std::vector<Vec3f> positions; // of the patches, one after the other
-  std::vector<unsigned> first;  // vertex that each is the same as
+  std::vector<Vec3f> positions; // of the patches, concatenated
+  std::vector<unsigned> first;  // for each vertex: the first vertex at the same position
 };
 
 } // namespace cbvh

@@ -11,7 +11,8 @@ namespace cbvh {
 
 float EdgeRates::level(const Copy& copy, unsigned face, float u, float v) const
 {
-  return std::clamp(interpolate(&copy.levels[firstIndex[face]], sizes[face], FacePoint{face, u, v}), 0.0f, float(finestLevel));
+  const float level = interpolate(&copy.levels[firstIndex[face]], sizes[face], FacePoint{face, u, v});
+  return std::clamp(level, 0.0f, float(finestLevel));
 }
 
 void setLevels(const Cage& cage, EdgeRates& rates)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* How finely the edges of a model are diced, where that is not one level for all. */
+/* Edge rates of a model whose edges do not all have the same level. */
 
 #include "surface/cage.h"
 #include "surface/patch_point.h"
@@ -15,26 +15,26 @@ namespace cbvh {
 
 struct EdgeRates
 {
-  /* Of a copy of the cage. */
+  /* Rates of one copy of the cage. */
   struct Copy
   {
-    std::vector<float> rates;  // an index of the cage each, from that corner to the next: quads along the edge
-    std::vector<float> levels; // likewise, of corners: the level to which displacement is filtered there
+    std::vector<float> rates;  // quads along the edge from a corner to the next, per face index of the cage
+    std::vector<float> levels; // level to which displacement is filtered at a corner, per face index
   };
 
   std::vector<Copy> copies;
-  std::vector<size_t> firstIndex; // of faces
-  std::vector<unsigned> sizes;    // likewise
-  size_t quads = 0;               // of all
+  std::vector<size_t> firstIndex; // per face
+  std::vector<unsigned> sizes;    // per face
+  size_t quads = 0;               // of all copies
 
-  /* The level at a point of a face: the same on both sides of an edge. */
+  /* Returns the level at a point of a face. It is the same on both sides of an edge. */
   float level(const Copy& copy, unsigned face, float u, float v) const;
 };
 
-/* levels of a copy from its rates: at a vertex the highest of its edges has. */
+/* Sets the levels from the rates: a vertex gets the highest level of its edges. Also sets everything else but rates. */
 void setLevels(const Cage& cage, EdgeRates& rates);
 
-/* Quads of a copy. */
+/* Returns the number of quads of a copy. */
 size_t countQuads(const Cage& cage, const std::vector<float>& rates);
 
 } // namespace cbvh

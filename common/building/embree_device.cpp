@@ -32,12 +32,12 @@ const char* errorName(RTCError code)
 
 EmbreeDevice::EmbreeDevice(const std::string& config)
 {
-  /* Embree itself takes any name, and refuses it when a scene is committed. */
+  /* Embree itself accepts any name here, and rejects it when a scene is committed. */
   if (config.find("subdiv_accel=cbvh") != std::string::npos)
     requireCompression();
   device = rtcNewDevice(config.c_str());
   if (!device)
-    throw Error("Embree refuses the configuration \"" + config + "\": " + errorName(rtcGetDeviceError(nullptr)));
+    throw Error("Embree rejects the configuration \"" + config + "\": " + errorName(rtcGetDeviceError(nullptr)));
   rtcSetDeviceErrorFunction(device, onError, this);
   rtcSetDeviceMemoryMonitorFunction(device, onMemory, this);
 }
@@ -54,7 +54,8 @@ void EmbreeDevice::check(const char* doing)
     return;
   const RTCError code = errorCode;
   errorCode = RTC_ERROR_NONE;
-  if (code == RTC_ERROR_CANCELLED || cancelRequested()) // displacement functions leave a build by Cancelled, an unknown error to Embree
+  /* A displacement function ends a build by throwing Cancelled, which Embree reports as an unknown error. */
+  if (code == RTC_ERROR_CANCELLED || cancelRequested())
     throw Cancelled();
   throw Error(std::string("Embree, ") + doing + ": " + errorName(code) +
               (errorMessage.empty() ? "" : ": " + errorMessage));
@@ -65,7 +66,7 @@ void EmbreeDevice::onError(void* self, RTCError code, const char* message)
   EmbreeDevice& device = *static_cast<EmbreeDevice*>(self);
   std::lock_guard<std::mutex> lock(device.mutex);
   if (device.errorCode != RTC_ERROR_NONE)
-    return; // the first is the cause
+    return; // keep the first error, which is the cause
   device.errorCode = code;
   device.errorMessage = message ? message : "";
 }

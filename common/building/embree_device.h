@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* An Embree device with its errors as exceptions and its memory counted, and RAII
- * handles for what it makes. One device a representation: the memory monitor then
- * counts that representation and nothing else. */
+/* An Embree device that throws exceptions and counts memory, and RAII handles for its objects. Each representation
+ * uses its own device, so that the memory monitor counts only that representation. */
 
 #include <embree3/rtcore.h>
 
@@ -17,14 +16,13 @@
 
 namespace cbvh {
 
-/* Bytes a device holds, as rtcSetDeviceMemoryMonitorFunction reports them. */
+/* Counts the bytes that a device holds, as rtcSetDeviceMemoryMonitorFunction reports them. */
 class MemoryMonitor
 {
 public:
   size_t live() const { return size_t(liveBytes.load()); }
   size_t peak() const { return size_t(peakBytes.load()); }
 
-  /* Forgets the peak: it starts again at what is live now. */
   void resetPeak() { peakBytes.store(liveBytes.load()); }
 
   void count(ssize_t bytes);
@@ -36,8 +34,8 @@ private:
 class EmbreeDevice
 {
 public:
-  /* config: Embree's configuration string. Throws Error when Embree refuses it, or
-   * asks for compression where the loaded library is Embree's own. */
+  /* `config` is Embree's configuration string. Throws Error if Embree rejects it, or if it requests compression from a
+   * library that has none. */
   explicit EmbreeDevice(const std::string& config);
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete;
@@ -46,22 +44,22 @@ public:
   RTCDevice handle() const { return device; }
   MemoryMonitor& memory() { return monitor; }
 
-  /* Throws Error with Embree's message if anything went wrong since the last call,
-   * Cancelled if a progress monitor stopped a build. */
+  /* Throws Error with Embree's message if an error occurred since the last call, or Cancelled if the build was
+   * cancelled. `doing` names the operation in the message. Thread-safe. */
   void check(const char* doing);
 
 private:
   static void onError(void* self, RTCError code, const char* message);
   static bool onMemory(void* self, ssize_t bytes, bool post);
 
-  MemoryMonitor monitor; // before the device, which counts until it is gone
+  MemoryMonitor monitor; // declared first: the device calls it until it is freed
   RTCDevice device = nullptr;
   std::mutex mutex;
   RTCError errorCode = RTC_ERROR_NONE;
   std::string errorMessage;
 };
 
-/* Name of an Embree error code. */
+/* Returns an Embree error code in words. */
 const char* errorName(RTCError code);
 
 struct SceneRelease
@@ -75,9 +73,10 @@ struct GeometryRelease
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 
-/* A buffer of a geometry, in slot 0, to be filled. doing: for messages. Throws Error. */
+/* Allocates the buffer in slot 0 of a geometry, which owns it. `doing` names the operation in errors. Throws Error. */
 template<typename T>
-T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count, const char* doing)
+T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count,
+             const char* doing)
 {
   void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);
   device.check(doing);

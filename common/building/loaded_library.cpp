@@ -12,7 +12,7 @@
 namespace cbvh {
 namespace {
 
-std::string versionText(ssize_t number) // 31305
+std::string versionText(ssize_t number) // for example 31305
 {
   return std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." + std::to_string(number % 100);
 }
@@ -32,7 +32,8 @@ LoadedLibrary loadedLibrary()
   if (!opened)
     return library;
 
-  /* Not by name: cbvh_bench has functions of these names that lead elsewhere, and stock Embree lacks some. */
+  /* Uses dlsym, because cbvh_bench defines functions of these names that forward elsewhere, and stock Embree lacks
+   * some of them. */
   const auto newDevice = reinterpret_cast<decltype(&rtcNewDevice)>(dlsym(opened, "rtcNewDevice"));
   const auto releaseDevice = reinterpret_cast<decltype(&rtcReleaseDevice)>(dlsym(opened, "rtcReleaseDevice"));
   const auto property = reinterpret_cast<decltype(&rtcGetDeviceProperty)>(dlsym(opened, "rtcGetDeviceProperty"));
@@ -56,8 +57,8 @@ void requireCompression()
 {
   if (dlsym(RTLD_DEFAULT, "rtcSetGeometryCompression"))
     return;
-  throw Error("the library that is loaded cannot compress: it is " + loadedLibrary().description() +
-              "; put the folder of Embree CBVH's libembree3.so.3 first in LD_LIBRARY_PATH, or take the other out of it");
+  throw Error("the loaded library cannot compress: it is " + loadedLibrary().description() +
+              "; expected the folder of Embree CBVH's libembree3.so.3 first in LD_LIBRARY_PATH");
 }
 
 } // namespace cbvh

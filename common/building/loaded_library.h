@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Which Embree a program runs on. Ours has the name of Embree's own library, so the one that the
- * dynamic linker finds first may be another than the one that the program was built with. */
+/* Identifies the Embree library that a program runs on. Our library has the same name as Embree's, so the dynamic
+ * linker may find a different one than the program was built with. */
 
 #include <string>
 
@@ -13,17 +13,17 @@ namespace cbvh {
 struct LoadedLibrary
 {
   std::string path;    // of the file
-  std::string release; // of Embree, "3.13.5"; empty where it opens no device
-  std::string ours;    // of Embree CBVH, "0.9.0"; empty for a library that has none
+  std::string release; // of Embree, "3.13.5"; empty if it opens no device
+  std::string ours;    // of Embree CBVH, "0.9.0"; empty for stock Embree
 
-  /* "Embree CBVH 0.9.0 on Embree 3.13.5, /usr/lib/libembree3.so.3" */
+  /* For example "Embree CBVH 0.9.0 on Embree 3.13.5, /usr/lib/libembree3.so.3". */
   std::string description() const;
 };
 
-/* The libembree3.so.3 of this process. */
+/* Describes the libembree3.so.3 of this process. */
 LoadedLibrary loadedLibrary();
 
-/* Throws Error where functions of Embree CBVH are missing, that says which library is loaded and what to do. */
+/* Throws Error if functions of Embree CBVH are missing. The message names the loaded library and a remedy. */
 void requireCompression();
 
 } // namespace cbvh

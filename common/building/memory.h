@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* What a build takes of memory, and what there is of it: asked before something is built
- * that would not fit. */
+/* Memory that a build needs, and memory that is available, to refuse builds that would not fit. */
 
 #include "building/representation.h"
 #include "surface/model.h"
@@ -13,7 +12,7 @@
 
 namespace cbvh {
 
-/* What there is of a model at a level. */
+/* The size of a model at a level. */
 struct BuildSize
 {
   BuildSize(size_t quads, size_t timeSteps = 1) : quads(quads), timeSteps(timeSteps) {}
@@ -22,11 +21,11 @@ struct BuildSize
   size_t quads, timeSteps;
 };
 
-/* Bytes that building a representation needs at its peak, an upper estimate. */
+/* Returns an upper estimate of the bytes that building a representation needs at its peak. */
 size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size);
 
-/* Bytes that this process can still get: the machine's or its control group's,
- * whichever is less. SIZE_MAX when neither can be read. */
+/* Returns the bytes that this process can still allocate: the machine's or its control group's, whichever is less.
+ * Returns SIZE_MAX if neither can be read. */
 size_t availableMemory();
 
 } // namespace cbvh

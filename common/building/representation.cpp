@@ -15,16 +15,16 @@ namespace {
 struct Names
 {
   RepresentationKind kind;
-  std::string word;   // command line, file names
-  std::string label;  // tables
-  std::string config; // device string
+  std::string word;   // on command lines, in file names
+  std::string label;  // in tables
+  std::string config; // of the device
   bool hasFrames;
   RTCCompression compression;
 };
 
 std::vector<Names> makeNames()
 {
-  /* GRID is asked for by name: EMBREE_CBVH may say otherwise. */
+  /* Names GRID explicitly, because EMBREE_CBVH may select another representation. */
   std::vector<Names> names = {
     {RepresentationKind::Naive, "naive", "NAIVE", "", false, RTC_COMPRESSION_NONE},
     {RepresentationKind::Grid, "grid", "GRID", "subdiv_accel=bvh4.grid.eager", false, RTC_COMPRESSION_NONE}};
@@ -35,7 +35,7 @@ std::vector<Names> makeNames()
                      kind.hasFrame(), kind.compression()});
     if (names.back().kind != RepresentationKind::CLeaf)
       continue;
-    /* Both say what they are: EMBREE_CBVH may say otherwise here, too. */
+    /* Both set cbvh_exact_faces explicitly, because EMBREE_CBVH may set it. */
     Names only = names.back();
     only.kind = RepresentationKind::CLeafOnly;
     only.word += "-only";
@@ -59,18 +59,18 @@ const Names& namesOf(RepresentationKind kind)
   return *std::find_if(names.begin(), names.end(), [=](const Names& n) { return n.kind == kind; });
 }
 
-/* Whether a lower-case name is one of those that a representation has. */
+/* True if a lower-case name is one of the names of a representation. */
 bool isNameOf(const Names& names, const std::string& name)
 {
   if (name == names.word)
     return true;
   if (names.compression == RTC_COMPRESSION_NONE)
     return false;
-  const std::string key = names.word.substr(1); // without the c
+  const std::string key = names.word.substr(1); // without "c"
   return name == "cbvh." + key || (name == key && name != namesOf(RepresentationKind::Grid).word);
 }
 
-/* Behind the name of a kind with frames: nothing for the level that the library chooses. */
+/* Returns the suffix of a name for an explicit frame level, or an empty string. */
 std::string frameLevelAfter(const char* mark, const Representation& r)
 {
   return r.hasFrames() && r.frameLevel != autoFrameLevel ? mark + std::to_string(r.frameLevel) : "";
@@ -157,7 +157,7 @@ int parseFrameLevel(const std::string& text)
     return autoFrameLevel;
   if (text.size() == 1 && text[0] >= '0' && text[0] <= '0' + maxLevel)
     return text[0] - '0';
-  throw Error("frame level '" + text + "' is neither auto nor " + levelRange());
+  throw Error("invalid frame level '" + text + "': expected " + levelRange() + " or auto");
 }
 
 std::vector<Representation> parseRepresentations(const std::string& list, int defaultFrameLevel)
@@ -174,18 +174,18 @@ std::vector<Representation> parseRepresentations(const std::string& list, int de
     const std::vector<Names>& names = allNames();
     const auto found = std::find_if(names.begin(), names.end(), [&](const Names& n) { return isNameOf(n, name); });
     if (found == names.end())
-      throw Error("unknown representation '" + word + "', known are " + listOfRepresentations(", ", " and "));
+      throw Error("unknown representation '" + word + "': expected " + listOfRepresentations(", ", " or "));
 
     Representation r{found->kind, defaultFrameLevel};
     if (mark != std::string::npos)
     {
       if (!r.hasFrames())
-        throw Error("representation '" + word + "': " + name + " has no frame level");
+        throw Error("representation '" + word + "': " + name + " has no frame level: expected " + name + " alone");
       r.frameLevel = parseFrameLevel(word.substr(mark + 1));
     }
     for (const Representation& other : result)
       if (other.label() == r.label())
-        throw Error("representation '" + word + "' is named twice");
+        throw Error("representation '" + word + "' is repeated: expected each representation once");
     result.push_back(r);
   }
   return result;

@@ -21,7 +21,7 @@ struct FileRelease
 };
 } // namespace
 
-/* Here, so that programs which save nothing need none of these functions of the library, as older ones do not have. */
+/* In this file, so that programs that do not save also run with older libraries, which lack these functions. */
 void BuiltScene::save(const std::string& path) const
 {
   requireNoInputFile(path);
@@ -39,7 +39,7 @@ void BuiltScene::save(const std::string& path) const
   device->check("saving");
 }
 
-/* Geometries are opened by all threads at once: of each its tree is read. */
+/* Opens geometries, that is reads their trees, on all threads. */
 SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
   : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa)))
 {
@@ -56,7 +56,7 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
     rtcGetCompressedFileGeometryStatistics(file.get(), i, &statistics[i]);
     const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
     device->check("opening a file");
-    if (geometry) // what another failed by may have been told here
+    if (geometry) // null if opening failed; check() may have thrown on another thread
       rtcAttachGeometryByID(scene.get(), geometry.get(), i);
   });
   for (const RTCCompressedFileGeometry& geometry : descriptions)
@@ -64,7 +64,7 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
   rtcCommitScene(scene.get());
   device->check("opening a file");
   embreeTracer = std::make_unique<EmbreeTracer>(scene.get());
-  openingOnProcessors = double(std::clock() - used) / CLOCKS_PER_SEC;
+  openingProcessorSeconds = double(std::clock() - used) / CLOCKS_PER_SEC;
   opening = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Compressed scenes in files: saved, and opened without the model that they were made of. */
+/* Compressed scenes in files, which can be opened without the model. */
 
 #include "building/embree_device.h"
 #include "building/traced_scene.h"
@@ -25,25 +25,26 @@ using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRe
 class SavedScene : public TracedScene
 {
 public:
-  /* Opens a file and commits a scene of all that is in it. isa: Embree's name of the widest instruction set to use, empty
-   * for the host's best. Throws Error with the reason, Cancelled. */
+  /* Opens a file and commits a scene of all its geometries. `isa` is Embree's name of the widest instruction set to
+   * use; empty for the host's best. Throws Error with the reason, and Cancelled. */
   SavedScene(const std::string& path, unsigned threads, const std::string& isa = "");
 
   RTCScene handle() const override { return scene.get(); }
   const SceneTracer& tracer() const override { return *embreeTracer; }
   const std::vector<RTCCompressedFileGeometry>& geometries() const { return descriptions; }
   size_t quads() const;
-  size_t bytes() const; // in the file, of all geometries
+  size_t bytes() const; // of all geometries, in the file
 
-  /* As BuiltScene: the faces of geometry i begin at i times the number that the one with most of them has. */
+  /* As BuiltScene::surfaceHit. Faces of geometry i are numbered from i * facesOfCopy(). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
-  unsigned facesOfCopy() const { return mostFaces; }
+  unsigned facesOfCopy() const { return mostFaces; } // the most faces of any geometry
 
-  /* From before the file was opened until the scene was there; the device was there before. */
+  /* Time from opening the file to the committed scene, without creating the device. Wall-clock time; processor time of
+   * all threads, which other processes do not affect. */
   double seconds() const { return opening; }
-  double processorSeconds() const { return openingOnProcessors; } // which others do not slow down
+  double processorSeconds() const { return openingProcessorSeconds; }
 
-  /* What the device has allocated: trees, without what is mapped. */
+  /* Bytes that the device allocated: trees, not the mapped file. */
   size_t liveBytes() const { return device->memory().live(); }
 
   void check() const override { device->check("tracing"); }
@@ -55,7 +56,7 @@ private:
   std::vector<RTCCompressedFileGeometry> descriptions;
   std::vector<RTCCompressionStatistics> statistics;
   unsigned mostFaces = 1;
-  double opening = 0, openingOnProcessors = 0;
+  double opening = 0, openingProcessorSeconds = 0;
 };
 
 } // namespace cbvh

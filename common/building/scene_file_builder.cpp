@@ -12,7 +12,7 @@
 namespace cbvh {
 namespace {
 
-/* Of what a file is made from. */
+/* Hash of everything that determines the contents of a file. */
 class InputKey
 {
 public:
@@ -37,7 +37,7 @@ private:
   uint64_t hash = hashOfNothing;
 };
 
-/* Of the displacement a few points of each face speak. */
+/* Samples the displacement at a few points of each face. */
 void addDisplacement(InputKey& key, const Model& model, int level)
 {
   constexpr size_t n = 4;
@@ -90,23 +90,27 @@ unsigned long long keyOf(const Model& model, const Representation& representatio
 
 } // namespace
 
-FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings, const std::string& path)
+FileBuildReport buildToFile(const Model& model, const Representation& representation, const BuildSettings& settings,
+                            const std::string& path)
 {
   requireNoInputFile(path);
   EmbreeDevice device(deviceConfig(representation, settings));
   RTCCompressionArguments arguments = compressionArguments(settings);
-  arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compressed by its own commit
+  arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compress in the geometry's commit
   const SharedTopology topology(device, model.cage, model.poses);
-  const FileWriterHandle writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), keyOf(model, representation, settings)));
+  const unsigned long long key = keyOf(model, representation, settings);
+  const FileWriterHandle writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), key));
   device.check("saving");
   FileBuildReport report;
   report.geometries = model.copies.size();
   report.found = rtcGetCompressedFileWriterCount(writer.get());
-  const size_t quads = settings.rates ? settings.rates->quads : model.layout(settings.level).numQuads(), left = report.geometries - report.found;
+  const size_t quads = settings.rates ? settings.rates->quads : model.layout(settings.level).numQuads();
+  const size_t left = report.geometries - report.found;
   report.quads = size_t(double(quads) * double(left) / double(report.geometries));
   const auto start = std::chrono::steady_clock::now();
   {
-    Phase phase(path + (report.found ? ", from geometry " + std::to_string(report.found) + " on" : ""), Phase::SaysTimeLeft);
+    const std::string resumed = report.found ? ", resumed at geometry " + std::to_string(report.found) : "";
+    Phase phase(path + resumed, Phase::PercentAndTimeLeft);
     for (size_t i = report.found; i < report.geometries; i++)
     {
       DisplacementContext context;

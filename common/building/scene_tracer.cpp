@@ -32,7 +32,7 @@ void EmbreeTracer::occluded(RTCRay* rays, size_t n) const
     rtcOccluded1(scene, &context, &rays[i]);
 }
 
-/* Embree cuts a stream of coherent rays into packets. */
+/* Embree splits a stream of coherent rays into packets. */
 void PacketTracer::intersect(RTCRayHit* rays, size_t n) const
 {
   RTCIntersectContext context = coherentContext();

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* How rays of a committed scene are traced: by Embree, or on a Vulkan device. */
+/* Tracing of a committed scene, by Embree or on a Vulkan device. */
 
 #include <embree3/rtcore.h>
 
@@ -16,13 +16,13 @@ class SceneTracer
 public:
   virtual ~SceneTracer() = default;
 
-  /* Closest hits of n rays, and whether n rays hit anything, as rtcIntersect1 and rtcOccluded1 write them.
-   * May be called by several threads. Throw Error. */
+  /* Find the closest hit of each of n rays, or whether each of n rays hits anything, with the results of rtcIntersect1
+   * and rtcOccluded1. Thread-safe. Throw Error. */
   virtual void intersect(RTCRayHit* rays, size_t n) const = 0;
   virtual void occluded(RTCRay* rays, size_t n) const = 0;
 };
 
-/* On the calling thread, one ray at a time. */
+/* Traces on the calling thread, one ray at a time. */
 class EmbreeTracer : public SceneTracer
 {
 public:
@@ -35,7 +35,7 @@ private:
   RTCScene scene;
 };
 
-/* On the calling thread, said to be coherent: rays that follow each other are a packet as wide as the instruction set. */
+/* Traces on the calling thread with the coherent flag: consecutive rays form packets as wide as the instruction set. */
 class PacketTracer : public SceneTracer
 {
 public:

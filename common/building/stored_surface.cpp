@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What a built scene holds, out again. In a file of its own: cbvh_bench loads libraries that lack these functions. */
+/* Reads the surface of a built scene. In a file of its own, because cbvh_bench loads libraries that lack these
+ * functions. */
 
 #include "building/built_scene.h"
 #include "basics/error.h"
@@ -14,19 +15,23 @@
 namespace cbvh {
 namespace {
 
-bool hasTriangles(const Representation& what) { return what.kind == RepresentationKind::CVert || what.kind == RepresentationKind::CGrid; }
+bool hasTriangles(const Representation& r)
+{
+  return r.kind == RepresentationKind::CVert || r.kind == RepresentationKind::CGrid;
+}
 
 } // namespace
 
 bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const
 {
   if (!hasTriangles(what))
-    throw Error(what.label() + " has no triangles to look up, only cVERT and cGRID have");
+    throw Error("looking up a triangle: " + what.label() + " stores no triangles: expected cVERT or cGRID");
   if (!hit.hit())
     return false;
   RTCCompressedTriangle triangle;
   const RTCGeometry geometry = rtcGetGeometry(scene.get(), unsigned(hit.face / facesOfCopy));
-  const bool found = rtcGetCompressedTriangleAtTime(geometry, time, unsigned(hit.face % facesOfCopy), hit.u, hit.v, &hit.normal.x, &triangle);
+  const bool found = rtcGetCompressedTriangleAtTime(geometry, time, unsigned(hit.face % facesOfCopy), hit.u, hit.v,
+                                                    &hit.normal.x, &triangle);
   if (found)
     std::memcpy(vertices, triangle.vertices, sizeof(triangle.vertices));
   else
@@ -37,7 +42,7 @@ bool BuiltScene::triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]
 StoredMesh BuiltScene::storedMesh(float time) const
 {
   if (!hasTriangles(what))
-    throw Error(what.label() + " has no triangles to hand out, only cVERT and cGRID have");
+    throw Error("reading the surface: " + what.label() + " stores no triangles: expected cVERT or cGRID");
   struct Sum
   {
     StoredMesh mesh;
@@ -55,7 +60,8 @@ StoredMesh BuiltScene::storedMesh(float time) const
         {
           const unsigned i = first + y * width + x;
           mesh.quads.push_back({i, i + 1, i + width + 1, i + width});
-          mesh.faces.push_back(unsigned(sum.firstFace + (part->primIDs ? part->primIDs[(y * (width - 1) + x) * part->primitivesPerQuad] : part->primID)));
+          const unsigned quad = (y * (width - 1) + x) * part->primitivesPerQuad;
+          mesh.faces.push_back(unsigned(sum.firstFace + (part->primIDs ? part->primIDs[quad] : part->primID)));
         }
       return !cancelRequested();
     }
@@ -65,7 +71,7 @@ StoredMesh BuiltScene::storedMesh(float time) const
     sum.firstFace = i * facesOfCopy;
     rtcForEachCompressedPartAtTime(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
   }
-  device->check("handing out a surface");
+  device->check("reading the surface");
   throwIfCancelled();
   return std::move(sum.mesh);
 }

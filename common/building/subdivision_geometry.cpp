@@ -11,19 +11,18 @@
 namespace cbvh {
 namespace {
 
-/* The lattice of all tessellations, 2^-16: Embree multiplies by a rounded reciprocal,
- * and its grids end a face at 0.99999994 where other code ends it at 1. A border that
- * is not recognised as one would tear there. */
+/* Rounds a parameter to 2^-16, the lattice of all tessellations. Embree multiplies by a rounded reciprocal, and its
+ * grids end a face at 0.99999994 where other code ends it at 1; a border that is not recognized would tear there. */
 float snap(float parameter)
 {
   return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;
 }
 
-constexpr size_t batch = 256; // points that are displaced together
+constexpr size_t batch = 256; // points per call of a displacement
 
-/* Points from `begin` on; those of points.n. */
-void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context, size_t begin,
-                          const SurfacePoints& points)
+/* Displaces points.n points of args, from index `begin` on. */
+void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context,
+                          size_t begin, const SurfacePoints& points)
 {
   float offsets[batch];
   context.displacement->offsets(points, offsets);
@@ -36,7 +35,7 @@ void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args, const D
   }
 }
 
-/* Likewise. */
+/* The same, for displacement by vectors. */
 void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context, size_t begin,
                        const SurfacePoints& points)
 {
@@ -56,7 +55,7 @@ void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const Disp
 
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
-  throwIfCancelled(); // Embree asks its progress monitor only now and then; see EmbreeDevice::check
+  throwIfCancelled(); // Embree calls its progress monitor rarely; see EmbreeDevice::check
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
   float u[batch], v[batch], levels[batch];
   for (size_t begin = 0; context.displacement && begin < args->N; begin += batch)
@@ -107,7 +106,7 @@ RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
 
 } // namespace
 
-/* Points come a grid of 8 x 8 quads at a time, millions of them a second: few take the lock. */
+/* Embree displaces a grid of 8 x 8 quads at a time and millions of points per second, so most calls take no lock. */
 void TessellationProgress::add(size_t points)
 {
   constexpr double pointsOfQuad = 1.3; // 9 x 9 points, rounded up
@@ -136,7 +135,8 @@ void SharedTopology::add(RTCBufferType type, RTCFormat format, const std::vector
   buffers.push_back({type, format, sizeof(T), data.size(), std::move(buffer)});
 }
 
-SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage, const std::vector<std::vector<Vec3f>>& poses) : device(device), cage(cage), poses(poses)
+SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage, const std::vector<std::vector<Vec3f>>& poses)
+  : device(device), cage(cage), poses(poses)
 {
   add(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, cage.faceSizes);
   add(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, cage.faceIndices);
@@ -147,11 +147,11 @@ SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage, const std
   add(RTC_BUFFER_TYPE_HOLE, RTC_FORMAT_UINT, cage.holes);
 }
 
-void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions,
-                                 const std::vector<Vec3f>* shape) const
+void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Placement& placement,
+                                 const std::vector<Vec3f>& positions, const std::vector<Vec3f>* shape) const
 {
-  /* Embree loads 16 bytes of a vertex and wants all four numbers valid, so what comes
-   * after the last one matters, and rtcSetNewGeometryBuffer leaves it as it was. */
+  /* Embree loads 16 bytes per vertex and requires all four floats to be valid, but rtcSetNewGeometryBuffer does not
+   * initialize the float after the last vertex. So allocate one more vertex. */
   const size_t n = positions.size();
   const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
   device.check("allocating the vertices of a cage");
@@ -163,10 +163,11 @@ void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Plac
 }
 
 GeometryHandle SharedTopology::makeGeometry(const Placement& placement, DisplacementContext& context,
-                                            const RTCCompressionArguments* compression, const std::vector<Vec3f>* shape) const
+                                            const RTCCompressionArguments* compression,
+                                            const std::vector<Vec3f>* shape) const
 {
   GeometryHandle handle(rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION));
-  device.check("making a geometry");
+  device.check("creating a geometry");
   const RTCGeometry geometry = handle.get();
   rtcSetGeometryTimeStepCount(geometry, unsigned(1 + poses.size()));
   setVertices(geometry, 0, placement, cage.positions, shape);
@@ -180,7 +181,9 @@ GeometryHandle SharedTopology::makeGeometry(const Placement& placement, Displace
   if (context.rates)
   {
     const std::vector<float>& rates = context.copy->rates;
-    std::copy(rates.begin(), rates.end(), newBuffer<float>(device, geometry, RTC_BUFFER_TYPE_LEVEL, RTC_FORMAT_FLOAT, rates.size(), "allocating rates of edges"));
+    std::copy(rates.begin(), rates.end(),
+              newBuffer<float>(device, geometry, RTC_BUFFER_TYPE_LEVEL, RTC_FORMAT_FLOAT, rates.size(),
+                               "allocating rates of edges"));
   }
   rtcSetGeometryUserData(geometry, &context);
   rtcSetGeometryDisplacementFunction(geometry, displace);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Cages as Embree subdivision geometries at a uniform edge rate. */
+/* Cages as Embree subdivision geometries. */
 
 #include "basics/progress.h"
 #include "building/edge_rates.h"
@@ -17,14 +17,13 @@
 
 namespace cbvh {
 
-/* Shows how far the tessellation of a scene is. Builders of stock Embree tessellate before
- * their progress monitors hear anything. */
+/* Reports the progress of tessellation. Stock Embree tessellates before it calls its progress monitor. */
 class TessellationProgress
 {
 public:
   TessellationProgress(Phase& phase, size_t quads) : phase(phase), quads(quads) {}
 
-  /* points: that were displaced since the last call. Called by any thread. */
+  /* Adds points that were displaced. Thread-safe. */
   void add(size_t points);
 
 private:
@@ -33,24 +32,25 @@ private:
   std::atomic<size_t> done{0};
 };
 
-/* What the displacement function of a geometry needs; outlives the geometry. */
+/* Input of a geometry's displacement function; must outlive the geometry. */
 struct DisplacementContext
 {
   const Displacement* displacement = nullptr;
-  int level = 0;          // of the subdivision
-  const EdgeRates* rates = nullptr;      // if set, in place of it,
-  const EdgeRates::Copy* copy = nullptr; // and which of them
-  Placement placement;    // of the copy, and so of its displacement
+  int level = 0;                         // of the subdivision
+  const EdgeRates* rates = nullptr;      // replaces `level` if set
+  const EdgeRates::Copy* copy = nullptr; // the rates of this copy
+  Placement placement;                   // of the copy and of its displacement
 
-  /* If set, every vertex that Embree tessellates is also written here, in the order
-   * of the layout: the tessellation that GRID stores, to the bit. */
+  /* If set, every vertex that Embree tessellates is also written here, in the order of the layout. This is GRID's
+   * tessellation to the bit. */
   const PatchLayout* layout = nullptr;
-  float* captured = nullptr; // 3 floats a vertex
+  float* captured = nullptr; // 3 floats per vertex
 
-  TessellationProgress* progress = nullptr; // if set, hears of what is displaced
+  TessellationProgress* progress = nullptr; // if set, receives the number of displaced points
 };
 
-/* Names the displacement of a copy of a model. rates: of all copies, null for the level. Both outlive the context. */
+/* Sets the displacement of a copy of a model. `rates` replace the level unless null. Model and rates must outlive the
+ * context. */
 void setSurface(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates);
 
 struct BufferRelease
@@ -59,8 +59,8 @@ struct BufferRelease
 };
 using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
 
-/* What all copies of a cage have in common, in buffers of a device. The cage outlives
- * it, and so do its poses: positions of its vertices at later time steps. */
+/* Data that all copies of a cage share, in buffers of a device. The cage and its poses (positions of its vertices at
+ * later time steps) must outlive it. */
 class SharedTopology
 {
   static inline const std::vector<std::vector<Vec3f>> noPoses;
@@ -69,13 +69,14 @@ public:
   /* Throws Error. */
   SharedTopology(EmbreeDevice& device, const Cage& cage, const std::vector<std::vector<Vec3f>>& poses = noPoses);
 
-  /* Makes a geometry at a place, committed, not yet attached to a scene.
+  /* Returns a committed geometry at a placement, not yet attached to a scene.
    *
-   * context: displacement, level (the edge rate is 2^level) or rates, and capture;
-   * compression: read during the call, null for the device's settings; shape: of a copy that is not the cage's, see Model.
-   * Errors: throws Error. */
+   * `context` holds displacement, level (the edge rate is 2^level) or rates, and capture. `compression` is read during
+   * the call; null selects the device's settings. `shape` holds the vertices of a copy that has its own, see Model.
+   * Throws Error. */
   GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context,
-                              const RTCCompressionArguments* compression = nullptr, const std::vector<Vec3f>* shape = nullptr) const;
+                              const RTCCompressionArguments* compression = nullptr,
+                              const std::vector<Vec3f>* shape = nullptr) const;
 
 private:
   struct Buffer
@@ -85,7 +86,8 @@ private:
     size_t stride, count;
     BufferHandle handle;
   };
-  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement, const std::vector<Vec3f>& positions, const std::vector<Vec3f>* shape) const;
+  void setVertices(RTCGeometry geometry, unsigned step, const Placement& placement,
+                   const std::vector<Vec3f>& positions, const std::vector<Vec3f>* shape) const;
   template<typename T>
   void add(RTCBufferType type, RTCFormat format, const std::vector<T>& data);
 

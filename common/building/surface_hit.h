@@ -9,14 +9,13 @@
 
 namespace cbvh {
 
-/* Where a ray meets the surface, in the terms of the subdivision surface whatever
- * the representation: face and its (u,v) as GRID reports them. */
+/* A hit in parameters of the subdivision surface, whatever the representation: face and (u,v) as GRID reports them. */
 struct SurfaceHit
 {
-  float t = INFINITY; // infinite: a miss
+  float t = INFINITY; // infinity for a miss
   float u = 0, v = 0;
-  unsigned face = RTC_INVALID_GEOMETRY_ID; // numbered on from copy to copy of a model
-  Vec3f normal;       // geometric, not normalised, orientation of dP/du x dP/dv
+  unsigned face = RTC_INVALID_GEOMETRY_ID; // faces of the copies of a model are numbered consecutively
+  Vec3f normal; // geometric, not normalized, oriented as dP/du x dP/dv
 
   bool hit() const { return t < INFINITY; }
 };

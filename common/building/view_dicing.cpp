@@ -14,7 +14,7 @@
 namespace cbvh {
 namespace {
 
-/* A face bends by a right angle or so, of which 64 quads leave 1/4000 of its length between it and its edges. */
+/* A face bends by about a right angle, and 64 quads deviate from such an arc by 1/4000 of its length. */
 constexpr float smoothRate = 64.0f;
 
 RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing)
@@ -42,7 +42,10 @@ std::vector<float> highestRates(const Model& model)
   std::vector<float> highest;
   for (unsigned face = 0; face < model.cage.numFaces(); face++)
     for (unsigned edge = 0; edge < model.cage.faceSizes[face]; edge++)
-      highest.push_back(std::max(smoothRate, model.displacement ? model.displacement->texelsAlong(face, edge) : INFINITY));
+    {
+      const float texels = model.displacement ? model.displacement->texelsAlong(face, edge) : INFINITY;
+      highest.push_back(std::max(smoothRate, texels));
+    }
   return highest;
 }
 
@@ -51,13 +54,14 @@ class Dicer
 public:
   Dicer(const Model& model, const Camera& camera, const ViewDicing& dicing, const BuildSettings& settings)
     : model(model), args(argumentsOf(camera, dicing)), highest(highestRates(model)),
-      device("threads=" + std::to_string(threadCount(settings.threads)) + (settings.isa.empty() ? "" : ",isa=" + settings.isa)),
+      device("threads=" + std::to_string(threadCount(settings.threads)) +
+             (settings.isa.empty() ? "" : ",isa=" + settings.isa)),
       topology(device, model.cage, model.poses)
   {
     args.maxRates = highest.data();
   }
 
-  /* displaced: filtered to rates that are there already. */
+  /* Replaces the rates. If `displaced` is set, measures the surface displaced and filtered to the previous rates. */
   void dice(EdgeRates& rates, bool displaced)
   {
     rates.copies.resize(model.copies.size());
@@ -74,7 +78,8 @@ public:
       const GeometryHandle geometry = topology.makeGeometry(model.copies[i], context, nullptr, model.shapeOf(i));
       rtcDiceGeometry(geometry.get(), &args);
       device.check("dicing by the view");
-      const float* const levels = static_cast<const float*>(rtcGetGeometryBufferData(geometry.get(), RTC_BUFFER_TYPE_LEVEL, 0));
+      const void* const data = rtcGetGeometryBufferData(geometry.get(), RTC_BUFFER_TYPE_LEVEL, 0);
+      const float* const levels = static_cast<const float*>(data);
       rates.copies[i].rates.assign(levels, levels + model.cage.faceIndices.size());
     }
     setLevels(model.cage, rates);
@@ -90,18 +95,20 @@ private:
 
 } // namespace
 
-std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing, const BuildSettings& settings)
+std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing,
+                                            const BuildSettings& settings)
 {
   Phase phase("rates by the view");
   auto rates = std::make_shared<EdgeRates>();
   Dicer dicer(model, camera, dicing, settings);
   dicer.dice(*rates, false);
   if (model.displacement)
-    dicer.dice(*rates, true); // as long as it is, filtered about as it will be
+    dicer.dice(*rates, true); // with the length of displaced edges, filtered to about the final rates
   return rates;
 }
 
-BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera, const std::optional<ViewDicing>& dicing, float maxPixelError)
+BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera,
+                              const std::optional<ViewDicing>& dicing, float maxPixelError)
 {
   settings.pixelBound = {maxPixelError, camera.eye(), camera.footprint()};
   if (dicing)

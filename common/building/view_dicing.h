@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rates of edges by a view: quads are about a pixel, or as large as asked for, see embree3/rtcore_dicing.h. */
+/* Edge rates for a view: quads are about a pixel in size, or as large as requested; see embree3/rtcore_dicing.h. */
 
 #include "building/built_scene.h"
 #include "building/edge_rates.h"
@@ -20,14 +20,17 @@ struct ViewDicing
   float maxRate = 4096;
 };
 
-/* Edges get no more quads than the map of the model has texels along them, but up to 64 wherever the surface wants them, which keeps what is
- * round round. settings: threads and isa count. Throws Error, Cancelled. */
-std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing, const BuildSettings& settings);
+/* Returns edge rates for a view. An edge gets at most as many quads as the model's map has texels along it, or 64 if
+ * that is more, which keeps smooth shapes round. Uses threads and isa of the settings. Throws Error, Cancelled. */
+std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing,
+                                            const BuildSettings& settings);
 
-/* Settings with a lattice as fine as the view needs, and with rates, if there is dicing. maxPixelError: of the lattice, 0 for no bound. Throws Error, Cancelled. */
-BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera, const std::optional<ViewDicing>& dicing, float maxPixelError);
+/* Returns the settings with a lattice as fine as the view requires, and with rates if `dicing` is set. `maxPixelError`
+ * bounds the lattice, 0 for no bound. Throws Error, Cancelled. */
+BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera,
+                              const std::optional<ViewDicing>& dicing, float maxPixelError);
 
-/* The highest rate that all of a list of representations have blocks for. */
+/* Returns the highest rate that all of the representations support. */
 float highestRate(const std::vector<Representation>& representations);
 
 } // namespace cbvh

@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-/* of devices whose blocks the driver's ray queries find */
+/* prefix of devices that use the driver's ray queries */
 const std::string rayQueryName = "ray-query";
 
 } // namespace
@@ -28,10 +28,11 @@ void validateTraceDevice(const std::string& name)
   const std::string way = name.substr(0, name.find(':'));
   if (way != "vulkan" && way != rayQueryName)
     throw Error("unknown " + settingName("device") + " '" + name +
-                "', known are cpu, vulkan, and ray-query, the last two alone or with : and an index or a part of a name");
+                "': expected cpu, vulkan or ray-query, the last two optionally followed by : and an index or a part of "
+                "a device's name");
 #ifndef CBVH_VULKAN
   throw Error(settingName("device") + " " + name +
-              ": this build is without Vulkan, which needs its headers, glslc and Python");
+              ": this build has no Vulkan, which needs Vulkan's headers, glslc and Python");
 #endif
 }
 
@@ -46,7 +47,7 @@ std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scen
 
 namespace {
 
-/* An open device, and the Embree device that its errors go to. */
+/* An open Vulkan device, and the Embree device that receives its errors. */
 struct OpenDevice
 {
   explicit OpenDevice(const std::string& which) : errors("")
@@ -85,27 +86,33 @@ public:
     if (name.compare(0, rayQueryName.size(), rayQueryName) == 0)
       args.traversal = RTC_VULKAN_TRAVERSAL_RAY_QUERY;
     scene = rtcNewVulkanScene(device->device, from, &args);
-    device->errors.check("putting a scene on a Vulkan device");
+    device->errors.check("uploading a scene to a Vulkan device");
     if (!scene)
-      throw Error("putting a scene on a Vulkan device failed");
+      throw Error("uploading a scene to a Vulkan device failed");
     RTCVulkanSceneStatistics statistics;
     rtcGetVulkanSceneStatistics(scene, &statistics);
     RTCVulkanDeviceInfo info;
     rtcGetVulkanDeviceInfo(device->device, &info);
-    said.device = std::string(info.name) + ", " + info.driver;
-    said.uploadSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    said.deviceBytes = statistics.deviceBytes;
-    said.importedBytes = statistics.importedBytes;
+    sceneReport.device = std::string(info.name) + ", " + info.driver;
+    sceneReport.uploadSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    sceneReport.deviceBytes = statistics.deviceBytes;
+    sceneReport.importedBytes = statistics.importedBytes;
   }
   ~Tracer() override { rtcReleaseVulkanScene(scene); }
 
   void intersect(RTCRayHit* rays, size_t n) const override { timeIntersect(rays, n); }
   void occluded(RTCRay* rays, size_t n) const override { timeOccluded(rays, n); }
 
-  double timeIntersect(RTCRayHit* rays, size_t n) const override { return finish(rtcStartVulkanIntersect(scene, rays, n), rays); }
-  double timeOccluded(RTCRay* rays, size_t n) const override { return finish(rtcStartVulkanOccluded(scene, rays, n), rays); }
+  double timeIntersect(RTCRayHit* rays, size_t n) const override
+  {
+    return finish(rtcStartVulkanIntersect(scene, rays, n), rays);
+  }
+  double timeOccluded(RTCRay* rays, size_t n) const override
+  {
+    return finish(rtcStartVulkanOccluded(scene, rays, n), rays);
+  }
 
-  const VulkanSceneReport& report() const override { return said; }
+  const VulkanSceneReport& report() const override { return sceneReport; }
 
 private:
   double finish(RTCVulkanTrace trace, void* rays) const
@@ -121,7 +128,7 @@ private:
 
   std::shared_ptr<OpenDevice> device;
   RTCVulkanScene scene = nullptr;
-  VulkanSceneReport said;
+  VulkanSceneReport sceneReport;
 };
 
 } // namespace

@@ -6,15 +6,15 @@
 
 namespace cbvh {
 
-/* Each point is on a row (or column, by chance) of a random patch: its first or last,
- * the border of a block, or any. */
+/* Each point is on a row (or column, with probability 1/2) of a random patch: the first or last one, a border of a
+ * block, or any row. */
 AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed)
 {
   const std::vector<Patch>& patches = blocks.layout.patches();
   const size_t block = blocks.blockWidth();
   std::mt19937 random(seed);
   AimPoints points;
-  for (int kind = 0; kind < numMeetings; kind++)
+  for (int kind = 0; kind < numAimKinds; kind++)
     for (size_t i = 0; i < count; i++)
     {
       const Patch& patch = patches[below(patches.size(), random)];
@@ -35,11 +35,11 @@ AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& verti
       const size_t r0 = row > 0 ? row - 1 : row, r1 = row < n ? row + 1 : row;
       AimPoint point;
       point.position = at(row, along);
-      point.neighbour = along == n || (along > 0 && (random() & 1)) ? at(row, a0) : at(row, a1);
+      point.neighbor = along == n || (along > 0 && (random() & 1)) ? at(row, a0) : at(row, a1);
       point.normal = cross(at(row, a1) - at(row, a0), at(r1, along) - at(r0, along));
       if (swap)
         point.normal = -point.normal;
-      if (isFinite(point.position) && isFinite(point.neighbour) && length(point.normal) > 0.0f)
+      if (isFinite(point.position) && isFinite(point.neighbor) && length(point.normal) > 0.0f)
         points[size_t(kind)].push_back(point);
     }
   return points;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Points of a tessellation at which a ray could slip through. */
+/* Points of a tessellation at which a ray could leak through. */
 
 #include "measure/block_grid.h"
 
@@ -14,22 +14,20 @@
 
 namespace cbvh {
 
-/* A vertex of the tessellation, to the last bit. */
+/* A vertex of the tessellation, exact to the bit. */
 struct AimPoint
 {
   Vec3f position;
-  Vec3f neighbour; // the other end of an edge of a quad
-  Vec3f normal;    // outwards, roughly
+  Vec3f neighbor; // the other end of an edge of a quad
+  Vec3f normal;   // points outwards, approximate
 };
 
-/* What meets there. */
-enum Meeting { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numMeetings };
+/* The place of a vertex. */
+enum AimKind { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numAimKinds };
 
-using AimPoints = std::array<std::vector<AimPoint>, numMeetings>;
+using AimPoints = std::array<std::vector<AimPoint>, numAimKinds>;
 
-/* Picks about count points of each kind.
- *
- * vertices: as tessellate makes them. */
+/* Picks about `count` points of each kind. `vertices` is the result of tessellate(). */
 AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed);
 
 } // namespace cbvh

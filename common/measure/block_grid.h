@@ -10,14 +10,14 @@
 
 namespace cbvh {
 
-/* How blocks cut the patches of a tessellation. */
+/* The division of the patches of a tessellation into blocks. */
 struct BlockGrid
 {
   const PatchLayout& layout; // of the model at the level
   int level;
   int frameLevel;            // of the blocks
 
-  /* In quads; a patch may be narrower. */
+  /* Width in quads; a patch may be narrower. */
   size_t blockWidth() const { return size_t(1) << std::max(0, level - frameLevel); }
 };
 

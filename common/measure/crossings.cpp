@@ -47,19 +47,19 @@ CrossingCounts countCrossings(const BuiltScene& grid, const BuiltScene& scene, c
     CrossingCounts counts;
     for (size_t i = begin; i < end; i++)
     {
-      const size_t ofScene = crossingsOf(scene, rays[i]), ofGrid = crossingsOf(grid, rays[i]);
+      const size_t inScene = crossingsOf(scene, rays[i]), inGrid = crossingsOf(grid, rays[i]);
       counts.rays++;
-      counts.ofScene += ofScene;
-      counts.ofGrid += ofGrid;
-      counts.otherNumber += ofScene != ofGrid;
-      counts.otherParity += ofScene % 2 != ofGrid % 2;
+      counts.sceneCrossings += inScene;
+      counts.gridCrossings += inGrid;
+      counts.differentCounts += inScene != inGrid;
+      counts.differentParities += inScene % 2 != inGrid % 2;
     }
     const std::lock_guard<std::mutex> lock(mutex);
     all.rays += counts.rays;
-    all.ofScene += counts.ofScene;
-    all.ofGrid += counts.ofGrid;
-    all.otherNumber += counts.otherNumber;
-    all.otherParity += counts.otherParity;
+    all.sceneCrossings += counts.sceneCrossings;
+    all.gridCrossings += counts.gridCrossings;
+    all.differentCounts += counts.differentCounts;
+    all.differentParities += counts.differentParities;
   });
   return all;
 }

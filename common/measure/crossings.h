@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What a filter sees that rejects every hit, as renderers of transparent surfaces have one: each
- * place where a ray crosses the surface once, or not. */
+/* Counts hits with a filter that rejects every hit, as renderers of transparent surfaces do: each crossing of the
+ * surface must be reported exactly once. */
 
 #include "building/built_scene.h"
 #include "tracing/ray.h"
@@ -16,12 +16,12 @@ namespace cbvh {
 struct CrossingCounts
 {
   size_t rays = 0;
-  size_t ofScene = 0, ofGrid = 0; // crossings
-  size_t otherNumber = 0;         // rays that cross another number of times than GRID's
-  size_t otherParity = 0;         // and those that end on the other side of a closed surface
+  size_t sceneCrossings = 0, gridCrossings = 0;
+  size_t differentCounts = 0;   // rays with a different number of crossings than in GRID
+  size_t differentParities = 0; // of these: rays that end on the other side of a closed surface
 };
 
-/* Crossings of rays with a scene, beside GRID's. Both were built with BuildSettings::filters. Throws Cancelled. */
+/* Counts crossings of rays with a scene and with GRID, both built with BuildSettings::filters. Throws Cancelled. */
 CrossingCounts countCrossings(const BuiltScene& grid, const BuiltScene& scene, const std::vector<Ray>& rays,
                               unsigned threads);
 

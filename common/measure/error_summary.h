@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the errors of many hits come to, whatever they are measured against. */
+/* Statistics of the errors of many hits, for any reference. */
 
 #include <cstddef>
 #include <optional>
@@ -15,28 +15,28 @@ struct ErrorSummary
 {
   /* Distances in pixels at the hit. */
   double rmse = 0, median = 0, p99 = 0, max = 0;
-  /* Degrees between geometric normals with their signs: 180 is a wrong sign. */
+  /* Degrees between geometric normals. Signs count: 180 is a wrong sign. */
   double normalMedian = 0, normalP99 = 0;
   size_t flipped = 0; // normals that are more than 90 degrees off
-  /* Distances in (u,v) in quads of the tessellation, over hits on the same patch as what
-   * they are measured against; the others are counted. */
+  /* Distances in (u,v), in quads of the tessellation, over hits on the same patch as the reference. Other hits are
+   * counted in otherPatch. */
   double uvMedian = 0, uvP99 = 0;
   size_t otherPatch = 0;
 };
 
-/* The root of the mean of n squares; 0 when there are none. */
+/* Returns the square root of the mean of n squares, or 0 if n is 0. */
 double rootOfMean(double sumOfSquares, size_t n);
 
 class ErrorSamples
 {
 public:
-  /* Of a hit. pixels: distance. degrees: between normals. quads: distance in (u,v), none
-   * on another patch. */
+  /* Adds a hit: its distance in pixels, the angle between normals in degrees, and the distance in (u,v) in quads, or
+   * nothing on another patch. */
   void add(float pixels, float degrees, std::optional<float> quads);
 
   size_t hits() const { return distances.size(); }
 
-  /* Reorders the samples. */
+  /* Returns the statistics. Reorders the samples. */
   ErrorSummary summary();
 
 private:

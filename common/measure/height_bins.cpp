@@ -37,7 +37,7 @@ struct Tessellation
     return s.p + double(offset) * normalize(cross(s.du, s.dv));
   }
 
-  /* Of a square of quads. */
+  /* Returns the corners of a square of size x size quads. */
   Corners corners(unsigned i, unsigned j, unsigned size, bool displaced) const
   {
     return {vertex(i, j, displaced), vertex(i + size, j, displaced), vertex(i, j + size, displaced),
@@ -45,7 +45,7 @@ struct Tessellation
   }
 };
 
-/* Along the ray in pixels; NaN: a quad or block without a normal, or no surface. */
+/* Returns the size of a bin along the ray, in pixels. NaN if there is no surface, or a quad or block has no normal. */
 float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const BlockGrid& blocks)
 {
   const unsigned faces = unsigned(view.model.cage.numFaces());
@@ -86,8 +86,8 @@ HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits,
   });
   bins.erase(std::remove_if(bins.begin(), bins.end(), [](float b) { return std::isnan(b); }), bins.end());
 
-  /* Errors are spread evenly over half a bin. Of a bin of more than 10 pixels, only a share
-   * of them is within 5; their mean square is a third of the farthest one's. */
+  /* Errors are uniform over half a bin. For a bin of more than 10 pixels, only a share of the errors is within 5
+   * pixels; their mean square is a third of the largest square. */
   constexpr int errorsOfBin = 20;
   HeightBins result;
   result.hits = bins.size();
@@ -105,7 +105,7 @@ HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits,
   for (size_t k = 0; k < result.quantiles.size(); k++)
     result.quantiles[k] = quantile(bins, double(k + 1) / double(result.quantiles.size() + 1));
   result.median = quantile(errors, 0.5);
-  result.rmseOfOthers = within > 0.0 ? std::sqrt(sumOfSquares / within) : 0.0;
+  result.inlierRmse = within > 0.0 ? std::sqrt(sumOfSquares / within) : 0.0;
   return result;
 }
 

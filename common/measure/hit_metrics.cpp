@@ -28,7 +28,7 @@ std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::
   return nearer;
 }
 
-/* Distance in quads of the patch that both are on, if there is one. */
+/* Returns the distance in quads, or nothing if the hits are on different patches. */
 static std::optional<float> distanceOnPatch(const SurfaceHit& a, const SurfaceHit& b, const PatchLayout& layout)
 {
   if (a.face != b.face)
@@ -46,7 +46,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
   result.rays = hits.size();
   const std::vector<float> pixels = pixelErrors(reference, hits, footprint);
   ErrorSamples samples;
-  double sumOfOthers = 0, signedSum = 0;
+  double inlierSquares = 0, signedSum = 0;
   for (size_t i = 0; i < hits.size(); i++)
   {
     result.falseHits += pixels[i] == falseHitError;
@@ -57,7 +57,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
       result.farOff++;
     else
     {
-      sumOfOthers += double(pixels[i]) * pixels[i];
+      inlierSquares += double(pixels[i]) * pixels[i];
       signedSum += hits[i].t < reference[i].t ? -double(pixels[i]) : double(pixels[i]);
     }
     const Vec3f a = normalize(reference[i].normal), b = normalize(hits[i].normal);
@@ -65,9 +65,9 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
     samples.add(pixels[i], angle * 180.0f / float(M_PI), distanceOnPatch(reference[i], hits[i], layout));
   }
   result.bothHit = samples.hits();
-  const size_t others = result.bothHit - result.farOff;
-  result.rmseOfOthers = rootOfMean(sumOfOthers, others);
-  result.bias = others ? signedSum / double(others) : 0.0;
+  const size_t inliers = result.bothHit - result.farOff;
+  result.inlierRmse = rootOfMean(inlierSquares, inliers);
+  result.bias = inliers ? signedSum / double(inliers) : 0.0;
   static_cast<ErrorSummary&>(result) = samples.summary();
   return result;
 }

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* How far the hits of one representation lie from those of another. The error is
- * the paper's: the distance between both hit points over the width of a pixel at
- * the reference's distance. */
+/* Distances between the hits of two representations. The error is the paper's: the distance between both hit points,
+ * divided by the width of a pixel at the distance of the reference. */
 
 #include "building/surface_hit.h"
 #include "measure/error_summary.h"
@@ -16,32 +15,29 @@
 
 namespace cbvh {
 
-/* Over rays where both hit, against the reference. */
+/* Errors over rays for which both the reference and the representation have hits. */
 struct HitErrors : ErrorSummary
 {
   size_t rays = 0;
   size_t bothHit = 0;
-  size_t falseHits = 0;        // hit where the reference misses
-  size_t misses = 0;           // miss where the reference hits
-  /* Rays off by more than 5 pixels, which is another sheet of the surface more often
-   * than not: behind a silhouette, or through a crack. A few of them make the RMSE;
-   * this is the one without them. */
+  size_t falseHits = 0; // hits where the reference misses
+  size_t misses = 0;    // misses where the reference hits
+  /* Errors of more than 5 pixels usually mean another sheet of the surface, at a silhouette or through a crack. A few
+   * of them dominate the RMSE, so inlierRmse and bias exclude them. */
   size_t farOff = 0;
-  double rmseOfOthers = 0;
-  double bias = 0;             // mean of the signed distance along the ray of those others, positive: behind
+  double inlierRmse = 0;
+  double bias = 0; // mean signed distance along the ray, positive if behind the reference
 };
 
-/* Compares hits of primary rays.
- *
- * reference, hits: one a ray, same rays. footprint: width of a pixel at distance 1
- * for directions of length 1. layout: of the model at the level of both. */
+/* Compares hits of primary rays. `reference` and `hits` hold one entry per ray, in the order of the rays. `footprint`
+ * is the width of a pixel at distance 1; directions have unit length. `layout` is the model's at the level of both. */
 HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits, float footprint,
                       const PatchLayout& layout);
 
 constexpr float farOffPixels = 5.0f;
 
-/* The nearer hit of each ray. Two tracings of the same surface differ where one of
- * them lets a ray slip between two triangles, and then the nearer one is right. */
+/* Returns the nearer hit of each ray. If two traversals of the same surface differ because one ray slipped between two
+ * triangles, the nearer hit is the correct one. */
 std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b);
 
 /* Special values of pixelErrors. */
@@ -49,7 +45,7 @@ constexpr float falseHitError = -1.0f;
 constexpr float missError = -2.0f;
 constexpr float backgroundError = -3.0f;
 
-/* Error of each ray in pixels, or one of the values above where not both hit. */
+/* Returns the error of each ray in pixels, or one of the values above unless both hit. */
 std::vector<float> pixelErrors(const std::vector<SurfaceHit>& reference, const std::vector<SurfaceHit>& hits,
                                float footprint);
 

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Places inside are found from the surface: from an aim point a ray goes inwards, and
- * half of its way to the other side is inside, and sees the aim point. It is inside if
- * rays from there first hit the surface from its back, as GRID sees it. */
+/* Places inside are found from the surface: a ray goes inwards from an aim point, and the middle between its ends is
+ * inside and sees the aim point. A place counts as inside if random rays from it first hit GRID's surface from the
+ * back. */
 
 #include "measure/leak_rays.h"
 #include "basics/parallel.h"
@@ -29,7 +29,7 @@ struct Place
 struct Found
 {
   float t = INFINITY;
-  float slope = 0; // how fast the ray leaves the surface for its outside, a unit of t
+  float slope = 0; // rate at which the ray leaves the surface to the outside, per unit of t
   Vec3f normal;
 
   bool fromBack() const { return slope > 0.0f; }
@@ -91,7 +91,7 @@ public:
     for (size_t i = 0; i < places; i++)
     {
       Place place;
-      if (findPlace(points[i % numMeetings], i / numMeetings % 2, place))
+      if (findPlace(points[i % numAimKinds], i / numAimKinds % 2, place))
         drawFrom(place);
     }
     trace();
@@ -99,8 +99,8 @@ public:
   }
 
 private:
-  /* grazing: the aim point is seen at less than 6 degrees, or a little more where that
-   * stays too near to the surface. */
+  /* If `grazing`, the aim point is seen at less than 6 degrees, or slightly more if attempts end too close to the
+   * surface. */
   bool findPlace(const std::vector<AimPoint>& from, bool grazing, Place& place)
   {
     for (int attempt = 0; attempt < 64 && !from.empty(); attempt++)
@@ -109,7 +109,7 @@ private:
       const Vec3f inwards = -normalize(place.target.normal);
       const float cosine = (grazing ? 0.1f + 0.01f * float(attempt) : 1.0f) * uniform(random);
       const Vec3f direction = around(inwards, cosine, 2.0f * float(M_PI) * uniform(random));
-      const float edge = length(place.target.neighbour - place.target.position);
+      const float edge = length(place.target.neighbor - place.target.position);
       const Found wall = closest(grid, context, rayFrom(place.target.position, direction, 0.01f * edge));
       if (!wall.fromBack() || wall.t < 4.0f * std::max(edge, settings.thickness))
         continue;
@@ -136,9 +136,8 @@ private:
     return true;
   }
 
-  /* Not within the thickness of the surface, where a ray may have left it behind. Looks
-   * along the normals of walls that p sees, there and anywhere: the nearest point of each
-   * is that way. */
+  /* True if p is farther from the surface than the thickness; otherwise a ray may start behind the surface. Searches
+   * along the normals of walls that p sees in the given and in random directions, where their nearest points are. */
   bool isClear(Vec3f p, std::array<Vec3f, 2> directions)
   {
     const float distance = 1.5f * settings.thickness;
@@ -162,7 +161,7 @@ private:
     draw(place, d, true);
     draw(place, {nudged(d.x, random), nudged(d.y, random), nudged(d.z, random)}, true);
     for (int i = 0; i < 3; i++)
-      draw(place, towards(lerp(a.position, a.neighbour, uniform(random))), true);
+      draw(place, towards(lerp(a.position, a.neighbor, uniform(random))), true);
     draw(place, normalize(d), true);
     draw(place, anyDirection(random), false);
     const float side = random() & 1 ? 1.0f : -1.0f;
@@ -175,7 +174,7 @@ private:
     drawn.push_back({rayFrom(place.origin, direction), aimed});
   }
 
-  /* All rays at once, as a device likes it. */
+  /* Traces all rays in one call, which devices need for speed. */
   void trace()
   {
     std::vector<RTCRayHit> closestHits(drawn.size());
@@ -194,14 +193,14 @@ private:
   void judge(const Ray& ray, bool aimed, const Found& inScene, bool anyInScene)
   {
     const Found inGrid = closest(grid, context, ray);
-    const Leaks ofScene = leaks(inScene, anyInScene, inGrid, ray);
+    const Leaks sceneLeaks = leaks(inScene, anyInScene, inGrid, ray);
     counts.rays++;
     counts.aimed += aimed;
-    counts.ofGrid += leaks(inGrid, any(grid, context, ray), inScene, ray);
-    counts.ofScene += ofScene;
+    counts.gridLeaks += leaks(inGrid, any(grid, context, ray), inScene, ray);
+    counts.sceneLeaks += sceneLeaks;
     if (!aimed)
-      counts.random += ofScene;
-    if (ofScene.closest + ofScene.any + ofScene.through > 0 && counts.examples.size() < maxExamples)
+      counts.random += sceneLeaks;
+    if (sceneLeaks.closest + sceneLeaks.any + sceneLeaks.through > 0 && counts.examples.size() < maxExamples)
       counts.examples.push_back(ray);
   }
 
@@ -214,9 +213,8 @@ private:
     return leaks;
   }
 
-  /* Whether a hit is well behind the wall that the other scene sees first, by its own
-   * normal of the outside, and halfway from that wall the ray is outside: not where one
-   * only touches the wall and goes on, to another that is inside of the same surface. */
+  /* True if a hit is on the outside of a wall, well behind the first wall of the other scene, and the ray is outside
+   * halfway between. This excludes rays that only touch the first wall and continue inside the surface. */
   bool leaksThrough(const Found& found, const Found& first, const Ray& ray)
   {
     const float tolerance = 2.0f * settings.thickness + 1e-5f * length(ray.origin);
@@ -265,8 +263,8 @@ LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& 
     const std::lock_guard<std::mutex> lock(mutex);
     sum.rays += local.rays;
     sum.aimed += local.aimed;
-    sum.ofScene += local.ofScene;
-    sum.ofGrid += local.ofGrid;
+    sum.sceneLeaks += local.sceneLeaks;
+    sum.gridLeaks += local.gridLeaks;
     sum.random += local.random;
     for (const Ray& ray : local.examples)
       if (sum.examples.size() < maxExamples)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Summaries of many values. */
+/* Quantiles and medians. */
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* The q-quantile (nearest rank) of values, which it reorders; 0 when there are none. */
+/* Returns the q-quantile (nearest rank) of values, which it reorders; 0 if there are none. */
 inline double quantile(std::vector<float>& values, double q)
 {
   if (values.empty())
@@ -23,7 +23,7 @@ inline double quantile(std::vector<float>& values, double q)
   return values[k];
 }
 
-/* Of at least one value. */
+/* Returns the median of at least one value. */
 inline double median(std::vector<double> values)
 {
   std::sort(values.begin(), values.end());
@@ -31,7 +31,7 @@ inline double median(std::vector<double> values)
   return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/* Range of the middle half of the values, at least one, by nearest ranks. */
+/* Returns the interquartile range of at least one value, by nearest ranks. */
 inline double interquartileRange(std::vector<double> values)
 {
   std::sort(values.begin(), values.end());

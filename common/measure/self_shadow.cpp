@@ -16,7 +16,7 @@ bool seenFromBehind(const Ray& ray, const SurfaceHit& hit)
   return dot(hit.normal, ray.direction) > 0.0f;
 }
 
-/* On the side that the ray comes from; nothing where there is no normal. */
+/* Returns the unit normal on the side of the ray, or the zero vector if there is no normal. */
 Vec3f facing(const Ray& ray, const SurfaceHit& hit)
 {
   const Vec3f n = normalize(hit.normal);
@@ -33,7 +33,7 @@ bool hasNormal(const SurfaceHit& hit)
   return hit.hit() && length(hit.normal) > 0.0f;
 }
 
-/* Rays that are traced at once, as a device likes it. */
+/* Rays that are traced in one call, which devices need for speed. */
 class ShadowRays
 {
 public:
@@ -66,17 +66,17 @@ ShadowComparison& operator+=(ShadowComparison& sum, const ShadowComparison& c)
 {
   sum.rays += c.rays;
   sum.occluded += c.occluded;
-  sum.raysOfSame += c.raysOfSame;
-  sum.raysOfTurned += c.raysOfTurned;
+  sum.sameHitRays += c.sameHitRays;
+  sum.flippedRays += c.flippedRays;
   sum.all += c.all;
-  sum.ofSame += c.ofSame;
-  sum.ofTurned += c.ofTurned;
+  sum.sameHitErrors += c.sameHitErrors;
+  sum.flippedErrors += c.flippedErrors;
   sum.control += c.control;
   return sum;
 }
 
-/* Random numbers of a chunk of pixels. A pixel always takes the same number of them, so
- * that every representation gets the same. */
+/* Random numbers of a chunk of pixels. Every pixel consumes the same number of them, so that every representation gets
+ * the same directions. */
 std::mt19937 randomOfChunk(const ShadowSettings& settings, size_t begin)
 {
   return std::mt19937(settings.seed + 0x9E3779B9u * uint32_t(begin / chunk + 1));
@@ -87,7 +87,7 @@ void skipPixel(const ShadowSettings& settings, std::mt19937& random)
   random.discard(2 * settings.raysPerHit);
 }
 
-/* The ray from a hit into a direction, on the side that the primary ray comes from. */
+/* Returns the ray from a hit in a direction, offset to the side of the primary ray. */
 Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, const ShadowSettings& settings,
                  float footprint)
 {
@@ -106,7 +106,8 @@ Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, con
 class PixelComparer
 {
 public:
-  PixelComparer(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings)
+  PixelComparer(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
+                const ShadowSettings& settings)
     : grid(grid), seen(seen), primary(primary), settings(settings)
   {
   }
@@ -121,7 +122,7 @@ public:
       return;
     }
     const bool same = std::abs(hit.t - gridHit.t) <= primary.footprint * gridHit.t;
-    const bool turned = seenFromBehind(ray, hit) != seenFromBehind(ray, gridHit);
+    const bool flipped = seenFromBehind(ray, hit) != seenFromBehind(ray, gridHit);
     const Vec3f n = facing(ray, gridHit);
     for (unsigned k = 0; k < settings.raysPerHit; k++)
     {
@@ -130,7 +131,7 @@ public:
       truth.add(secondaryRay(ray, gridHit, direction, settings, primary.footprint));
       own.add(ownRay);
       control.add(ownRay);
-      kinds.push_back({same, turned});
+      kinds.push_back({same, flipped});
     }
   }
 
@@ -149,13 +150,13 @@ public:
       count(sum.control, isShadow, control.isOccluded(i));
       if (kinds[i].same)
       {
-        sum.raysOfSame++;
-        count(sum.ofSame, isShadow, found);
+        sum.sameHitRays++;
+        count(sum.sameHitErrors, isShadow, found);
       }
-      if (kinds[i].turned)
+      if (kinds[i].flipped)
       {
-        sum.raysOfTurned++;
-        count(sum.ofTurned, isShadow, found);
+        sum.flippedRays++;
+        count(sum.flippedErrors, isShadow, found);
       }
     }
     return sum;
@@ -164,19 +165,19 @@ public:
 private:
   struct Kind
   {
-    bool same, turned;
+    bool same, flipped;
   };
 
-  const SeenScene &grid, &seen;
+  const TracedHits &grid, &seen;
   const PictureRays& primary;
   const ShadowSettings& settings;
   ShadowRays truth, own, control;
-  std::vector<Kind> kinds; // of a ray each
+  std::vector<Kind> kinds; // per ray
 };
 
 } // namespace
 
-ShadowComparison compareShadows(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary,
+ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
                                 const ShadowSettings& settings, unsigned threads)
 {
   ShadowComparison sum;
@@ -194,7 +195,7 @@ ShadowComparison compareShadows(const SeenScene& grid, const SeenScene& seen, co
   return sum;
 }
 
-std::vector<float> ambientOcclusion(const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings,
+std::vector<float> ambientOcclusion(const TracedHits& seen, const PictureRays& primary, const ShadowSettings& settings,
                                     unsigned threads)
 {
   std::vector<float> light(primary.rays.size(), 1.0f);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Whether secondary rays that leave a representation's own hits see what GRID's see
- * from GRID's hits: neither a surface that shadows itself nor light that comes through. */
+/* Compares secondary rays from a representation's own hits with secondary rays from GRID's hits: a surface must neither
+ * shadow itself nor let light through. */
 
 #include "building/scene_tracer.h"
 #include "building/surface_hit.h"
@@ -12,31 +12,32 @@
 
 #include <embree3/rtcore.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace cbvh {
 
-/* How a renderer keeps secondary rays off the surface that they leave. */
+/* The offset with which a renderer keeps secondary rays off the surface that they leave. */
 struct RayOffset
 {
   float length = 0.0f;  // along the geometric normal on the ray's side, world units
-  float pixels = 0.0f;  // the same, in widths of a pixel at the hit
-  float ulps = 0.0f;    // tnear along the ray, in ulps of the largest of |P| and t
+  float pixels = 0.0f;  // the same, in pixel widths at the hit
+  float ulps = 0.0f;    // tnear along the ray, in ulps of the maximum of |P| and t
 
-  /* That of Embree's own path tracer. */
+  /* The offset of Embree's own path tracer. */
   static RayOffset ofEmbree() { return {0.0f, 0.0f, 32.0f}; }
 };
 
-/* The primary rays of a picture, one a pixel. */
+/* The primary rays of a picture, one per pixel. */
 struct PictureRays
 {
   const std::vector<Ray>& rays;
   float footprint; // width of a pixel at distance 1
 };
 
-/* A scene and its hits of them. */
-struct SeenScene
+/* A scene and its hits of the primary rays. */
+struct TracedHits
 {
   const SceneTracer& scene;
   const std::vector<SurfaceHit>& hits;
@@ -45,13 +46,12 @@ struct SeenScene
 struct ShadowSettings
 {
   RayOffset offset;
-  float length = INFINITY; // of the secondary rays; infinite for ambient light
+  float length = INFINITY; // of the secondary rays; infinity for ambient light
   unsigned raysPerHit = 1;
   uint32_t seed = 1;
 };
 
-/* A false occlusion is light where a representation says shadow, a false pass the
- * opposite. */
+/* False occlusions are shadows where GRID's rays see light; false passes are the opposite. */
 struct ShadowErrors
 {
   size_t falseOcclusions = 0, falsePasses = 0;
@@ -62,29 +62,28 @@ struct ShadowErrors
 struct ShadowComparison
 {
   size_t rays = 0;
-  size_t occluded = 0;       // of GRID's
+  size_t occluded = 0; // in GRID
   ShadowErrors all;
-  /* Those of pixels whose hits are at the same place, to a pixel: the others see
-   * another part of the surface, and are no matter of self-shadowing. */
-  size_t raysOfSame = 0;
-  ShadowErrors ofSame;
-  /* Those of pixels whose normal is seen from behind where GRID's is not, or the opposite:
-   * their rays start on the wrong side. */
-  size_t raysOfTurned = 0;
-  ShadowErrors ofTurned;
-  /* The control: GRID's rays from the representation's hits. What is wrong with them,
-   * too, is wrong with the hit, not with how a ray leaves it. */
+  /* Pixels whose hits agree to a pixel width. In other pixels the representation sees another part of the surface,
+   * which is not self-shadowing. */
+  size_t sameHitRays = 0;
+  ShadowErrors sameHitErrors;
+  /* Pixels in which only one of both normals points away from the viewer, so that rays start on the wrong side. */
+  size_t flippedRays = 0;
+  ShadowErrors flippedErrors;
+  /* The control: rays from the representation's hits, traced through GRID. Their errors come from the position of the
+   * hit, not from the way in which a ray leaves it. */
   ShadowErrors control;
 };
 
-/* From each pixel that both hit, the same directions, of cosine distribution about
- * GRID's normal, on the side that the primary ray comes from. Throws Cancelled. */
-ShadowComparison compareShadows(const SeenScene& grid, const SeenScene& seen, const PictureRays& primary,
+/* Traces the same directions from each pixel that both scenes hit: cosine-distributed about GRID's normal, on the side
+ * of the primary ray. Throws Cancelled. */
+ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
                                 const ShadowSettings& settings, unsigned threads);
 
-/* Share of directions that are free, a value a pixel, 1 where there is no hit; of a cosine
- * distribution about the hit's own normal. Throws Cancelled. */
-std::vector<float> ambientOcclusion(const SeenScene& seen, const PictureRays& primary, const ShadowSettings& settings,
+/* Returns for each pixel the fraction of unoccluded directions, 1 for a miss. Directions are cosine-distributed about
+ * the hit's own normal. Throws Cancelled. */
+std::vector<float> ambientOcclusion(const TracedHits& seen, const PictureRays& primary, const ShadowSettings& settings,
                                     unsigned threads);
 
 } // namespace cbvh

@@ -12,13 +12,14 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <utility>
 
 namespace cbvh {
 namespace {
 
-constexpr int cageQuads = 4;           // along a side
-constexpr double rim = 0.9;            // rays stay within, as borders move sideways
-constexpr size_t raysOfChunk = 1000;   // drawn from one seed
+constexpr int cageQuads = 4;         // per side
+constexpr double rim = 0.9;          // rays stay within, because displacement moves borders sideways
+constexpr size_t raysOfChunk = 1000; // with one seed
 constexpr size_t maxExamples = 16;
 constexpr double pi = 3.14159265358979323846;
 
@@ -34,7 +35,7 @@ private:
   std::mt19937_64 engine;
 };
 
-/* Rates of all edges, the same on both sides of each. */
+/* Returns random rates of all edges, the same on both sides of each edge. */
 std::vector<float> drawRates(Draws& draws)
 {
   const auto vertex = [](int x, int y) { return y * (cageQuads + 1) + x; };
@@ -62,7 +63,7 @@ DisplacedSheet drawSheet(Draws& draws)
   sheet.amplitude = draws.magnitude(0.03, 5);
   sheet.sideways = draws.below(2) ? draws.uniform(0, 0.6) : 0;
   sheet.frequency = draws.magnitude(0.35, 1.6);
-  const int rates = draws.below(8); // most are powers of two
+  const int rates = draws.below(8); // 6 of 8 sheets have a power of two
   sheet.rate = rates == 0 ? float(1 + draws.below(40)) : float(1 << sheet.level);
   if (rates == 1)
     sheet.rates = drawRates(draws);
@@ -88,15 +89,16 @@ void displace(const RTCDisplacementFunctionNArguments* args)
 
 bool isHit(const RTCRayHit& ray) { return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
-/* From above all that can be hit to below it, or the other way, over the sheet. */
+/* Returns a ray over the sheet from above everything that can be hit to below it, or the opposite. */
 Ray drawRay(Draws& draws, const RTCBounds& bounds)
 {
   const double height = bounds.upper_z - bounds.lower_z + 0.02;
   while (true)
   {
     const double slope = draws.magnitude(0.03, 3);
-    double above = bounds.upper_z + height * draws.uniform(0.01, 1), below = bounds.lower_z - height * draws.uniform(0.01, 1);
-    if (above - below > slope * rim) // too long for the sheet: closer
+    double above = bounds.upper_z + height * draws.uniform(0.01, 1);
+    double below = bounds.lower_z - height * draws.uniform(0.01, 1);
+    if (above - below > slope * rim) // too long for the sheet: start and end closer
     {
       above = bounds.upper_z + 1e-3;
       below = bounds.lower_z - 1e-3;
@@ -112,7 +114,7 @@ Ray drawRay(Draws& draws, const RTCBounds& bounds)
   }
 }
 
-/* The signs of a direction: rays of a packet go together if they have the same. */
+/* Returns the signs of a direction. Packets are traced together if all rays have the same. */
 int octant(const Ray& ray)
 {
   return (ray.direction.x < 0) + 2 * (ray.direction.y < 0) + 4 * (ray.direction.z < 0);
@@ -121,7 +123,10 @@ int octant(const Ray& ray)
 class SceneOfSheet
 {
 public:
-  SceneOfSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompression compression) : scene(commitSheet(device, sheet, compression)) {}
+  SceneOfSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompression compression)
+    : scene(commitSheet(device, sheet, compression))
+  {
+  }
   ~SceneOfSheet() { rtcReleaseScene(scene); }
   SceneOfSheet(const SceneOfSheet&) = delete;
   SceneOfSheet& operator=(const SceneOfSheet&) = delete;
@@ -134,8 +139,9 @@ private:
 std::string describe(const DisplacedSheet& sheet, const Ray& r, bool closest, bool any)
 {
   char text[300];
-  std::snprintf(text, sizeof(text), "%s, ray (%.9g, %.9g, %.9g), (%.9g, %.9g, %.9g): %s%s", sheet.describe().c_str(), r.origin.x, r.origin.y,
-                r.origin.z, r.direction.x, r.direction.y, r.direction.z, closest ? "" : "closest ", any ? "" : "any");
+  std::snprintf(text, sizeof(text), "%s, ray (%.9g, %.9g, %.9g), (%.9g, %.9g, %.9g): %s%s", sheet.describe().c_str(),
+                r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z,
+                closest ? "" : "closest ", any ? "" : "any");
   return text;
 }
 
@@ -144,8 +150,8 @@ std::string describe(const DisplacedSheet& sheet, const Ray& r, bool closest, bo
 std::string DisplacedSheet::describe() const
 {
   char text[200];
-  std::snprintf(text, sizeof(text), "level %d, n %d, rate %g%s, amplitude %.9g, sideways %.9g, frequency %.9g", level, frameLevel, rate,
-                rates.empty() ? "" : " (mixed)", amplitude, sideways, frequency);
+  std::snprintf(text, sizeof(text), "level %d, n %d, rate %g%s, amplitude %.9g, sideways %.9g, frequency %.9g", level,
+                frameLevel, rate, rates.empty() ? "" : " (mixed)", amplitude, sideways, frequency);
   return text;
 }
 
@@ -153,7 +159,10 @@ RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompressi
 {
   constexpr int n = cageQuads + 1;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
-  float* p = (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), n * n);
+  const auto newBuffer = [&](RTCBufferType type, RTCFormat format, size_t bytes, size_t count) {
+    return rtcSetNewGeometryBuffer(geometry, type, 0, format, bytes, count);
+  };
+  float* p = (float*)newBuffer(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * sizeof(float), n * n);
   for (int i = 0; i < n * n; i++)
   {
     *p++ = 2.0f * float(i % n) / cageQuads - 1;
@@ -161,8 +170,8 @@ RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompressi
     *p++ = 0;
   }
   constexpr int faces = cageQuads * cageQuads;
-  unsigned* face = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, sizeof(unsigned), faces);
-  unsigned* index = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(unsigned), 4 * faces);
+  unsigned* face = (unsigned*)newBuffer(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, sizeof(unsigned), faces);
+  unsigned* index = (unsigned*)newBuffer(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, sizeof(unsigned), 4 * faces);
   for (int i = 0; i < faces; i++)
   {
     const unsigned first = unsigned((i / cageQuads) * n + i % cageQuads);
@@ -171,7 +180,7 @@ RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompressi
   }
   if (!sheet.rates.empty())
   {
-    float* rate = (float*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, sizeof(float), sheet.rates.size());
+    float* rate = (float*)newBuffer(RTC_BUFFER_TYPE_LEVEL, RTC_FORMAT_FLOAT, sizeof(float), sheet.rates.size());
     std::copy(sheet.rates.begin(), sheet.rates.end(), rate);
   }
   rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_PIN_ALL);
@@ -191,14 +200,15 @@ RTCScene commitSheet(RTCDevice device, const DisplacedSheet& sheet, RTCCompressi
   return scene;
 }
 
-SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const SheetSettings& settings, unsigned threads)
+SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const SheetSettings& settings,
+                           unsigned threads)
 {
   SheetCrossings all;
   Draws draws(settings.seed);
   std::mutex mutex;
   while (all.rays < settings.rays)
   {
-    const size_t rays = std::min(settings.raysASheet, settings.rays - all.rays);
+    const size_t rays = std::min(settings.raysPerSheet, settings.rays - all.rays);
     const DisplacedSheet sheet = drawSheet(draws);
     const SceneOfSheet grid(device, sheet, RTC_COMPRESSION_NONE), scene(device, sheet, compression);
     RTCBounds bounds, own;
@@ -234,7 +244,7 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
         RTCRayHit inGrid;
         load(ray, inGrid);
         EmbreeTracer(grid).intersect(&inGrid, 1);
-        if (!isHit(inGrid)) { found.ofGrid++; continue; }
+        if (!isHit(inGrid)) { found.gridMisses++; continue; }
         found.closest += !closest;
         found.any += !any;
         found.examples.push_back(describe(sheet, ray, closest, any));
@@ -242,7 +252,7 @@ SheetCrossings crossSheets(RTCDevice device, RTCCompression compression, const S
       std::lock_guard<std::mutex> lock(mutex);
       all.closest += found.closest;
       all.any += found.any;
-      all.ofGrid += found.ofGrid;
+      all.gridMisses += found.gridMisses;
       for (std::string& example : found.examples)
         if (all.examples.size() < maxExamples) all.examples.push_back(std::move(example));
     });

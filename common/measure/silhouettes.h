@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Where a picture shows silhouettes. A ray that passes one in one representation and not
- * in the other has the distance between two sheets for an error, whatever the
- * representation is like; errors of the others are those of the surface itself. */
+/* Finds silhouettes in a picture. If a ray passes a silhouette in only one of two representations, its error is the
+ * distance between two sheets, whatever the quality of the representation. Errors of other rays are errors of the
+ * surface itself. */
 
 #include "building/surface_hit.h"
 #include "tracing/camera.h"
@@ -16,11 +16,9 @@
 
 namespace cbvh {
 
-/* Indices of the hits that are away from silhouettes: where all of 3 x 3 pixels see the
- * plane of the hit in the middle, to 3 pixels along their rays. Those at the rim of the
- * picture are left out.
- *
- * primary, hits: one a pixel, in rows, of the camera. */
+/* Returns the indices of hits away from silhouettes: all 3 x 3 pixels around see the plane of the hit, to 3 pixel
+ * widths along their rays. Excludes the border of the picture. `primary` and `hits` hold one entry per pixel of the
+ * camera, in rows. */
 std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits,
                                             const Camera& camera);
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Two scenes of one surface trace the same rays in turns: how many times as fast one is. */
+/* Relative speed of two scenes of one surface, which trace the same rays alternately. */
 
 #include "basics/seconds.h"
 #include "building/scene_tracer.h"
@@ -22,15 +22,17 @@ namespace cbvh {
 
 enum class TimedQuery { Single, Packets, AnyHit };
 
-/* Processor time of the calling thread, in seconds. hits: of the rays. */
-inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits, TimedQuery query)
+/* Returns the processor time of the calling thread in seconds. `hits` receives the hits of the rays. */
+inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits,
+                         TimedQuery query)
 {
   hits = rays;
+  const clockid_t clock = CLOCK_THREAD_CPUTIME_ID;
   if (query == TimedQuery::Packets)
-    return processorSecondsOf(CLOCK_THREAD_CPUTIME_ID, [&] { PacketTracer(scene).intersect(hits.data(), hits.size()); });
+    return processorSecondsOf(clock, [&] { PacketTracer(scene).intersect(hits.data(), hits.size()); });
   if (query == TimedQuery::Single)
-    return processorSecondsOf(CLOCK_THREAD_CPUTIME_ID, [&] { EmbreeTracer(scene).intersect(hits.data(), hits.size()); });
-  return processorSecondsOf(CLOCK_THREAD_CPUTIME_ID, [&] {
+    return processorSecondsOf(clock, [&] { EmbreeTracer(scene).intersect(hits.data(), hits.size()); });
+  return processorSecondsOf(clock, [&] {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (RTCRayHit& r : hits)
@@ -38,9 +40,10 @@ inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std
   });
 }
 
-/* Speed of `ours` in multiples of `theirs`, in each of `repeat` turns. hits: theirs and ours of the last turn. */
-inline std::vector<double> speedsInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays,
-                                         TimedQuery query, unsigned repeat, std::vector<RTCRayHit> hits[2])
+/* Returns the speed of `ours` divided by the speed of `theirs` for each of `repeat` runs. `hits` receives theirs and
+ * ours of the last run. */
+inline std::vector<double> interleavedSpeedups(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays,
+                                               TimedQuery query, unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
   std::vector<double> ratios;
   for (unsigned i = 0; i < repeat; i++)
@@ -51,20 +54,21 @@ inline std::vector<double> speedsInTurns(RTCScene theirs, RTCScene ours, const s
   return ratios;
 }
 
-/* The median of speedsInTurns. */
-inline double speedInTurns(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays, TimedQuery query,
-                           unsigned repeat, std::vector<RTCRayHit> hits[2])
+/* Returns the median of interleavedSpeedups. */
+inline double medianSpeedup(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays, TimedQuery query,
+                            unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
-  return median(speedsInTurns(theirs, ours, rays, query, repeat, hits));
+  return median(interleavedSpeedups(theirs, ours, rays, query, repeat, hits));
 }
 
 inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
-/* A picture's rays, in rows and in tiles, and what bounces off the surface, at random times from 0 to 1 or at 0. */
+/* Rays of a picture, in rows and in tiles, and rays that bounce off the surface; at random times in [0,1) or at 0. */
 struct PictureRays
 {
-  /* side: of the picture, pixels. scene: whose hits the rays bounce off. */
-  PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes) : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {side, side}))
+  /* The picture is side x side pixels. Rays bounce off the hits of `scene`. */
+  PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes)
+    : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {side, side}))
   {
     const std::vector<Ray> rays = primaryRays(camera);
     primary = loaded(rays, atRandomTimes, 1);

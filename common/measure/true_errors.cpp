@@ -11,12 +11,12 @@
 namespace cbvh {
 namespace {
 
-/* What one hit gives; in pixels where nothing else is said. */
+/* Errors of one hit, in pixels unless stated otherwise. */
 struct Measure
 {
   bool measured = false, apart = false;
-  float distance = 0, world = 0, along = 0, angle = 0;
-  std::optional<float> cells; // on the same patch
+  float distance = 0, world = 0, along = 0, angle = 0; // world: in world units; angle: in degrees
+  std::optional<float> cells; // distance in (u,v) in quads, if on the same patch
 };
 
 Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout)
@@ -34,7 +34,8 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
   const Placement& copy = view.model.copies[hit.face / faces];
 
   const double pixel = double(view.footprint) * hit.t;
-  const Vec3d origin = copy.pointToCage(toDouble(ray.origin)), direction = copy.directionToCage(toDouble(ray.direction));
+  const Vec3d origin = copy.pointToCage(toDouble(ray.origin));
+  const Vec3d direction = copy.directionToCage(toDouble(ray.direction));
   const Vec3d x = origin + direction * (hit.t / copy.scale);
   const PatchPoint start = surface.patches().fromEmbree(reported);
   const double resolution = layout.find(hit.face, hit.u, hit.v).resolution;
@@ -57,7 +58,7 @@ Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, con
 
 } // namespace
 
-std::vector<size_t> sampleOfHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed)
+std::vector<size_t> sampleHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed)
 {
   std::vector<size_t> all;
   for (size_t i = 0; i < hits.size(); i++)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How far hits lie from the true surface: tessellation and compression together, by
- * the same measure for every representation. */
+/* Distances of hits from the true surface: the error of tessellation and compression together, measured in the same
+ * way for every representation. */
 
 #include "building/surface_hit.h"
 #include "measure/error_summary.h"
@@ -16,34 +16,33 @@
 
 namespace cbvh {
 
-/* Against the nearest point of the true surface. */
+/* Errors against the nearest point of the true surface. */
 struct TrueErrors : ErrorSummary
 {
-  size_t hits = 0; // that were measured
+  size_t hits = 0; // measured hits
   /* Distances in world units. */
   double rmseWorld = 0, medianWorld = 0, p99World = 0;
-  /* Signed distance along the ray, in pixels, positive: behind the true surface; of
-   * hits whose ray meets it within 5 pixels. The others graze it, or pass it by. */
+  /* Signed distance along the ray, in pixels, positive if behind the true surface. Only for hits whose ray intersects
+   * the true surface within 5 pixels; other rays graze or miss it. */
   double rmseAlong = 0, bias = 0;
-  size_t apart = 0; // those others
+  size_t apart = 0; // number of the other hits
 };
 
-/* Indices of `count` hits drawn at random, in order; of all there are when those are
- * fewer. */
-std::vector<size_t> sampleOfHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed);
+/* Returns the indices of `count` random hits in ascending order, or of all hits if there are fewer. */
+std::vector<size_t> sampleHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed);
 
-/* What all representations are compared with in a view. */
+/* Reference of all representations in a view. */
 struct TrueView
 {
   const Model& model;
-  const TrueSurfaces& surfaces;        // of the model
-  const std::vector<Ray>& rays;        // primary
-  std::vector<size_t> sample;          // of the rays
-  float footprint;                     // width of a pixel at distance 1
+  const TrueSurfaces& surfaces; // of the model
+  const std::vector<Ray>& rays; // primary rays
+  std::vector<size_t> sample;   // indices of the rays to measure
+  float footprint;              // width of a pixel at distance 1
 };
 
-/* hits: one a ray of the view; misses among the sample are left out. layout: of the
- * model at the level of the hits. Throws Cancelled. */
+/* `hits` holds one entry per ray of the view; misses in the sample are ignored. `layout` is the model's at the level of
+ * the hits. Throws Cancelled. */
 TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout,
                                 unsigned threads);
 

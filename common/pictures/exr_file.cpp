@@ -8,13 +8,13 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfOutputFile.h>
 
+#include <exception>
 #include <stdexcept>
 
 namespace cbvh {
 namespace {
 
-/* OpenEXR writes the last part where its file is destroyed, and ignores what fails there. The PendingFile remembers
- * it. */
+/* OpenEXR writes the last part in a destructor and ignores errors there. The PendingFile records them. */
 class PendingStream : public Imf::OStream
 {
 public:

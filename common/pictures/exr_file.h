@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Images by OpenEXR, whose channels OpenImageIO would have of one type. */
+/* Writes images with OpenEXR, because OpenImageIO does not support channels of different types. */
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* Writes an image of so many lines, whole or not at all. Throws Error with the path. */
+/* Writes `lines` lines of an image, completely or not at all. Throws Error with the path. */
 void writeExrFile(const std::string& path, const Imf::Header& header, const Imf::FrameBuffer& frame, int lines);
 
 } // namespace cbvh

@@ -12,12 +12,12 @@
 
 namespace cbvh {
 
-/* 8-bit sRGB, rows from the top. */
+/* An image in 8-bit sRGB, rows from the top. */
 struct Image
 {
   explicit Image(ImageSize size) : size(size), rgb(size_t(size.width) * size.height * 3) {}
 
-  /* color: linear, 0 to 1. */
+  /* `color` is linear, 0 to 1; values outside are clamped. */
   void set(size_t pixel, Vec3f color);
 
   ImageSize size;

@@ -19,8 +19,8 @@ void writePng(const std::string& path, const Image& image)
   writeImageFile(path, spec, OIIO::TypeDesc::UINT8, image.rgb.data());
 }
 
-void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
-              const std::vector<SurfaceHit>& hits)
+void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors,
+              const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits)
 {
   constexpr int floats = 12;
   static const char* const names[floats] = {"P.X", "P.Y", "P.Z", "Z", "N.X", "N.Y", "N.Z", "u", "v", "R", "G", "B"};
@@ -51,7 +51,7 @@ void writeExr(const std::string& path, ImageSize whole, const Crop& part, const 
   const Imath::Box2i display({0, 0}, {whole.width - 1, whole.height - 1});
   const Imath::Box2i data({part.x0, part.y0}, {part.x1 - 1, part.y1 - 1});
   Imf::Header header(display, data);
-  /* slices begin at pixel (0,0) of the whole; as numbers, for there is nothing of ours */
+  /* OpenEXR expects the address of pixel (0,0) of the whole picture, which may be outside of our array. */
   const auto origin = [&](void* first, size_t stride) {
     return reinterpret_cast<char*>(intptr_t(first) - (intptr_t(part.y0) * size.width + part.x0) * intptr_t(stride));
   };

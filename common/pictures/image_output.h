@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Pictures: PNG through OpenImageIO, colours and hits as multi-channel EXR through OpenEXR. Both
- * appear under their names complete or not at all. */
+/* Writes pictures: PNG through OpenImageIO, colors and hits as multi-channel EXR through OpenEXR. Files appear either
+ * complete or not at all. */
 
 #include "building/surface_hit.h"
 #include "pictures/image.h"
@@ -16,15 +16,15 @@
 
 namespace cbvh {
 
-/* Throws Error with the path. */
+/* Writes an 8-bit image. Throws Error with the path. */
 void writePng(const std::string& path, const Image& image);
 
-/* Writes a part of a picture that is `whole` large as what OpenEXR calls a crop window: its pixels are the data window, the display window is the whole.
- * colors: linear, float channels R G B. hits: of primary rays, float channels P.X P.Y P.Z (hit point), Z (distance
- * along the ray, infinite where it misses), N.X N.Y N.Z (geometric normal of length
- * 1), u, v, and primID as an unsigned integer (0xffffffff where it misses), which a
- * float cannot hold. Throws Error with the path. */
-void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
-              const std::vector<SurfaceHit>& hits);
+/* Writes a part of a picture of size `whole`, with the part as data window and the whole picture as display window.
+ *
+ * Channels: linear colors R G B; hits of primary rays P.X P.Y P.Z (hit point), Z (distance along the ray, infinite for
+ * a miss), N.X N.Y N.Z (unit geometric normal), u, v, all as floats; primID as an unsigned integer (0xffffffff for a
+ * miss), which a float cannot hold. Throws Error with the path. */
+void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors,
+              const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
 
 } // namespace cbvh

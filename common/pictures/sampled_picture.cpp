@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-/* The additive sequence of the plastic number, which fills a square evenly at any length. */
+/* The additive sequence of the plastic number, any prefix of which fills a square evenly. */
 Vec2f sampleOffset(int i)
 {
   const auto offset = [i](double step) {
@@ -62,8 +62,9 @@ std::vector<Vec3f> SampledPicture::linear() const
   return colors;
 }
 
-SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits,
-                     int samples, const Shutter& shutter, HitColors colors, unsigned threads)
+SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up,
+                              const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits, int samples,
+                              const Shutter& shutter, HitColors colors, unsigned threads)
 {
   SampledPicture picture(camera, part, up, colors);
   picture.add(first, hits, threads);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A shaded picture of several samples a pixel. Where quads are smaller than pixels, one sample shows one of them,
- * and fine displacement looks like salt and pepper. */
+/* A shaded picture with several samples per pixel. If quads are smaller than pixels, a single sample shows only one of
+ * them, and fine displacement looks like noise. */
 
 #include "building/traced_scene.h"
 #include "pictures/image.h"
@@ -17,7 +17,8 @@
 
 namespace cbvh {
 
-/* Where sample i of a pixel lies, in pixels from its centre: the first there, all of them spread evenly over the pixel. */
+/* Returns the position of sample i, in pixels from the center of the pixel. Sample 0 is the center; samples cover the
+ * pixel evenly. */
 Vec2f sampleOffset(int i);
 
 class SampledPicture
@@ -25,32 +26,34 @@ class SampledPicture
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* A part of it, with the colours that it has in the whole. */
+  /* A part of the picture, with the same colors as in the whole picture. */
   SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* One sample more of each pixel. rays, hits: one a pixel, in rows. Throws Cancelled. */
+  /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Cancelled. */
   void add(const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, unsigned threads = 1);
 
-  /* The mean of the samples, before the background. */
+  /* Return the mean of the samples over the background: as sRGB, and linear. */
   Image image() const;
   std::vector<Vec3f> linear() const;
 
-  /* The same pixel by pixel, for callers with loops of their own: different pixels may be on different threads.
-   * Every pixel gets its sample before endSample says that all have it. */
+  /* Adds a sample to one pixel, for callers with their own loops. Different pixels may be on different threads. Call
+   * endSample after every pixel has its sample. */
   void addTo(size_t pixel, const Ray& ray, const SurfaceHit& hit);
   void endSample() { samples++; }
   Vec3f mean(size_t pixel) const { return (1.0f / float(samples)) * sums[pixel]; } // linear
 
 private:
   Crop part;
-  int height; // of the whole
+  int height; // of the whole picture
   HitShader shader;
   std::vector<Vec3f> sums; // linear
   int samples = 0;
 };
 
-/* The picture that a scene makes, or a part of it. rays, hits: of primaryRays, with times, which are the first samples. Throws Cancelled. */
-SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits,
-                     int samples, const Shutter& shutter, HitColors colors, unsigned threads);
+/* Renders a scene, or a part of the picture. `first` and `hits` belong to primaryRays with times; they are the first
+ * samples. Throws Cancelled. */
+SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up,
+                              const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits, int samples,
+                              const Shutter& shutter, HitColors colors, unsigned threads);
 
 } // namespace cbvh

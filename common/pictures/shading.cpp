@@ -35,7 +35,7 @@ Vec3f backgroundColor(float fraction)
   return lerp({0.86f, 0.89f, 0.93f}, {0.62f, 0.66f, 0.72f}, fraction);
 }
 
-Image greyPicture(ImageSize size, const std::vector<float>& values)
+Image grayImage(ImageSize size, const std::vector<float>& values)
 {
   Image image(size);
   for (size_t i = 0; i < values.size(); i++)
@@ -60,7 +60,7 @@ Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::
 
 Vec3f errorColor(float error)
 {
-  /* Stops at 0, 1.25, 2.5, 3.75 and 5 pixels. */
+  /* Colors at 0, 1.25, 2.5, 3.75 and 5 pixels. */
   const Vec3f stops[5] = {{0.02f, 0.05f, 0.75f}, {0.0f, 0.65f, 0.85f}, {0.1f, 0.75f, 0.1f},
                           {1.0f, 0.8f, 0.0f}, {1.0f, 0.2f, 0.6f}};
   if (error == falseHitError)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Turns hits and errors into pictures. */
+/* Shades hits and errors. */
 
 #include "building/surface_hit.h"
 #include "pictures/image.h"
@@ -13,22 +13,20 @@
 
 namespace cbvh {
 
-/* What colour hits have. */
 enum class HitColors
 {
-  Neutral, // grey from both sides
-  Sides,   // magenta where the normal points away from the viewer: a wrong sign, or the inside of the surface
+  Neutral, // gray from both sides
+  Sides,   // magenta if the normal points away from the viewer: a wrong sign, or the inside of the surface
 };
 
-/* Two lights and the geometric normal as the representation reports it, turned towards
- * the viewer where it points away. */
+/* Shades with two lights and the representation's geometric normal, flipped towards the viewer if necessary. */
 class HitShader
 {
 public:
-  /* middle: direction of the ray in the middle of the picture, of length 1. */
+  /* `middle` is the unit direction of the ray in the middle of the picture. */
   HitShader(Vec3f middle, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* Colour of a hit, linear. */
+  /* Returns the linear color of a hit. */
   Vec3f color(const Ray& ray, const SurfaceHit& hit) const;
 
 private:
@@ -36,24 +34,22 @@ private:
   HitColors colors;
 };
 
-/* What a picture shows behind the surface. fraction: 0 at its top, 1 at its bottom. */
+/* Returns the linear background color. `fraction` is 0 at the top of the picture, 1 at the bottom. */
 Vec3f backgroundColor(float fraction);
 
-/* values: a pixel each, from 0, black, to 1, white. */
-Image greyPicture(ImageSize size, const std::vector<float>& values);
+/* `values` holds one value per pixel, from 0 (black) to 1 (white). */
+Image grayImage(ImageSize size, const std::vector<float>& values);
 
-/* Ambient occlusion of GRID, of another representation, and four times their difference,
- * side by side: grey for none, brighter where the representation lets more light in.
- * grid, light: a value a pixel, as ambientOcclusion makes them. */
+/* Returns three images side by side: ambient occlusion of GRID, of another representation, and four times their
+ * difference, gray for none, brighter where the representation lets more light in. `grid` and `light` are results of
+ * ambientOcclusion. */
 Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::vector<float>& light);
 
-/* Colour of one error of pixelErrors, see errorHeatMap. */
+/* Returns the color of one value of pixelErrors, see errorHeatMap. */
 Vec3f errorColor(float error);
 
-/* The paper's figure 10: from blue, no error, to pink at 5 pixels and beyond; black
- * where the representation hits and the reference misses. Orange is the opposite, a
- * miss; white the background.
- * errors: as pixelErrors makes them. */
+/* Colors of the paper's figure 10: from blue for no error to pink for 5 pixels and more; black for false hits, orange
+ * for misses, white for the background. `errors` is a result of pixelErrors. */
 Image errorHeatMap(ImageSize size, const std::vector<float>& errors);
 
 } // namespace cbvh

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the programs' option parsers share. */
+/* Option parsing that all programs share. */
 
 #include "basics/error.h"
 #include "basics/file_output.h"
@@ -19,11 +19,12 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace cbvh {
 
-/* The option of a program that is most like a word with two hyphens. */
+/* Returns the option of a program that is most similar to a misspelled one such as "--levle". */
 inline std::string nearestOption(const CLI::App& app, const std::string& word)
 {
   std::vector<std::string> names;
@@ -32,17 +33,19 @@ inline std::string nearestOption(const CLI::App& app, const std::string& word)
   return nearestWord(word, names);
 }
 
-/* False after --help and --version, which have been printed then. Throws Error for what CLI11 refuses. */
+/* Returns false after --help and --version, whose output was printed. Throws Error for invalid command lines. */
 inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
 {
-  app.set_version_flag("--version", RTC_COMPRESSION_VERSION_STRING, "print our version, and the library in use, and exit");
+  app.set_version_flag("--version", RTC_COMPRESSION_VERSION_STRING,
+                       "print the version of this program and of the library in use, and exit");
   try
   {
     app.parse(argc, argv);
   }
   catch (const CLI::CallForVersion&)
   {
-    writeStandardOutput(app.get_name() + " " + RTC_COMPRESSION_VERSION_STRING + "\nlibrary: " + loadedLibrary().description() + "\n");
+    writeStandardOutput(app.get_name() + " " + RTC_COMPRESSION_VERSION_STRING +
+                        "\nlibrary: " + loadedLibrary().description() + "\n");
     return false;
   }
   catch (const CLI::CallForHelp&)
@@ -55,13 +58,19 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
     /* "--level: At Most 1 required but received 2" */
     const std::string text = e.what(), mark = ": At Most 1 required but received ";
     const size_t at = text.find(mark);
-    throw Error(at == std::string::npos ? text : text.substr(0, at) + " is given " + text.substr(at + mark.size()) + " times");
+    if (at == std::string::npos)
+      throw Error(text);
+    throw Error(text.substr(0, at) + " is given " + text.substr(at + mark.size()) + " times: expected once");
   }
   catch (const CLI::ExtrasError& e)
   {
     for (const std::string& word : app.remaining())
       if (word.compare(0, 2, "--") == 0)
-        throw Error("unknown option " + word.substr(0, word.find('=')) + ", did you mean " + nearestOption(app, word.substr(0, word.find('='))) + "? --help lists all options");
+      {
+        const std::string option = word.substr(0, word.find('='));
+        throw Error("unknown option " + option + ", did you mean " + nearestOption(app, option) +
+                    "? --help lists all options");
+      }
     throw Error(e.what());
   }
   catch (const CLI::ParseError& e)
@@ -71,73 +80,87 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
   return true;
 }
 
-/* What traces, see validateTraceDevice. */
+/* The device that traces, see validateTraceDevice. */
 inline void addDeviceOption(CLI::App& app, std::string& device)
 {
-  app.add_option("--device", device, "what traces: cpu, vulkan, or ray-query for a driver's; the last two alone or with : and an index or a part of a name")
+  app.add_option("--device", device,
+                 "device that traces: cpu, vulkan, or ray-query for the ray queries of a Vulkan driver; append :N or "
+                 ":NAME to choose a Vulkan device by its index or a part of its name")
     ->type_name("DEVICE")->capture_default_str();
 }
 
-/* Throws Error that names the option, also for a value that is not finite. */
+/* The widest instruction set, see BuildSettings. */
+inline void addIsaOption(CLI::App& app, std::string& isa)
+{
+  app.add_option("--isa", isa, "widest instruction set to use: sse2, sse4.2, avx, avx2 or avx512 [the host's best]")
+    ->type_name("ISA");
+}
+
+/* Throws Error that names the option if the value is negative or not finite. */
 inline void requireNotNegative(const std::string& option, float value)
 {
   if (!(value >= 0.0f) || !std::isfinite(value))
-    throw Error(option + " must be finite and not negative");
+    throw Error("invalid " + option + " " + shortNumber(value) + ": expected a finite number of at least 0");
 }
 
-/* --level as a word, "auto" or a number. */
-struct LevelWords
+/* Values of the options that choose the tessellation. */
+struct LevelOptions
 {
-  std::string level = "auto", frameLevel = "auto";
+  std::string level = "auto", frameLevel = "auto"; // "auto" or a number
   float quadSize = 1;
-  std::optional<float> maxPixelError; // none: not said
+  std::optional<float> maxPixelError;
 };
 
-/* Of --level auto, where none is given. A quarter of a pixel moves nothing that one sees move, but quads are as small, and so their normals turn: smooth
- * surfaces get rings and grain. With 1/32 these are gone, for a tenth more memory. */
+/* Default of --max-pixel-error with --level auto. Moving vertices by a quarter of a pixel is invisible, but quads are
+ * as small, so their normals would turn and smooth surfaces would show rings and grain. 1/32 avoids this and needs a
+ * tenth more memory. */
 constexpr float autoPixelError = 1.0f / 32.0f;
-constexpr int fixedLevel = 6;           // where representations are compared and no level is given
+constexpr int fixedLevel = 6; // default level when representations are compared
 
-/* --level with auto, --frame-level, --quad-size and --max-pixel-error. */
-inline void addViewLevelOptions(CLI::App& app, LevelWords& words)
+/* Adds --level with auto, --frame-level, --quad-size and --max-pixel-error. */
+inline void addViewLevelOptions(CLI::App& app, LevelOptions& options)
 {
-  app.add_option("--level", words.level, "tessellation level, " + levelRange() + ": 2^L x 2^L quads a face; auto: edges get as many as the view needs, at most 4096, and above 64 as the map has texels")
+  app.add_option("--level", options.level,
+                 "tessellation level, " + levelRange() + ": each face has 2^L x 2^L quads; auto: edges get as many "
+                 "quads as the view needs, at most 4096, and above 64 at most one per texel of the map")
     ->type_name("L|auto")->capture_default_str();
-  app.add_option("--quad-size", words.quadSize, "length of quads' edges with --level auto, in pixels, about")->type_name("P")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevel, "frame level, at which local frames start: " + levelRange() + ", or auto")
+  app.add_option("--quad-size", options.quadSize, "approximate length of quads' edges with --level auto, in pixels")
+    ->type_name("P")->capture_default_str();
+  app.add_option("--frame-level", options.frameLevel,
+                 "frame level, at which local frames start: " + levelRange() + ", or auto")
     ->type_name("N")->capture_default_str();
-  app.add_option("--max-pixel-error", words.maxPixelError,
-                 "spacing of cVERT's vertices in pixels of the view, at most; 0 for 1/36 of a quad's edge [" + shortNumber(autoPixelError) + " with --level auto, else 0]")
+  app.add_option("--max-pixel-error", options.maxPixelError,
+                 "largest spacing of cVERT's vertices, in pixels of the view; 0 for 1/36 of a quad's edge [" +
+                   shortNumber(autoPixelError) + " with --level auto, else 0]")
     ->type_name("P");
 }
 
-/* Reads it. Returns whether the level is auto; else sets it. Throws Error that names the option. */
-inline bool readLevel(const LevelWords& words, int& level)
+/* Parses the options. Returns true if the level is auto; otherwise sets `level`. Throws Error that names the option. */
+inline bool parseLevel(const LevelOptions& options, int& level)
 {
-  if (!(words.quadSize > 0.0f) || !std::isfinite(words.quadSize))
-    throw Error("--quad-size must be finite and more than 0");
-  if (words.maxPixelError)
-    requireNotNegative("--max-pixel-error", *words.maxPixelError);
-  if (words.level == "auto")
+  if (!(options.quadSize > 0.0f) || !std::isfinite(options.quadSize))
+    throw Error("invalid --quad-size " + shortNumber(options.quadSize) + ": expected a finite number above 0");
+  if (options.maxPixelError)
+    requireNotNegative("--max-pixel-error", *options.maxPixelError);
+  if (options.level == "auto")
     return true;
-  const char* const end = words.level.data() + words.level.size();
-  const auto [next, code] = std::from_chars(words.level.data(), end, level);
+  const char* const end = options.level.data() + options.level.size();
+  const auto [next, code] = std::from_chars(options.level.data(), end, level);
   if (code != std::errc() || next != end)
-    throw Error("--level '" + words.level + "' is neither auto nor a number, " + levelRange());
+    throw Error("invalid --level '" + options.level + "': expected " + levelRange() + " or auto");
   return false;
 }
 
-/* --level and --frame-level. */
 inline void addLevelOptions(CLI::App& app, int& level, std::string& frameLevel)
 {
-  app.add_option("--level", level, "tessellation level, " + levelRange() + ": 2^L x 2^L quads a face")
+  app.add_option("--level", level, "tessellation level, " + levelRange() + ": each face has 2^L x 2^L quads")
     ->type_name("L")->capture_default_str();
   app.add_option("--frame-level", frameLevel, "frame level, at which local frames start: " + levelRange() + ", or auto")
     ->type_name("N")->capture_default_str();
 }
 
-/* Values of --representation and --frame-level. Throws Error that names the options, or, before any work is
- * done, the library that is loaded where it cannot compress. */
+/* Parses the values of --representation and --frame-level. Throws Error that names the options, or the loaded library
+ * if it cannot compress. */
 inline std::vector<Representation> parseRepresentationOptions(const std::string& list, const std::string& frameLevel)
 {
   std::vector<Representation> representations;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Options of the programs that measure two ways to store scenes side by side, and the models that these name. */
+/* Options of programs that compare two ways to store a scene, and the models that these options name. */
 
 #include "programs/surface_options.h"
 #include "scenes/catalogue.h"
@@ -19,34 +19,37 @@ namespace cbvh {
 struct ComparedScenes
 {
   std::vector<std::string> scenes{"trex", "frog", "cube"};
-  SceneSettings cage; // in their place, if it has a path
+  SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
   unsigned repeat = 5;
-  int side = 512;     // of the picture whose rays are traced
+  int side = 512; // of the traced picture, in pixels
   std::string isa;
 
-  /* cageOption: what names the cage, "--cage", or more than one with a comma between. */
+  /* `cageOption` is the name of the option for a cage, "--cage"; a comma separates several names. */
   void addOptions(CLI::App& app, const std::string& cageOption)
   {
-    app.add_option("--scene", scenes, "comma list of " + listOfScenes())->delimiter(',')->capture_default_str();
-    app.add_option("--level", level, "of tessellation: faces have 2^L x 2^L quads")->capture_default_str();
-    app.add_option("--repeat", repeat, "runs, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
-    app.add_option("--size", side, "pixels along a side of the picture whose rays are traced")->check(CLI::PositiveNumber)->capture_default_str();
-    app.add_option("--isa", isa, "widest instruction set, as Embree names it [the host's best]");
+    app.add_option("--scene", scenes, "comma-separated list of " + listOfScenes())
+      ->delimiter(',')->capture_default_str();
+    app.add_option("--level", level, "tessellation level L: each face has 2^L x 2^L quads")->capture_default_str();
+    app.add_option("--repeat", repeat, "number of runs, whose median is reported")
+      ->check(CLI::PositiveNumber)->capture_default_str();
+    app.add_option("--size", side, "width and height in pixels of the picture whose rays are traced")
+      ->check(CLI::PositiveNumber)->capture_default_str();
+    app.add_option("--isa", isa, "widest instruction set to use, by Embree's name [the host's best]");
     addMapOptions(app, cage);
-    app.add_option(cageOption, cage.cagePath, "a cage in place of scenes, OBJ")->type_name("FILE");
+    app.add_option(cageOption, cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
   }
 
-  /* measure(model), of each; prints their warnings. Throws Error. */
+  /* Calls measure(model) for each model. Prints warnings. Throws Error. */
   template<typename Measure>
   void forEach(const Measure& measure) const
   {
     for (const std::string& scene : cage.cagePath.empty() ? scenes : std::vector<std::string>{""})
     {
-      SceneSettings of = cage;
-      of.scene = scene;
+      SceneSettings settings = cage;
+      settings.scene = scene;
       std::string warnings;
-      Model model = loadScene(withStrength(of), warnings);
+      Model model = loadScene(withDefaultAmplitude(settings), warnings);
       std::fputs(warnings.c_str(), stderr);
       measure(model);
     }

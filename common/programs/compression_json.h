@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What a library's build says about its compression as JSON, units in the names. */
+/* Statistics of compression as JSON, with units in the names. */
 
 #include "building/built_scene.h"
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Errors as JSON, units in the names, for the programs that write records. */
+/* Errors as JSON, with units in the names. */
 
 #include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
@@ -13,7 +13,7 @@
 
 namespace cbvh {
 
-/* What all errors have. */
+/* Members that all errors have. */
 inline nlohmann::json summaryJson(const ErrorSummary& e)
 {
   return {{"rmse_pixels", e.rmse},
@@ -28,7 +28,7 @@ inline nlohmann::json summaryJson(const ErrorSummary& e)
           {"other_patch", e.otherPatch}};
 }
 
-/* Against a mesh: compression alone where it is that of the same level. */
+/* Errors against a mesh. If the mesh has the same level, these are errors of compression alone. */
 inline nlohmann::json errorsJson(const HitErrors& e)
 {
   nlohmann::json json = summaryJson(e);
@@ -36,13 +36,13 @@ inline nlohmann::json errorsJson(const HitErrors& e)
                {"both_hit", e.bothHit},
                {"bias_pixels", e.bias},
                {"beyond_5_pixels", e.farOff},
-               {"rmse_of_others_pixels", e.rmseOfOthers},
+               {"rmse_of_others_pixels", e.inlierRmse},
                {"false_hits", e.falseHits},
                {"misses", e.misses}});
   return json;
 }
 
-/* Against the true surface: tessellation and compression. */
+/* Errors against the true surface: tessellation and compression. */
 inline nlohmann::json errorsJson(const TrueErrors& e)
 {
   nlohmann::json json = summaryJson(e);
@@ -56,13 +56,13 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
   return json;
 }
 
-/* What 4 bits a height can give. */
+/* The best possible accuracy of 4-bit heights. */
 inline nlohmann::json heightBinsJson(const HeightBins& b)
 {
   return {{"hits", b.hits},
           {"quantiles_pixels", b.quantiles},
           {"median_pixels", b.median},
-          {"rmse_of_others_pixels", b.rmseOfOthers}};
+          {"rmse_of_others_pixels", b.inlierRmse}};
 }
 
 } // namespace cbvh

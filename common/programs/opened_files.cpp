@@ -11,17 +11,17 @@
 namespace cbvh {
 namespace {
 
-bool endsIn(const char* extension, const std::string& path)
+bool hasExtension(const char* extension, const std::string& path)
 {
   return lowerCase(std::filesystem::path(path).extension().string()) == extension;
 }
 
-/* A pipe has no extension of use, and maps are never read from pipes. */
-bool isCage(const std::string& path) { return endsIn(".obj", path) || isPipe(path); }
-bool isSavedScene(const std::string& path) { return endsIn(".cbvh", path); }
+/* Pipes have no extension. They are cages, because maps cannot be read from pipes. */
+bool isCage(const std::string& path) { return hasExtension(".obj", path) || isPipe(path); }
+bool isSavedScene(const std::string& path) { return hasExtension(".cbvh", path); }
 
-/* How a map was read that is gone, or how strong a generated scene was. */
-void forgetMap(SceneSettings& settings)
+/* Resets the settings of a map, and the strength of a generated scene. */
+void resetMap(SceneSettings& settings)
 {
   const SceneSettings fresh;
   settings.mapValues = fresh.mapValues;
@@ -42,7 +42,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     if (isSavedScene(path))
     {
       if (paths.size() > 1)
-        throw Error(path + ": a file of compressed surfaces is opened alone");
+        throw Error(path + ": a file of compressed surfaces must be opened alone: expected one file");
       SceneSettings saved;
       saved.savedPath = path;
       saved.threads = current.threads;
@@ -50,7 +50,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     }
     std::string& place = isCage(path) ? cage : height;
     if (!place.empty())
-      throw Error(place + " and " + path + ": only one " + (isCage(path) ? "cage" : "height map") + " can be opened at a time");
+      throw Error(place + " and " + path + ": expected only one " + (isCage(path) ? "cage" : "height map"));
     place = path;
   }
   SceneSettings opened = current;
@@ -64,28 +64,30 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
     opened.mapping.clear();
     opened.count.reset();
     if (height.empty() || !current.scene.empty())
-      forgetMap(opened);
+      resetMap(opened);
   }
   else if (current.cagePath.empty())
-    throw Error(height + ": a height map needs a cage, open an OBJ first" +
-                (current.scene.empty() ? "" : "; " + current.scene + " brings its own heights"));
+    throw Error(height + ": a height map needs a cage: expected an OBJ first" +
+                (current.scene.empty() ? "" : "; " + current.scene + " has its own heights"));
   opened.heightPath = height;
   return opened;
 }
 
-void nameFiles(const std::vector<std::string>& files, SceneSettings& scene)
+void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene)
 {
   SceneSettings named;
-  named.cagePath = scene.cagePath; // a height map alone goes on it
+  named.cagePath = scene.cagePath; // a height map alone is for this cage
   if (!files.empty())
     named = openFiles(files, named);
-  if (!named.savedPath.empty() && !(scene.scene.empty() && scene.cagePath.empty() && scene.meshPath.empty() && scene.heightPath.empty()))
-    throw Error(named.savedPath + ": a file of compressed surfaces is opened without a model");
+  const bool hasModel =
+    !scene.scene.empty() || !scene.cagePath.empty() || !scene.meshPath.empty() || !scene.heightPath.empty();
+  if (!named.savedPath.empty() && hasModel)
+    throw Error(named.savedPath + ": a file of compressed surfaces must be opened alone: expected no model options");
   scene.savedPath = named.savedPath;
   if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
-    throw Error(named.cagePath + ": there is a --scene or a --cage already");
+    throw Error(named.cagePath + ": expected only one model, but there is a --scene or a --cage, too");
   if (!named.heightPath.empty() && !scene.heightPath.empty())
-    throw Error(named.heightPath + ": there is a --height already");
+    throw Error(named.heightPath + ": expected only one height map, but there is a --height, too");
   if (named.savedPath.empty())
     scene.cagePath = named.cagePath;
   if (!named.heightPath.empty())

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Files that are named on the command line or dropped on a window. */
+/* Files that are named on the command line or dropped onto a window. */
 
 #include "scenes/catalogue.h"
 
@@ -12,16 +12,14 @@
 
 namespace cbvh {
 
-/* What to load when files are opened: one file of compressed surfaces (.cbvh), or one cage
- * (OBJ), one height map (any other file), or both of these in any order. A cage comes without
- * the map that was there before; a map goes on the cage that is there.
- *
- * current: what is loaded, or nothing that has a name.
- * Throws Error for more than one of any, for a map without a cage, and for compressed surfaces with either. */
+/* Returns the settings for opening files: one file of compressed surfaces (.cbvh), or one cage (OBJ), one height map
+ * (any other file), or a cage and a map in any order. A cage resets the current map; a map alone is for the current
+ * cage. `current` describes the loaded model; its names may be empty.
+ * Throws Error for more than one file of a kind, a map without a cage, and compressed surfaces with other files. */
 SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current);
 
-/* The same for files that a command line has without an option before them, beside what its options say.
- * Throws Error, also where both name a model or a map. */
-void nameFiles(const std::vector<std::string>& files, SceneSettings& scene);
+/* Adds files without an option from the command line to the settings from its options. Throws Error as openFiles, and
+ * if both name a model or a map. */
+void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene);
 
 } // namespace cbvh

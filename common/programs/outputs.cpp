@@ -7,13 +7,14 @@
 
 #include <filesystem>
 #include <map>
+#include <system_error>
 
 namespace cbvh {
 namespace {
 
 namespace fs = std::filesystem;
 
-/* Which two outputs must not share; empty for devices and pipes. */
+/* Returns a path that two outputs must not share; empty for devices and pipes, which they may. */
 std::string placeOf(const std::string& path)
 {
   std::error_code code;
@@ -47,7 +48,7 @@ void validateOutputs(const SceneSettings& model, const std::vector<Output>& outp
     const std::string place = placeOf(output.path);
     const auto [other, isNew] = optionOf.try_emplace(place, output.option);
     if (!isNew && !place.empty())
-      throw Error(output.option + " " + output.path + ": is the file of " + other->second + ", too; give another name");
+      throw Error(output.option + " " + output.path + ": " + other->second + " names the same file; expected another");
   }
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The files that a command line names for output, looked at before any work is done. */
+/* Checks the output files of a command line before any work is done. */
 
 #include "scenes/catalogue.h"
 
@@ -14,11 +14,11 @@ namespace cbvh {
 
 struct Output
 {
-  std::string option, path; // an empty path: not asked for
+  std::string option, path; // an empty path is not checked
 };
 
-/* Throws Error, which names the option, for an output that would replace a file that the model is read from, or the
- * file of another option. Paths are the same if they lead to the same file. */
+/* Throws Error that names the option if an output would replace an input file of the model, or the file of another
+ * option. Paths are compared by the files that they lead to. */
 void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs);
 
 } // namespace cbvh

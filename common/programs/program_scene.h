@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* The scene of a program's options. */
+/* Loads the scene that a program's options name. */
 
 #include "programs/warnings.h"
 #include "scenes/catalogue.h"
 
 namespace cbvh {
 
-/* As loadScene, with its warnings on stderr after the program's name. */
-inline Model loadSceneOf(const std::string& program, const SceneSettings& settings)
+/* Calls loadScene and prints its warnings on stderr, prefixed with the program's name. */
+inline Model loadProgramScene(const std::string& program, const SceneSettings& settings)
 {
   std::string warnings;
   Model model = loadScene(settings, warnings);

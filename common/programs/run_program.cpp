@@ -7,17 +7,18 @@
 
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <new>
 
 namespace cbvh {
 
 int runProgram(const char* name, const std::function<int()>& run)
 {
-  std::signal(SIGXFSZ, SIG_IGN); // a limit on file sizes is an error of the write that exceeds it
+  std::signal(SIGXFSZ, SIG_IGN); // writes beyond a file size limit then return an error
   try
   {
     const int status = run();
-    writeStandardOutput(""); // what was printed without a look at errors
+    writeStandardOutput(""); // reports errors of earlier output that was not checked
     return status;
   }
   catch (const Cancelled&)

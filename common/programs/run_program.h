@@ -3,15 +3,14 @@
 
 #pragma once
 
-/* The one place where programs catch what is thrown. */
+/* Catches the exceptions of a program. */
 
 #include <functional>
 
 namespace cbvh {
 
-/* All that main() does. Returns the exit status: what `run` returns; 130 where the user cancelled it; 1 for every
- * error, of which stderr gets a line that starts with the program's name. Standard output that cannot be written is an
- * error, too. */
+/* Runs a program. Returns the exit status: the result of `run`, 130 if the user cancelled it, or 1 after an error. An
+ * error prints one line on stderr that starts with the program's name. Failing to write standard output is an error. */
 int runProgram(const char* name, const std::function<int()>& run);
 
 } // namespace cbvh

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* What surfaces are made of, as all programs take it on their command lines: cages, maps,
- * and what generated scenes have to choose. */
+/* Options for surfaces that all programs share: cages, maps, and settings of generated scenes. */
 
 #include "basics/error.h"
 #include "scenes/catalogue.h"
@@ -15,11 +14,12 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace cbvh {
 
-/* Reads "3" or "3x2". Throws Error. */
+/* Parses "3" or "3x2". Throws Error. */
 inline Vec2f parseRepeat(const std::string& text)
 {
   Vec2f repeat;
@@ -31,11 +31,11 @@ inline Vec2f parseRepeat(const std::string& text)
     last = std::from_chars(x.ptr + 1, end, repeat.y);
   const auto isGood = [](float r) { return std::isfinite(r) && r > 0.0f; };
   if (last.ec != std::errc() || last.ptr != end || !isGood(repeat.x) || !isGood(repeat.y))
-    throw Error("--height-repeat '" + text + "' is neither a positive number nor two of them, as in 3x2");
+    throw Error("invalid --height-repeat '" + text + "': expected one or two positive numbers, as in 3 or 3x2");
   return repeat;
 }
 
-/* For --help: as few digits as say it. */
+/* Formats a number with as few digits as necessary. */
 inline std::string shortNumber(float value)
 {
   char text[32];
@@ -43,92 +43,105 @@ inline std::string shortNumber(float value)
   return text;
 }
 
-/* The map of a cage, and how it is read. */
 inline void addMapOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--height", settings.heightPath,
-                 "height map of the cage, any image that OpenImageIO reads, integers as 0 to 1, "
-                 "signed ones as -1 to 1; skin.<UDIM>.png for a file per UDIM tile")
+                 "height map of the cage, any image that OpenImageIO reads; unsigned integers become 0 to 1, signed "
+                 "integers -1 to 1; skin.<UDIM>.png for one file per UDIM tile")
     ->type_name("FILE");
   app.add_option("--amplitude", settings.amplitude,
                  "displacement between heights 0 and 1, as a fraction of the diagonal of the cage's bounding box [" +
                    shortNumber(defaultAmplitude) + "]")
     ->type_name("A");
-  app.add_option("--height-scale", settings.mapScale, "the same in the units of the cage, in place of --amplitude; 1 for vectors")
+  app.add_option("--height-scale", settings.mapScale,
+                 "displacement between heights 0 and 1 in units of the cage, instead of --amplitude [1 for vectors]")
     ->type_name("S");
-  app.add_option("--mid-level", settings.midLevel, "height that moves nothing [" + shortNumber(neutralHeight) + "; 0 for vectors]")->type_name("H");
+  app.add_option("--mid-level", settings.midLevel,
+                 "height that moves nothing [" + shortNumber(neutralHeight) + "; 0 for vectors]")
+    ->type_name("H");
   app.add_option("--channel", settings.channel,
-                 "channel of the map, by its name or its number from 0; the first of three for vectors [0]")
+                 "channel of the map, by name or number from 0; for vectors, the first of three channels [0]")
     ->type_name("C");
   app.add_option_function<std::string>(
        "--height-repeat", [&settings](const std::string& text) { settings.repeat = parseRepeat(text); },
-       "copies of the map in a unit of texture coordinates, or on a face, also as columns x rows [1]")
+       "copies of the map per unit of texture coordinates, or per face; N, or columns x rows [1]")
     ->type_name("N|NxM");
   app.add_option_function<std::string>(
        "--vectors",
        [&settings](const std::string& axes) {
          settings.mapValues = axes == "object" ? MapValues::ObjectVectors : MapValues::TangentVectors;
        },
-       "the map has vectors: x y z of the cage, or along the texture's u, the normal, and the texture's v")
+       "the map contains vectors: along x, y and z of the cage (object), or along u of the texture, the normal, and v "
+       "of the texture (tangent)")
     ->type_name("AXES")
     ->check(CLI::IsMember({"object", "tangent"}));
 }
 
-/* Files without an option before them, for nameFiles (opened_files.h).
- * saved: whether the program shows files of compressed surfaces, too. */
-inline void addFiles(CLI::App& app, std::vector<std::string>& files, bool saved = false)
+/* Adds file arguments without an option, for applyFileArguments (opened_files.h). `saved` is true if the program also
+ * shows files of compressed surfaces. */
+inline void addFileArguments(CLI::App& app, std::vector<std::string>& files, bool saved = false)
 {
-  app.add_option("files", files, std::string("a control cage (OBJ) and a height map, as with --cage and --height") +
-                 (saved ? "; or compressed surfaces (.cbvh), as cbvh_render --save writes them" : ""))->type_name("FILE");
+  app.add_option("files", files,
+                 std::string("a control cage (OBJ) and a height map, as for --cage and --height") +
+                   (saved ? "; or compressed surfaces (.cbvh), as cbvh_render --save writes them" : ""))
+    ->type_name("FILE");
 }
 
-/* Throws Error for options that say how a model is made or built, beside a file of compressed surfaces. */
-inline void refuseModelOptions(const CLI::App& app, const std::string& path)
+/* Throws Error if options of a model are given together with a file of compressed surfaces. */
+inline void rejectModelOptions(const CLI::App& app, const std::string& path)
 {
-  for (const char* name : {"--representation", "--level", "--quad-size", "--max-pixel-error", "--frame-level", "--device", "--height", "--amplitude",
-                           "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--compare", "--details", "--rough", "--mapping", "--count",
-                           "--cage-end", "--motion", "--steps", "--maps"})
+  for (const char* name :
+       {"--representation", "--level", "--quad-size", "--max-pixel-error", "--frame-level", "--device", "--height",
+        "--amplitude", "--height-scale", "--mid-level", "--channel", "--height-repeat", "--vectors", "--compare",
+        "--details", "--rough", "--mapping", "--count", "--cage-end", "--motion", "--steps", "--maps"})
   {
     const CLI::Option* const option = app.get_option_no_throw(name);
     if (option && option->count())
-      throw Error(path + ": " + name + " belongs to models, and a file has none");
+      throw Error(path + ": this file has no model for " + name + ": expected no model options");
   }
 }
 
-/* A mesh in place of a scene. */
 inline void addMeshOption(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--mesh", settings.meshPath,
-                 "instead of a scene: quads and triangles that are traced as they are, OBJ, as sculpting programs export them, and\n"
-                 "--export of cbvh_render; grid is Embree's own kernel of quads or triangles then, cvert compresses them")
+                 "instead of a scene: OBJ of quads and triangles that are traced without subdivision, as sculpting "
+                 "programs and\n--export of cbvh_render write it; grid means Embree's own quads or triangles, cvert "
+                 "compresses them")
     ->type_name("FILE");
 }
 
-/* shutter: text for parseShutter. */
+/* Adds --shutter, whose value parseShutter reads. */
 inline void addShutterOption(CLI::App& app, std::string& shutter)
 {
-  app.add_option("--shutter", shutter, "when the shutter opens and closes, of models that move: 0 is their first step, 1 the last")
+  app.add_option("--shutter", shutter,
+                 "times at which the shutter opens and closes, for models that move: 0 is the first time step, 1 the "
+                 "last")
     ->type_name("T0,T1")->capture_default_str();
 }
 
-/* What a model is made of, but for --scene. */
+/* Adds the options of a model, except --scene. */
 inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {
-  app.add_option("--cage", settings.cagePath, "instead of a scene: control cage, OBJ with OpenSubdiv's t tags")
+  app.add_option("--cage", settings.cagePath, "instead of a scene: control cage (OBJ), with OpenSubdiv's t tags")
     ->type_name("FILE");
-  app.add_option("--up", settings.up, "axis of the cage that points upwards: x, y, z, -x, -y, -z, or auto, which is y unless\n"
+  app.add_option("--up", settings.up,
+                 "up axis of the cage: x, y, z, -x, -y, -z, or auto, which is y unless\n"
                  "the file or the shape is clearly z up [auto]")
     ->type_name("AXIS")->check(CLI::IsMember({"auto", "x", "y", "z", "-x", "-y", "-z"}));
   addMapOptions(app, settings);
-  app.add_flag("--rough", settings.rough, "trex and herd: five times the amplitude");
-  app.add_option("--mapping", settings.mapping, "trex and herd: heights by faces, like Ptex, or by an atlas")
+  app.add_flag("--rough", settings.rough, "trex and herd: multiply the amplitude by five");
+  app.add_option("--mapping", settings.mapping, "trex and herd: heights on faces, as in Ptex, or in an atlas [faces]")
     ->type_name("faces|atlas");
   app.add_option("--count", settings.count, "herd: number of copies")->type_name("N");
-  app.add_option("--cage-end", settings.cageEnds, "the cage at the end of the shutter, OBJ with the same faces; several: at even times, one after the other")
+  app.add_option("--cage-end", settings.cageEnds,
+                 "the cage at the end of the shutter, an OBJ with the same faces; several files: further time steps at "
+                 "equal intervals, in order")
     ->type_name("FILE");
-  app.add_option("--motion", settings.motion, "in place of that: turn, bend, twist or walk, while the shutter is open")->type_name("NAME");
-  app.add_option("--steps", settings.steps, "time steps of --motion, 2 to 129 [2]")->type_name("N");
-  app.add_option("--maps", settings.mapFolder, "folder for the height maps of generated scenes, else the user's cache")
+  app.add_option("--motion", settings.motion,
+                 "instead of --cage-end: turn, bend, twist or walk while the shutter is open")
+    ->type_name("NAME");
+  app.add_option("--steps", settings.steps, "number of time steps of --motion, 2 to 129 [2]")->type_name("N");
+  app.add_option("--maps", settings.mapFolder, "folder for height maps of generated scenes [the user's cache folder]")
     ->type_name("DIR");
 }
 

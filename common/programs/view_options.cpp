@@ -8,14 +8,15 @@
 
 #include <algorithm>
 #include <charconv>
+#include <system_error>
 
 namespace cbvh {
 namespace {
 
 constexpr float fieldOfView = 35.0f;
 
-/* The close view stands before the point that the full view shows at a given place
- * of the picture, or at the nearest one to it where there is surface. */
+/* The close view looks at the surface that the full view shows at a given place in the picture, or at the surface
+ * nearest to it. */
 Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints& hints, unsigned threads)
 {
   const ImageSize size = full.size();
@@ -34,16 +35,16 @@ Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints
     }
   }
   if (best == INFINITY)
-    throw Error("the full view shows no surface to look at closely");
+    throw Error("the close view needs a surface in the full view, which shows none: expected another --view");
   const Vec3f target = rays[pixel].origin + hits[pixel].t * rays[pixel].direction;
   const float distance = hints.closeDistance * scene.bounds().diagonal();
   return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
 }
 
-/* A scene without any has a box from infinity to its opposite. */
+/* False for the box of an empty scene, which is infinite. */
 bool hasSurface(const Box3f& bounds) { return isFinite(bounds.lower) && isFinite(bounds.upper); }
 
-/* Whether text is n finite numbers with commas between them. */
+/* True if the text is n finite numbers, separated by commas. */
 bool parseNumbers(const std::string& text, float* x, int n)
 {
   const char* p = text.data();
@@ -64,7 +65,7 @@ Shutter parseShutter(const std::string& text)
 {
   float x[2];
   if (!parseNumbers(text, x, 2) || !(0 <= x[0] && x[0] <= x[1] && x[1] <= 1))
-    throw Error("--shutter '" + text + "' is not two times from 0 to 1, as in 0,1");
+    throw Error("invalid --shutter '" + text + "': expected two times from 0 to 1 in ascending order, as in 0,1");
   return {x[0], x[1]};
 }
 
@@ -72,7 +73,7 @@ Vec3f parsePosition(const std::string& text)
 {
   float x[3];
   if (!parseNumbers(text, x, 3))
-    throw Error("--position '" + text + "' is not x,y,z");
+    throw Error("invalid --position '" + text + "': expected x,y,z");
   return {x[0], x[1], x[2]};
 }
 
@@ -88,7 +89,7 @@ ImageSize parseImageSize(const std::string& text)
         size.height <= 16384)
       return size;
   }
-  throw Error("--size '" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each");
+  throw Error("invalid --size '" + text + "': expected WIDTHxHEIGHT with 1 to 16384 pixels each");
 }
 
 Crop parseCrop(const std::string& text, ImageSize whole)
@@ -102,22 +103,25 @@ Crop parseCrop(const std::string& text, ImageSize whole)
   {
     const auto [next, code] = std::from_chars(p, end, x[i]);
     if (code != std::errc() || (i < 3 ? next == end || *next != ',' : next != end))
-      throw Error("--crop '" + text + "' is not x0,y0,x1,y1, in pixels");
+      throw Error("invalid --crop '" + text + "': expected x0,y0,x1,y1 in pixels");
     p = next + 1;
   }
   const Crop crop(x[0], x[1], x[2], x[3]);
   if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
-    throw Error("--crop '" + text + "' is empty: x1 and y1 are the first column and row behind it, and above x0 and y0");
+    throw Error("invalid --crop '" + text + "': the part is empty; expected x0 < x1 and y0 < y1");
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > whole.width || crop.y1 > whole.height)
-    throw Error("--crop '" + text + "' is not inside of the picture, " + std::to_string(whole.width) + "x" + std::to_string(whole.height));
+    throw Error("invalid --crop '" + text + "': expected a part of the picture, which has " +
+                std::to_string(whole.width) + "x" + std::to_string(whole.height) + " pixels");
   return crop;
 }
 
 Camera parseView(const std::string& text, Vec3f up, ImageSize size)
 {
   float x[7];
-  if (!parseNumbers(text, x, 7) || !(x[6] > 0.0f && x[6] < 180.0f) || length(Vec3f{x[3] - x[0], x[4] - x[1], x[5] - x[2]}) == 0.0f)
-    throw Error("--view '" + text + "' is neither full nor close nor eye and target as ex,ey,ez,lx,ly,lz,fov");
+  const bool isRead = parseNumbers(text, x, 7);
+  if (!isRead || !(x[6] > 0.0f && x[6] < 180.0f) || length(Vec3f{x[3] - x[0], x[4] - x[1], x[5] - x[2]}) == 0.0f)
+    throw Error("invalid --view '" + text + "': expected full, close, or eye, target and field of view in degrees as "
+                "ex,ey,ez,lx,ly,lz,fov");
   return Camera({x[0], x[1], x[2]}, {x[3], x[4], x[5]}, up, x[6], size);
 }
 
@@ -137,17 +141,18 @@ Camera chooseCamera(const std::string& view, const Model& model, const TracedSce
 {
   const Box3f bounds = scene.bounds();
   if (!hasSurface(bounds))
-    throw Error(model.name + ": Embree makes no surface of this cage");
+    throw Error(model.name + ": Embree makes no surface of this cage: expected faces that are neither holes nor "
+                "invalid");
   if (view != "full" && view != "close")
     return parseView(view, model.view.up, size);
   const Camera full = fitCamera(model, bounds, model.view, fieldOfView, size);
   return view == "full" ? full : closeCamera(full, scene, model.view, threads);
 }
 
-Model modelOfBox(const std::string& name, const Box3f& b, const std::string& up)
+Model boxModel(const std::string& name, const Box3f& b, const std::string& up)
 {
   if (!hasSurface(b))
-    throw Error(name + ": nothing is in it that could be seen");
+    throw Error(name + ": the file contains no visible surface: expected at least one");
   Model model;
   model.name = name;
   if (!up.empty() && up != "auto")
@@ -156,7 +161,8 @@ Model modelOfBox(const std::string& name, const Box3f& b, const std::string& up)
     model.view = turnedFromY(model.view, up);
   }
   for (int i = 0; i < 8; i++)
-    model.cage.positions.push_back({i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
+    model.cage.positions.push_back(
+      {i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
   return model;
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What loadScene warns of, a line each. */
+/* Prints the warnings of loadScene, one per line. */
 
 #include <cstdio>
 #include <sstream>
@@ -11,20 +11,20 @@
 
 namespace cbvh {
 
-/* Each line after some words. */
-inline std::string linesAfter(const std::string& words, const std::string& warnings)
+/* Adds a prefix to each line. */
+inline std::string prefixLines(const std::string& prefix, const std::string& warnings)
 {
   std::istringstream lines(warnings);
   std::string all;
   for (std::string line; std::getline(lines, line);)
-    all += words + line + "\n";
+    all += prefix + line + "\n";
   return all;
 }
 
-/* On stderr, after the program's name. */
+/* Prints warnings on stderr, prefixed with the program's name. */
 inline void printWarnings(const std::string& program, const std::string& warnings)
 {
-  std::fputs(linesAfter(program + ": warning: ", warnings).c_str(), stderr);
+  std::fputs(prefixLines(program + ": warning: ", warnings).c_str(), stderr);
 }
 
 } // namespace cbvh

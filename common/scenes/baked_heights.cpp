@@ -13,10 +13,9 @@
 namespace cbvh {
 namespace {
 
-constexpr int rim = 4; // texels around a chart
+constexpr int rim = 4; // texels around each chart
 
-/* Evaluates heights at points of a face given as (u,v), the same for every face, and
- * hands each to store(face, index of the point, height). */
+/* Evaluates heights at points (u,v), the same for every face, and calls store(face, index of the point, height). */
 template<typename Store>
 void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, const Bake& bake, const Store& store)
 {
@@ -56,10 +55,10 @@ void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, cons
   device.check("evaluating the limit surface");
 }
 
-/* Which texels of a map have a height, in rows. */
+/* True for texels of a map that have a height, in rows. */
 using Coverage = std::vector<char>;
 
-/* Gives texels beside covered ones the mean of those, a texel further at each step. */
+/* Extends covered areas by one texel per step; a new texel gets the mean of its covered neighbors. */
 void growCovered(HeightMap& map, Coverage& covered, int steps, unsigned threads)
 {
   const int width = map.width(), height = map.height();
@@ -107,13 +106,13 @@ HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake)
     v.push_back(float(i / side) / float(atlas.tileSize));
   }
   evaluate(cage, std::move(u), std::move(v), bake, [&](size_t face, size_t i, float h) {
-    map.at(int(face) % atlas.tilesPerRow * side + int(i) % side, int(face) / atlas.tilesPerRow * side + int(i) / side) = h;
+    const int x = int(face) % atlas.tilesPerRow * side + int(i) % side;
+    map.at(x, int(face) / atlas.tilesPerRow * side + int(i) / side) = h;
   });
   return map;
 }
 
-/* The rim continues the outermost texels, a texel further at a time, so that filters
- * at a seam find heights like those inside. */
+/* The rim extends the outermost texels, so that filters at a seam find heights similar to those inside. */
 HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
 {
   const Charts charts = unfoldCharts(cage, texels, rim);
@@ -125,7 +124,7 @@ HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
     u.push_back((float(i % texels) + 0.5f) / float(texels));
     v.push_back((float(i / texels) + 0.5f) / float(texels));
   }
-  /* (u,v) of a face to texels of the map, whose rows run down. */
+  /* Returns the texel of a face at (i,j); rows of the map run downwards. */
   const auto texel = [&](size_t face, int i, int j) -> float& {
     const ChartCell& c = charts.cells[face];
     const int last = texels - 1;

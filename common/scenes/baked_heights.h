@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Height maps computed from what a generated scene says about points of its limit
- * surface. A height that depends on the position alone is the same from all faces
- * that meet there. */
+/* Height maps computed from a function of points of a generated scene's limit surface. If the height depends on the
+ * position alone, all faces at a common point agree. */
 
 #include "surface/cage.h"
 #include "surface/face_atlas.h"
@@ -23,30 +22,29 @@ struct LimitPoint
   Vec3f position;
 };
 
-/* What is baked, and how. */
+/* Input of baking. */
 struct Bake
 {
-  std::string name; // as progress shows it
+  std::string name; // for progress
   unsigned threads;
-  std::function<float(const LimitPoint&)> height; // called from several threads
+  std::function<float(const LimitPoint&)> height; // must be thread-safe
 };
 
-/* A tile a face, whose border texels lie on the borders of the face. Throws Error,
- * Cancelled. */
+/* Returns a map with one tile per face, whose border texels lie on the borders of the face. Throws Error, Cancelled. */
 HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake);
 
-/* Texels of charts: `texels` squared of them a face, their centres inside it, and a
- * rim around each chart. Fills the cage's texture coordinates. Throws as bakeTiles. */
+/* Returns a map of charts: `texels` x `texels` texels per face with their centers inside the face, and a rim around
+ * each chart. Sets the cage's texture coordinates. Throws Error, Cancelled. */
 HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake);
 
-/* Texture coordinates alone, for a map that is there already. */
+/* Only sets the texture coordinates, for a map that was baked earlier. */
 void unfoldForCharts(Cage& cage, int texels);
 
-/* Bakes tiles in memory for a cage of some hundred quads and displaces by them.
- * scale: world units from height 0 to 1. */
+/* Bakes tiles in memory and displaces by them, for a cage of some hundred quads. `scale` is in world units per unit of
+ * height. Throws Error, Cancelled. */
 std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, float scale, const Bake& bake);
 
-/* A number that differs between cages. */
+/* Returns a hash of a cage as text. */
 std::string fingerprint(const Cage& cage);
 
 } // namespace cbvh

@@ -16,7 +16,7 @@ void addQuad(Cage& cage, unsigned a, unsigned b, unsigned c, unsigned d)
   cage.faceSizes.push_back(4);
 }
 
-/* Four sides take one quad; eight take four around a vertex in the middle. */
+/* Closes a tube. Four sides need one quad; eight need four quads around a vertex in the middle. */
 void addCap(Cage& cage, unsigned ring, int sides, Vec3f center, bool first)
 {
   const auto at = [&](int i) { return ring + unsigned(((first ? sides - i : i) + sides) % sides); };
@@ -73,7 +73,7 @@ void appendBall(Cage& cage, Vec3f center, float radius, int steps)
     const auto [found, fresh] = vertices.try_emplace({x, y, z}, unsigned(cage.positions.size()));
     if (fresh)
     {
-      /* tan evens out the angles. */
+      /* tan makes the angles equal */
       const auto even = [&](int i) { return std::tan(0.25f * float(M_PI) * (2.0f * float(i) / float(steps) - 1.0f)); };
       cage.positions.push_back(center + radius * normalize(Vec3f{even(x), even(y), even(z)}));
     }

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Closed pieces of all-quad cages: tubes along a curve, for limbs, horns, teeth and
- * blades, and balls. */
+/* Closed pieces of all-quad cages: balls, and tubes along a curve for limbs, horns, teeth and blades. */
 
 #include "surface/cage.h"
 
@@ -12,22 +11,20 @@
 
 namespace cbvh {
 
-/* A cross-section of a tube: an ellipse with two half axes that span its plane. Seen
- * from the next station, a to b runs counterclockwise. */
+/* A cross-section of a tube: an ellipse with half axes a and b. Seen from the next station, a to b runs
+ * counterclockwise. */
 struct Station
 {
   Vec3f center, a, b;
 };
 
-/* Adds a tube through stations, at least two, closed by caps. sides: 4 or 8 vertices
- * around. The control points lie on the ellipses, so the limit surface is a little
- * inside them. */
+/* Appends a closed tube through at least two stations, with 4 or 8 vertices around it (`sides`). Control points lie on
+ * the ellipses, so the limit surface is slightly inside them. */
 void appendTube(Cage& cage, const std::vector<Station>& stations, int sides);
 
-/* Stations of a horn: from a base circle along a direction, bending towards another
- * one, thinning to a point.
- * bend: how far the tip is off the straight line, in lengths. flatness: width across
- * the plane of the bend over width in it. */
+/* A horn from a base circle along a direction, which bends towards another direction and tapers to a point.
+ * `bend` is the distance of the tip from the straight line, in lengths; `flatness` is the ratio of the width across the
+ * plane of the bend to the width in it. */
 struct Horn
 {
   Vec3f base, direction, bendTowards;
@@ -37,7 +34,7 @@ struct Horn
 };
 void appendHorn(Cage& cage, const Horn& horn);
 
-/* Adds a ball out of a cube of steps x steps quads a side. */
+/* Appends a ball made from a cube with steps x steps quads per side. */
 void appendBall(Cage& cage, Vec3f center, float radius, int steps);
 
 } // namespace cbvh

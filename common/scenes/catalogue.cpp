@@ -47,15 +47,15 @@ void chooseUp(Model& model, const SceneSettings& settings, const std::string& pa
     const UpGuess guess = guessUp(model.cage);
     model.up = guess.axis;
     if (!guess.reason.empty())
-      warnings += path + ": " + guess.axis + " is taken for up, as " + guess.reason + "; if it is not, give " +
-                  settingName("up") + " y\n";
+      warnings += path + ": " + guess.axis + " is assumed to be the up axis, because " + guess.reason + "; " +
+                  settingName("up") + " y selects y\n";
   }
   else
     model.up = settings.up;
   model.view = turnedFromY(model.view, model.up);
 }
 
-/* A cage, or a mesh, that no output of the run replaces. */
+/* Reads a cage or a mesh, and records the file as an input of the run. */
 Cage readInput(const std::string& path, std::string& warnings)
 {
   Cage cage = readObj(path, warnings);
@@ -63,13 +63,16 @@ Cage readInput(const std::string& path, std::string& warnings)
   return cage;
 }
 
-/* The cage's vertices in another file, in the same order. */
-std::vector<Vec3f> poseIn(const std::string& path, const Cage& cage, const std::string& cagePath, std::string& warnings)
+/* Reads the positions of the cage's vertices from another file. */
+std::vector<Vec3f> readPose(const std::string& path, const Cage& cage, const std::string& cagePath,
+                            std::string& warnings)
 {
   Cage end = readInput(path, warnings);
   if (end.positions.size() != cage.positions.size() || end.faceIndices != cage.faceIndices)
-    throw Error(path + ": " + std::to_string(end.positions.size()) + " vertices and " + std::to_string(end.numFaces()) + " faces are not those of " + cagePath +
-                ", which has " + std::to_string(cage.positions.size()) + " and " + std::to_string(cage.numFaces()) + ", in the same order");
+    throw Error(path + ": the file has " + std::to_string(end.positions.size()) + " vertices and " +
+                std::to_string(end.numFaces()) + " faces: expected the faces of " + cagePath + ", which has " +
+                std::to_string(cage.positions.size()) + " and " + std::to_string(cage.numFaces()) +
+                ", in the same order");
   return std::move(end.positions);
 }
 
@@ -87,7 +90,7 @@ Model loadCage(const SceneSettings& settings, std::string& warnings)
   model.cage = readInput(settings.cagePath, warnings);
   model.name = std::filesystem::path(settings.cagePath).stem().string();
   for (const std::string& path : settings.cageEnds)
-    model.poses.push_back(poseIn(path, model.cage, settings.cagePath, warnings));
+    model.poses.push_back(readPose(path, model.cage, settings.cagePath, warnings));
   validateCage(model.cage, warnings);
   chooseUp(model, settings, settings.cagePath, warnings);
   if (!settings.heightPath.empty())
@@ -123,47 +126,49 @@ TrexSettings trexSettings(const SceneSettings& s)
 struct SceneEntry
 {
   const char* name;
-  float amplitude;                     // where none is given
-  Model (*make)(const SceneSettings&); // settings that have an amplitude
+  float amplitude;                     // default
+  Model (*make)(const SceneSettings&); // requires settings with an amplitude
 };
 
 const SceneEntry scenes[] = {
   {"cube", cubeAmplitude, [](const SceneSettings& s) { return makeCube(*s.amplitude); }},
   {"frog", frogAmplitude, [](const SceneSettings& s) { return makeFrog(*s.amplitude, s.threads); }},
-  {"herd", trexAmplitude, [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
+  {"herd", trexAmplitude,
+   [](const SceneSettings& s) { return makeHerd(trexSettings(s), s.count.value_or(herdCount)); }},
   {"knee", kneeAmplitude, [](const SceneSettings& s) { return makeKnee(*s.amplitude, s.threads); }},
   {"scythe", scytheAmplitude, [](const SceneSettings& s) { return makeScythe(*s.amplitude, s.threads); }},
   {"trex", trexAmplitude, [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
 };
 
-/* Null for a name that is unknown. */
+/* Returns null for an unknown name. */
 const SceneEntry* findScene(const std::string& name)
 {
-  const auto found = std::find_if(std::begin(scenes), std::end(scenes), [&](const SceneEntry& s) { return name == s.name; });
+  const auto found =
+    std::find_if(std::begin(scenes), std::end(scenes), [&](const SceneEntry& s) { return name == s.name; });
   return found == std::end(scenes) ? nullptr : found;
 }
 
-/* How a map is read. */
 void validateMap(const SceneSettings& s)
 {
+  const bool isRepeated = s.repeat.x != 1.0f || s.repeat.y != 1.0f;
   const std::pair<std::string, bool> given[] = {{settingName("amplitude"), s.amplitude && !s.cagePath.empty()},
                                                 {settingName("height-scale"), s.mapScale.has_value()},
                                                 {settingName("mid-level"), s.midLevel.has_value()},
                                                 {settingName("channel"), !s.channel.empty()},
-                                                {settingName("height-repeat"), s.repeat.x != 1.0f || s.repeat.y != 1.0f},
+                                                {settingName("height-repeat"), isRepeated},
                                                 {settingName("vectors"), s.mapValues != MapValues::Heights}};
   for (const auto& [option, isGiven] : given)
     if (isGiven && s.heightPath.empty())
-      throw Error(option + " needs a height map, give " + settingName("height") + " FILE");
+      throw Error(option + " needs a height map: expected " + settingName("height") + " FILE");
   if (s.amplitude && s.mapScale)
     throw Error(settingName("amplitude") + " and " + settingName("height-scale") +
-                " say the same in different units, give one");
+                " both set the scale of the map: expected one of them");
   if (s.mapScale && !std::isfinite(*s.mapScale))
-    throw Error(settingName("height-scale") + " must be finite");
+    throw Error(settingName("height-scale") + " is not finite: expected a finite number");
   if (s.midLevel && !std::isfinite(*s.midLevel))
-    throw Error(settingName("mid-level") + " must be finite");
-  if (isUdimPath(s.heightPath) && (s.repeat.x != 1.0f || s.repeat.y != 1.0f))
-    throw Error(settingName("height-repeat") + " does not go with <UDIM>, whose tiles are not repeated");
+    throw Error(settingName("mid-level") + " is not finite: expected a finite number");
+  if (isUdimPath(s.heightPath) && isRepeated)
+    throw Error(settingName("height-repeat") + " cannot repeat the tiles of " + s.heightPath + ": expected 1");
 }
 
 } // namespace
@@ -179,60 +184,62 @@ const std::vector<std::string>& sceneNames()
   return names;
 }
 
-std::string listOfScenes()
+std::string listOfScenes(const std::string& last)
 {
   std::string text;
   const auto& names = sceneNames();
   for (size_t i = 0; i < names.size(); i++)
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+    text += (i == 0 ? "" : i + 1 == names.size() ? last : ", ") + names[i];
   return text;
 }
 
 void validateScene(const SceneSettings& s)
 {
   if (!s.savedPath.empty())
-    throw Error(s.savedPath + ": a file of compressed surfaces has no model; cbvh_render and cbvh_viewer show it");
+    throw Error(s.savedPath + ": a file of compressed surfaces contains no model: expected a cage, or use cbvh_render "
+                "or cbvh_viewer, which show such files");
   if (int(!s.scene.empty()) + int(!s.cagePath.empty()) + int(!s.meshPath.empty()) != 1)
-    throw Error("give either " + settingName("scene") + " NAME, one of " + listOfScenes() + ", " +
-                settingName("cage") + " FILE or " + settingName("mesh") + " FILE");
+    throw Error("expected one of " + settingName("scene") + " NAME (" + listOfScenes(" or ") + "), " +
+                settingName("cage") + " FILE and " + settingName("mesh") + " FILE");
   if (!s.meshPath.empty() && !s.heightPath.empty())
-    throw Error(settingName("height") + " belongs to " + settingName("cage") + ", a mesh is traced as it is");
+    throw Error(settingName("height") + " needs " + settingName("cage") + ": meshes are not displaced");
   if (!s.scene.empty() && !findScene(s.scene))
-    throw Error("unknown " + settingName("scene") + " '" + s.scene + "', known are " + listOfScenes());
+    throw Error("unknown " + settingName("scene") + " '" + s.scene + "': expected " + listOfScenes(" or "));
   if (!s.scene.empty() && !s.heightPath.empty())
-    throw Error(settingName("height") + " belongs to " + settingName("cage") +
-                ", generated scenes bring their own displacement");
+    throw Error(settingName("height") + " needs " + settingName("cage") +
+                ": generated scenes have their own displacement");
   const bool isTrex = s.scene == "trex" || s.scene == "herd";
   if (s.rough && !isTrex)
-    throw Error(settingName("rough") + " belongs to " + settingName("scene") + " trex or herd");
+    throw Error(settingName("rough") + " needs " + settingName("scene") + " trex or herd");
   if (!s.mapping.empty() && !isTrex)
-    throw Error(settingName("mapping") + " belongs to " + settingName("scene") + " trex or herd");
+    throw Error(settingName("mapping") + " needs " + settingName("scene") + " trex or herd");
   if (!s.mapping.empty() && s.mapping != "faces" && s.mapping != "atlas")
-    throw Error("unknown " + settingName("mapping") + " '" + s.mapping + "', known are faces and atlas");
+    throw Error("unknown " + settingName("mapping") + " '" + s.mapping + "': expected faces or atlas");
   if (s.count && s.scene != "herd")
-    throw Error(settingName("count") + " belongs to " + settingName("scene") + " herd");
+    throw Error(settingName("count") + " needs " + settingName("scene") + " herd");
   if (s.count && (*s.count < 1 || *s.count > herdMostCount))
-    throw Error(settingName("count") + " " + std::to_string(*s.count) + " is out of range, 1 to " +
+    throw Error(settingName("count") + " " + std::to_string(*s.count) + " is out of range: expected 1 to " +
                 std::to_string(herdMostCount));
   if (!s.up.empty() && s.cagePath.empty() && s.meshPath.empty())
-    throw Error(settingName("up") + " belongs to " + settingName("cage") + " and " + settingName("mesh"));
+    throw Error(settingName("up") + " needs " + settingName("cage") + " or " + settingName("mesh"));
   if (s.amplitude && !std::isfinite(*s.amplitude))
-    throw Error(settingName("amplitude") + " must be finite");
+    throw Error(settingName("amplitude") + " is not finite: expected a finite number");
   if (!s.cageEnds.empty() && s.cagePath.empty())
-    throw Error(settingName("cage-end") + " belongs to " + settingName("cage") + ", generated scenes have " +
-                settingName("motion"));
+    throw Error(settingName("cage-end") + " needs " + settingName("cage") + ": expected " + settingName("motion") +
+                " for generated scenes");
   if (!s.cageEnds.empty() && !s.motion.empty())
-    throw Error(settingName("cage-end") + " and " + settingName("motion") + " both say how the cage moves, give one");
+    throw Error(settingName("cage-end") + " and " + settingName("motion") +
+                " both set the motion: expected one of them");
   if (!s.motion.empty() && !s.meshPath.empty())
-    throw Error(settingName("motion") + " belongs to cages and generated scenes");
+    throw Error(settingName("motion") + " needs a cage or a generated scene: meshes do not move");
   if (s.steps && s.motion.empty())
-    throw Error(settingName("steps") + " belongs to " + settingName("motion"));
+    throw Error(settingName("steps") + " needs " + settingName("motion"));
   if (!s.motion.empty())
     validateMotion(motionOf(s));
   validateMap(s);
 }
 
-SceneSettings withStrength(SceneSettings s)
+SceneSettings withDefaultAmplitude(SceneSettings s)
 {
   if (const SceneEntry* const scene = findScene(s.scene))
     s.amplitude = s.amplitude.value_or(scene->amplitude);
@@ -249,7 +256,7 @@ SceneSettings withStrength(SceneSettings s)
 Model loadScene(const SceneSettings& given, std::string& warnings)
 {
   validateScene(given);
-  const SceneSettings settings = withStrength(given);
+  const SceneSettings settings = withDefaultAmplitude(given);
   if (!settings.meshPath.empty())
     return loadMesh(settings, warnings);
   Model model;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The models that programs make by name, and those they read from files. */
+/* Models that programs generate by name or read from files. */
 
 #include "surface/model.h"
 
@@ -15,46 +15,45 @@ namespace cbvh {
 
 struct SceneSettings
 {
-  std::string scene;              // one of sceneNames(); empty: a cage
-  std::string cagePath;           // OBJ
-  std::string meshPath;           // OBJ, of a mesh that is traced as it is
-  std::string savedPath;          // file of compressed surfaces, without the model that they were made of; for programs that open such files
-  std::string up;                 // axis of the cage that points upwards, one of upAxes(); empty or "auto": guessed
-  std::string heightPath;         // map of the cage's displacement, empty: not displaced
+  std::string scene;      // one of sceneNames(); empty for a cage or a mesh
+  std::string cagePath;   // OBJ
+  std::string meshPath;   // OBJ of a mesh that is traced without subdivision
+  std::string savedPath;  // file of compressed surfaces without a model; only for programs that open such files
+  std::string up;         // up axis of the cage, one of upAxes(); empty or "auto": guessed
+  std::string heightPath; // displacement map of the cage; empty: not displaced
   MapValues mapValues = MapValues::Heights;
-  std::optional<float> midLevel;  // as DisplacementMap's, likewise the next two
+  std::optional<float> midLevel; // midLevel, channel and repeat as in DisplacementMap
   std::string channel;
   Vec2f repeat{1, 1};
-  std::optional<float> mapScale;  // world units that a difference of 1 moves by, in place of an amplitude
-  std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal, none: the scene's own
+  std::optional<float> mapScale;  // world units per unit of the map's values, instead of an amplitude
+  std::optional<float> amplitude; // fraction of the cage's bounding-box diagonal; default: the scene's own
   bool rough = false;             // trex and herd: five times the amplitude
-  std::string mapping;            // trex and herd: "faces", the default, or "atlas"
-  std::optional<int> count;       // herd: of copies
-  std::string mapFolder;          // where generated height maps are kept, empty: the user's cache
-  int threads = 0;                // for generating them, 0 for all
-  std::vector<std::string> cageEnds; // OBJ, of the cage at later time steps
-  std::string motion;             // in place of these, one of motionNames(); empty: the model does not move
-  std::optional<int> steps;       // in time, of that
+  std::string mapping;            // trex and herd: "faces" (the default) or "atlas"
+  std::optional<int> count;       // herd: number of copies
+  std::string mapFolder;          // folder for generated height maps; empty: the user's cache
+  int threads = 0;                // for generating maps, 0 for all
+  std::vector<std::string> cageEnds; // OBJ files of the cage at later time steps
+  std::string motion;                // instead of cageEnds, one of motionNames(); empty: static
+  std::optional<int> steps;          // number of time steps of `motion`
 };
 
 const std::vector<std::string>& sceneNames();
 
-/* "cube, trex and so on", for help and messages. */
-std::string listOfScenes();
+/* Returns "cube, ... and trex" for help texts and messages. `last` precedes the last name. */
+std::string listOfScenes(const std::string& last = " and ");
 
-/* Checks the names and that settings go together, without making anything. Throws
- * Error that names the option. */
+/* Checks names and combinations of settings without creating anything. Throws Error that names the option. */
 void validateScene(const SceneSettings& settings);
 
-/* Of height maps of cages, where none is given; vectors move by their own lengths. */
+/* Default for height maps of cages. Vectors have a default scale of 1 instead. */
 constexpr float defaultAmplitude = 0.006f;
 
-/* The same with an amplitude or a scale of the map where neither was given: what loadScene
- * takes then. Nothing is added where nothing is displaced. */
-SceneSettings withStrength(SceneSettings settings);
+/* Returns the settings with the default amplitude or scale of the map if neither is set, as loadScene uses them.
+ * Changes nothing if nothing is displaced. */
+SceneSettings withDefaultAmplitude(SceneSettings settings);
 
-/* Makes or reads a model and validates its cage. warnings: lines on what should be known
- * about it are added. Throws Error, Cancelled. */
+/* Generates or reads a model and validates its cage. Appends lines to `warnings` for probable mistakes. Throws Error,
+ * Cancelled. */
 Model loadScene(const SceneSettings& settings, std::string& warnings);
 
 } // namespace cbvh

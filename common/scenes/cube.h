@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* The paper's figure 1: a cube of 8 control points and 6 faces, 9 spikes on each,
- * by a smooth displacement function. */
+/* The paper's figure 1: a cube of 8 control points and 6 faces with 9 spikes each, a smooth displacement function. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* amplitude: height of the spikes as a fraction of the diagonal of the cage. */
+/* `amplitude` is the height of the spikes as a fraction of the cage's diagonal. */
 constexpr float cubeAmplitude = 0.09f;
 Model makeCube(float amplitude = cubeAmplitude);
 

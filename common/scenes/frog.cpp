@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* x runs to the head, y up, the left side is +z. */
+/* x points to the head, y up; the left side is +z. */
 
 #include "scenes/frog.h"
 #include "basics/parallel.h"
@@ -21,7 +21,7 @@ std::vector<Capsule> frogBody()
     const auto add = [&](Vec3f a, Vec3f b, float ra, float rb, float smooth, bool carve = false) {
       body.push_back({{a.x, a.y, a.z * side}, {b.x, b.y, b.z * side}, ra, rb, smooth, carve});
     };
-    add({-0.9f, 0.85f, 0.3f}, {0.5f, 1.15f, 0.4f}, 0.75f, 0.8f, 0.3f);          // trunk, in halves
+    add({-0.9f, 0.85f, 0.3f}, {0.5f, 1.15f, 0.4f}, 0.75f, 0.8f, 0.3f);          // half of the trunk
     add({0.6f, 1.35f, 0.35f}, {1.35f, 1.4f, 0.3f}, 0.72f, 0.5f, 0.3f);          // head
     add({0.95f, 1.98f, 0.56f}, {1.0f, 2.0f, 0.58f}, 0.36f, 0.36f, 0.08f);       // eye
     add({-0.9f, 0.75f, 0.95f}, {0.15f, 0.6f, 1.45f}, 0.48f, 0.32f, 0.2f);       // thigh, folded
@@ -55,7 +55,7 @@ Model makeFrog(float amplitude, int threads)
   model.cage = makeImplicitCage(frogBody(), [](int, float) { return voxel; });
   model.cage.name = "frog";
 
-  /* Longest along the back; none below, on feet and eyes. */
+  /* Spikes are longest along the back. There are none below, on feet and on eyes. */
   std::vector<float> lengths;
   const Cage& cage = model.cage;
   for (unsigned face = 0; face < cage.numFaces(); face++)
@@ -68,7 +68,8 @@ Model makeFrog(float amplitude, int threads)
     const uint32_t random = hashCell(int(face), 3, 5, 7);
     const bool onEye = length(center - Vec3f{0.98f, 1.99f, center.z > 0.0f ? 0.57f : -0.57f}) < 0.42f;
     const bool bare = onEye || center.y < 0.4f || normal.y < -0.1f || random % 100 < 35;
-    lengths.push_back(bare ? 0.0f : (0.25f + 0.75f * std::max(normal.y, 0.0f)) * (0.6f + 0.4f * float(random >> 24) / 255.0f));
+    const float length = (0.25f + 0.75f * std::max(normal.y, 0.0f)) * (0.6f + 0.4f * float(random >> 24) / 255.0f);
+    lengths.push_back(bare ? 0.0f : length);
   }
   const auto height = [&](const LimitPoint& p) {
     const float s = spike(p.u) * spike(p.v);

@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* A squat toad of some hundred large smooth faces with a single sharp spike on many of
- * them: what figure 13 of the paper is about. */
+/* A squat toad of some hundred large smooth faces, many of which have a single sharp spike, as in the paper's figure
+ * 13. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* amplitude: height of the longest spikes as a fraction of the cage's diagonal. */
+/* `amplitude` is the height of the longest spikes as a fraction of the cage's diagonal. */
 constexpr float frogAmplitude = 0.07f;
 Model makeFrog(float amplitude = frogAmplitude, int threads = 0);
 

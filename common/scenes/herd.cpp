@@ -7,8 +7,8 @@
 
 namespace cbvh {
 
-/* On a plane, in offset rows with some disorder, all on the move about the same way, each in its own stride;
- * the first goes ahead. A copy is about 11 long and 4 wide. */
+/* The copies stand on a plane in offset rows with some disorder. All walk in about the same direction, each in its own
+ * pose; the first is in front. A copy is about 11 long and 4 wide. */
 Model makeHerd(const TrexSettings& settings, int count)
 {
   constexpr float spacingX = 10.5f, spacingZ = 6.0f;
@@ -26,7 +26,8 @@ Model makeHerd(const TrexSettings& settings, int count)
     copy.angle = 0.55f * random(3);
     copy.scale = 0.92f + 0.3f * (random(4) + 0.5f) * (i % 3 == 1 ? -1.0f : 1.0f) * 0.8f;
     model.copies.push_back(copy);
-    model.shapes.push_back(posed("twist", posed("walk", model.cage.positions, 50 * random(5)), 24 * random(6)));
+    const std::vector<Vec3f> walking = poseVertices("walk", model.cage.positions, 50 * random(5));
+    model.shapes.push_back(poseVertices("twist", walking, 24 * random(6)));
   }
   model.view.direction = {-0.8f, -0.45f, -0.5f};
   model.view.closePoint = {0.5f, 0.55f};

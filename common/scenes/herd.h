@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Many copies of `trex`, none an instance and each in a pose of its own: for scale. */
+/* Many copies of `trex`, each a geometry with its own pose instead of an instance, to measure scaling. */
 
 #include "scenes/trex.h"
 
@@ -12,7 +12,7 @@ namespace cbvh {
 constexpr int herdCount = 12;
 constexpr int herdMostCount = 100000;
 
-/* count: of copies, each a geometry of its own; heights and topology are shared. */
+/* Creates `count` copies, which share heights and topology. */
 Model makeHerd(const TrexSettings& settings, int count = herdCount);
 
 } // namespace cbvh

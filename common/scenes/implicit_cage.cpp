@@ -49,7 +49,7 @@ public:
     const float lower[3] = {box.lower.x, box.lower.y, box.lower.z}, upper[3] = {box.upper.x, box.upper.y, box.upper.z};
     for (int axis = 0; axis < 3; axis++)
     {
-      /* Two empty layers all round: filling never reaches the border. */
+      /* Two empty layers on each side, so that filling never reaches the border. */
       float x = lower[axis] - 2.0f * voxelSize(axis, lower[axis]);
       for (; x < upper[axis] + 2.0f * voxelSize(axis, upper[axis]); x += voxelSize(axis, x))
         lines[axis].push_back(x);
@@ -68,8 +68,8 @@ public:
   uint8_t& at(int x, int y, int z) { return inside[(size_t(z) * ny + y) * nx + x]; }
   Vec3f corner(int x, int y, int z) const { return {lines[0][size_t(x)], lines[1][size_t(y)], lines[2][size_t(z)]}; }
 
-  /* Fills one voxel of each pair that meets in an edge or a corner only, until there
-   * is none. Ends: voxels are only ever added. */
+  /* Fills one voxel of each pair that shares only an edge or a corner, until there is no such pair. Terminates, because
+   * voxels are only added. */
   void makeManifold()
   {
     for (bool changed = true; changed;)
@@ -99,8 +99,7 @@ private:
     };
     if (diagonal(1, 0, 0, 0, 1, 0) || diagonal(1, 0, 0, 0, 0, 1) || diagonal(0, 1, 0, 0, 0, 1))
       return true;
-    /* Two opposite voxels of the 2 x 2 x 2 cube, full or empty, and six of the other
-     * kind, meet in the corner only. */
+    /* Two opposite voxels of the 2 x 2 x 2 cube share only the corner if the other six are of the other kind. */
     int full = 0;
     for (int i = 0; i < 8; i++)
       full += at(x + (i & 1), y + ((i >> 1) & 1), z + (i >> 2));
@@ -114,7 +113,7 @@ private:
     return false;
   }
 
-  std::vector<float> lines[3]; // where voxels begin and end on each axis
+  std::vector<float> lines[3]; // boundaries of voxels on each axis
   std::vector<uint8_t> inside;
 };
 
@@ -129,8 +128,8 @@ Cage voxelSurface(VoxelGrid& grid)
       cage.positions.push_back(grid.corner(x, y, z));
     return found->second;
   };
-  /* Between a voxel and its neighbour ahead on each axis; the corners run
-   * counterclockwise seen from the empty side. */
+  /* Adds a quad between a voxel and its next neighbor on each axis if only one of them is full. Vertices run
+   * counterclockwise as seen from the empty side. */
   for (int z = 0; z + 1 < grid.nz; z++)
     for (int y = 0; y + 1 < grid.ny; y++)
       for (int x = 0; x + 1 < grid.nx; x++)
@@ -154,7 +153,7 @@ Cage voxelSurface(VoxelGrid& grid)
   return cage;
 }
 
-/* Alternates between evening out and stepping back onto the surface. */
+/* Alternates between smoothing and projecting onto the surface. */
 void relax(Cage& cage, const std::vector<Capsule>& capsules, const VoxelSize& voxelSize)
 {
   constexpr int iterations = 10;
@@ -179,9 +178,10 @@ void relax(Cage& cage, const std::vector<Capsule>& capsules, const VoxelSize& vo
       const float voxel = std::min({voxelSize(0, at.x), voxelSize(1, at.y), voxelSize(2, at.z)}), h = 0.01f * voxel;
       Vec3f p = lerp(cage.positions[i], sum[i] * (1.0f / count[i]), 0.6f);
       const float d = distanceToCapsules(capsules, p);
-      const Vec3f gradient{distanceToCapsules(capsules, p + Vec3f{h, 0, 0}) - distanceToCapsules(capsules, p - Vec3f{h, 0, 0}),
-                           distanceToCapsules(capsules, p + Vec3f{0, h, 0}) - distanceToCapsules(capsules, p - Vec3f{0, h, 0}),
-                           distanceToCapsules(capsules, p + Vec3f{0, 0, h}) - distanceToCapsules(capsules, p - Vec3f{0, 0, h})};
+      const auto slope = [&](Vec3f d) {
+        return distanceToCapsules(capsules, p + d) - distanceToCapsules(capsules, p - d);
+      };
+      const Vec3f gradient{slope({h, 0, 0}), slope({0, h, 0}), slope({0, 0, h})};
       const float step = std::min(std::max(d, -0.5f * voxel), 0.5f * voxel);
       cage.positions[i] = p - step * normalize(gradient);
     }

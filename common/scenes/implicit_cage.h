@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* A closed all-quad cage from a smooth union of capsules: the surface of the voxels
- * inside it, moved onto it. Voxel surfaces bring extraordinary vertices of valence 3
- * and 5 to 6 everywhere that the surface is not parallel to an axis, which is what
- * this is good for. */
+/* A closed all-quad cage from a smooth union of capsules: the surface of the voxels inside, projected onto the union.
+ * Voxel surfaces have extraordinary vertices of valence 3, 5 and 6 wherever the surface is not parallel to an axis,
+ * which is the purpose of this method. */
 
 #include "surface/cage.h"
 
@@ -15,8 +14,8 @@
 
 namespace cbvh {
 
-/* The hull of two balls; smooth says how softly it joins what is there already
- * (world units, 0: a crease). carve: taken away instead. */
+/* The hull of two balls. `smooth` is the radius, in world units, of the blend with earlier capsules; 0 makes a crease.
+ * If `carve` is set, the capsule is subtracted. */
 struct Capsule
 {
   Vec3f a, b;
@@ -25,14 +24,13 @@ struct Capsule
   bool carve = false;
 };
 
-/* Edge length of voxels along an axis (0 to 2) at a coordinate on it. */
+/* Returns the edge length of voxels along an axis (0 to 2) at a coordinate on it. */
 using VoxelSize = std::function<float(int axis, float coordinate)>;
 
-/* Signed distance, negative inside, in the order given. */
+/* Returns the signed distance, negative inside. Capsules are combined in order. */
 float distanceToCapsules(const std::vector<Capsule>& capsules, Vec3f p);
 
-/* Voxels that meet in an edge or corner only are joined by
- * filling, so the result is manifold. */
+/* Returns the cage. It is manifold: voxels that share only an edge or a corner are joined by filling. */
 Cage makeImplicitCage(const std::vector<Capsule>& capsules, const VoxelSize& voxelSize);
 
 } // namespace cbvh

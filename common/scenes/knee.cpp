@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Thigh and shank in the plane z = 0, the knee points to +x. */
+/* Thigh and shank lie in the plane z = 0; the knee points to +x. */
 
 #include "scenes/knee.h"
 #include "basics/parallel.h"
@@ -14,10 +14,10 @@ namespace {
 
 struct Section
 {
-  float x, y, front, back, side; // half axes towards +x, -x of the section, and z
+  float x, y, front, back, side; // center; half axes towards +x and -x of the section, and along z
 };
 
-/* From the hip down to the foot; few sections where the bend is tight. */
+/* From the hip to the foot, with few sections at the bend. */
 constexpr Section sections[] = {
   {-3.0f, 1.45f, 0.75f, 0.7f, 0.8f},   {-2.5f, 1.25f, 0.95f, 0.8f, 0.95f}, {-1.6f, 0.9f, 0.95f, 0.68f, 0.9f},
   {-0.75f, 0.55f, 0.72f, 0.45f, 0.68f}, {-0.15f, 0.28f, 0.55f, 0.32f, 0.56f}, {0.12f, -0.1f, 0.55f, 0.3f, 0.56f},
@@ -31,15 +31,18 @@ float smoothstep(float a, float b, float x)
   return t * t * (3.0f - 2.0f * t);
 }
 
-/* A kneecap with plates, wrinkles round the bend, muscles and skin elsewhere. */
+/* A kneecap with plates, wrinkles around the bend, muscles and skin elsewhere. */
 float kneeHeight(Vec3f p)
 {
   const float near = std::exp(-dot(p - Vec3f{0.45f, 0.1f, 0}, p - Vec3f{0.45f, 0.1f, 0}) / 0.3f);
-  const Vec3f warped = p + 0.08f * Vec3f{gradientNoise(2.0f * p, 1), gradientNoise(2.0f * p, 2), gradientNoise(2.0f * p, 3)};
+  const Vec3f noise{gradientNoise(2.0f * p, 1), gradientNoise(2.0f * p, 2), gradientNoise(2.0f * p, 3)};
+  const Vec3f warped = p + 0.08f * noise;
   const CellNoise plate = cellNoise(3.4f * warped, 4);
-  const float plates = smoothstep(0.0f, 0.25f, plate.second - plate.nearest) * (1.0f - 0.5f * plate.nearest * plate.nearest);
+  const float plates =
+    smoothstep(0.0f, 0.25f, plate.second - plate.nearest) * (1.0f - 0.5f * plate.nearest * plate.nearest);
   const CellNoise cell = cellNoise(9.0f * warped, 5);
-  const float scales = smoothstep(0.0f, 0.35f, cell.second - cell.nearest) * (1.0f - 0.5f * cell.nearest * cell.nearest);
+  const float scales =
+    smoothstep(0.0f, 0.35f, cell.second - cell.nearest) * (1.0f - 0.5f * cell.nearest * cell.nearest);
   /* Rings around the inside of the bend. */
   const float angle = std::atan2(p.y + 0.5f, p.x + 1.0f);
   const float bend = std::exp(-(p.x * p.x + p.y * p.y) / 0.9f);
@@ -63,7 +66,8 @@ Model makeKnee(float amplitude, int threads)
     const Vec3f tangent = normalize(Vec3f{after.x - before.x, after.y - before.y, 0});
     const Vec3f front = cross(Vec3f{0, 0, 1}, tangent); // towards +x on the way down
     const float a = 0.5f * (s.front + s.back);
-    stations.push_back({Vec3f{s.x, s.y, 0} + 0.5f * (s.front - s.back) * front, a * front, s.side * cross(tangent, front)});
+    const Vec3f center = Vec3f{s.x, s.y, 0} + 0.5f * (s.front - s.back) * front;
+    stations.push_back({center, a * front, s.side * cross(tangent, front)});
   }
   appendTube(model.cage, stations, 8);
   model.cage.name = "knee";

@@ -11,12 +11,12 @@
 namespace cbvh {
 namespace {
 
-/* About an axis through a point. */
-Vec3f turned(Vec3f p, Vec3f centre, Vec3f axis, float angle)
+/* Rotates p about an axis through a center. */
+Vec3f turned(Vec3f p, Vec3f center, Vec3f axis, float angle)
 {
-  const Vec3f d = p - centre;
+  const Vec3f d = p - center;
   const float c = std::cos(angle), s = std::sin(angle);
-  return centre + c * d + s * cross(axis, d) + ((1 - c) * dot(axis, d)) * axis;
+  return center + c * d + s * cross(axis, d) + ((1 - c) * dot(axis, d)) * axis;
 }
 
 Vec3f pose(const std::string& name, Vec3f p, const Box3f& bounds, float angle)
@@ -29,12 +29,13 @@ Vec3f pose(const std::string& name, Vec3f p, const Box3f& bounds, float angle)
     return turned(p, middle, {0, 1, 0}, angle * height);
   if (name == "bend")
     return turned(p, {middle.x, bounds.lower.y, middle.z}, {0, 0, 1}, angle * height * height);
-  /* Legs swing about the hip, across the longer of the other two axes. */
+  /* Legs swing about the hip, in the direction of the longer horizontal axis. */
   const bool isLong = size.x > size.z;
   const float side = isLong ? (p.z - middle.z) / size.z : (p.x - middle.x) / size.x; // -0.5 to 0.5
   const float below = std::clamp((0.5f - height) / 0.3f, 0.0f, 1.0f);
   const float swing = below * below * (3 - 2 * below) * std::clamp(6 * side, -1.0f, 1.0f);
-  return turned(p, {middle.x, bounds.lower.y + 0.5f * size.y, middle.z}, isLong ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}, angle * swing);
+  const Vec3f hip{middle.x, bounds.lower.y + 0.5f * size.y, middle.z};
+  return turned(p, hip, isLong ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0}, angle * swing);
 }
 
 } // namespace
@@ -54,7 +55,7 @@ void validateMotion(const MotionSettings& settings)
     throw Error(settingName("steps") + ": " + std::to_string(settings.steps) + " time steps: expected 2 to 129");
 }
 
-std::vector<Vec3f> posed(const std::string& name, const std::vector<Vec3f>& positions, float degrees)
+std::vector<Vec3f> poseVertices(const std::string& name, const std::vector<Vec3f>& positions, float degrees)
 {
   Box3f bounds;
   for (const Vec3f& p : positions)
@@ -70,7 +71,10 @@ void addMotion(Model& model, const MotionSettings& settings)
   validateMotion(settings);
   model.poses.clear();
   for (int i = 1; i < settings.steps; i++)
-    model.poses.push_back(posed(settings.name, model.cage.positions, settings.degrees * float(i) / float(settings.steps - 1)));
+  {
+    const float degrees = settings.degrees * float(i) / float(settings.steps - 1);
+    model.poses.push_back(poseVertices(settings.name, model.cage.positions, degrees));
+  }
 }
 
 } // namespace cbvh

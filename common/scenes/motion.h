@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Motion for models that are made or read without one: poses of the cage at later time steps. */
+/* Motion for static models: poses of the cage at later time steps. */
 
 #include "surface/model.h"
 
@@ -15,21 +15,21 @@ namespace cbvh {
 struct MotionSettings
 {
   std::string name;    // one of motionNames()
-  int steps = 2;       // in time, 2 and more
-  float degrees = 30;  // from the first step to the last
+  int steps = 2;      // time steps, at least 2
+  float degrees = 30; // from the first step to the last
 };
 
-/* "turn", of the whole, about the axis that points upwards; "bend", to one side, and "twist", the more the higher; "walk": what is below the middle
- * swings, to one side of it forwards and to the other backwards. */
+/* "turn" rotates the whole model about the up axis; "bend" bends it to one side and "twist" twists it, increasing with
+ * height; "walk" swings the parts below the middle, forwards on one side and backwards on the other. */
 const std::vector<std::string>& motionNames();
 
-/* Throws Error for an unknown name or a number of steps that is none. */
+/* Throws Error for an unknown name or an invalid number of steps. */
 void validateMotion(const MotionSettings& settings);
 
-/* Positions of the vertices of a cage in a pose, a named motion's after so many degrees. */
-std::vector<Vec3f> posed(const std::string& name, const std::vector<Vec3f>& positions, float degrees);
+/* Returns the positions of a cage's vertices after `degrees` of a named motion. */
+std::vector<Vec3f> poseVertices(const std::string& name, const std::vector<Vec3f>& positions, float degrees);
 
-/* Gives a model poses; likewise. */
+/* Sets the poses of a model. Throws Error as validateMotion. */
 void addMotion(Model& model, const MotionSettings& settings);
 
 } // namespace cbvh

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Noise for generated surfaces: the same bits on every machine, no tables.
+/* Noise for generated surfaces: identical bits on every machine, without tables.
  *
  * Based on: Worley, "A Cellular Texture Basis Function", 1996; Perlin, "An Image
  * Synthesizer", 1985 (gradient noise). */
@@ -26,14 +26,14 @@ inline uint32_t hashCell(int x, int y, int z, uint32_t seed)
   return h;
 }
 
-/* std::floor is a function call where SSE4.1 is not assumed. */
+/* std::floor is a function call without SSE4.1. */
 inline int floorToInt(float x)
 {
   const int i = int(x);
   return i - (float(i) > x);
 }
 
-/* Gradient noise, about -1 to 1, one feature a unit. */
+/* Gradient noise, about -1 to 1, with one feature per unit. */
 inline float gradientNoise(Vec3f p, uint32_t seed)
 {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
@@ -54,8 +54,8 @@ inline float gradientNoise(Vec3f p, uint32_t seed)
              mix(mix(corner[4], corner[5], wx), mix(corner[6], corner[7], wx), wy), wz);
 }
 
-/* Distances to the nearest and second nearest of scattered points, one point a unit
- * cell, and the hash of the nearest one's cell. */
+/* Distances to the nearest and second nearest of scattered points, one point per unit cell, and the hash of the cell of
+ * the nearest point. */
 struct CellNoise
 {
   float nearest, second;
@@ -66,10 +66,11 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
   const float fx = float(ix), fy = float(iy), fz = float(iz);
-  /* Squared distance, on one axis, to where points can be in the cell at -1, 0, 1. */
-  constexpr float margin = 0.1f; // points keep off the cell's walls: more even cells
+  /* Squared distance along one axis to the range of points in the cells at -1, 0 and 1. */
+  constexpr float margin = 0.1f; // of points to the walls of their cell, for cells of more equal size
   auto axisDistances = [](float f, float out[3]) {
-    const float below = f + margin, above = 1.0f + margin - f, inside = std::max(0.0f, std::max(margin - f, f - 1.0f + margin));
+    const float below = f + margin, above = 1.0f + margin - f;
+    const float inside = std::max(0.0f, std::max(margin - f, f - 1.0f + margin));
     out[0] = below * below;
     out[1] = inside * inside;
     out[2] = above * above;
@@ -81,7 +82,7 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 
   float first = 9.0f, second = 9.0f;
   uint32_t id = 0;
-  constexpr int order[3] = {0, -1, 1}; // the middle first, so that most others are skipped
+  constexpr int order[3] = {0, -1, 1}; // the middle first, so that most other cells are skipped
   for (int dz : order)
     for (int dy : order)
     {

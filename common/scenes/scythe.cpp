@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The blade lies in the plane z = 0, its cutting edge towards the inside of the bend;
- * the shaft stands along y. */
+/* The blade lies in the plane z = 0 with its cutting edge on the inside of the bend; the shaft is parallel to y. */
 
 #include "scenes/scythe.h"
 #include "basics/parallel.h"
@@ -33,7 +32,7 @@ float bladeWidth(float t)
   return 0.52f * std::pow(1.0f - t, 0.6f) * (0.75f + 0.5f * std::min(1.0f, 3.0f * t)) + 0.012f;
 }
 
-/* Nearest t on the middle line. */
+/* Returns the nearest t on the middle line. */
 float alongBlade(Vec3f p)
 {
   float best = 0.0f, distance = INFINITY;
@@ -46,7 +45,7 @@ float alongBlade(Vec3f p)
       best = t;
     }
   }
-  for (int i = 0; i < 3; i++) // Newton, on the foot of the perpendicular
+  for (int i = 0; i < 3; i++) // Newton's method for the foot of the perpendicular
   {
     const Vec3f tangent = bladeMiddle(best + 1e-3f) - bladeMiddle(best - 1e-3f);
     best += 2e-3f * dot(p - bladeMiddle(best), tangent) / dot(tangent, tangent);
@@ -54,7 +53,7 @@ float alongBlade(Vec3f p)
   return std::min(std::max(best, 0.0f), 1.0f);
 }
 
-/* Notches of a hammered edge, ribs along the spine, thinning towards the tip. */
+/* Notches of a hammered edge, and ribs along the spine, decreasing towards the tip. */
 float bladeHeight(Vec3f p)
 {
   const float t = alongBlade(p);
@@ -67,7 +66,7 @@ float bladeHeight(Vec3f p)
   return neutralHeight + thin * (0.42f * notches * std::abs(across) + 0.16f * hammered + 0.1f * rib);
 }
 
-/* Bark, with rings where it is bound. */
+/* Bark, with rings where the blade is bound. */
 float shaftHeight(Vec3f p)
 {
   const float bark = gradientNoise({7.0f * p.x, 1.6f * p.y, 7.0f * p.z}, 6);

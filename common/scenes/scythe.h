@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* A scythe: a blade of few large, strongly displaced patches that end in a thin tip,
- * on a shaft. What figure 14 of the paper is about. */
+/* A scythe: a blade of few large, strongly displaced patches that end in a thin tip, on a shaft, as in the paper's
+ * figure 14. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* amplitude: from height 0 to 1 as a fraction of the cage's diagonal. */
+/* `amplitude` is the displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
 constexpr float scytheAmplitude = 0.045f;
 Model makeScythe(float amplitude = scytheAmplitude, int threads = 0);
 

@@ -14,11 +14,11 @@
 namespace cbvh {
 namespace {
 
-/* A side of a face: one a vertex at level 6, fewer in the atlas, more than half of
- * which lies between charts. */
+/* Texels per side of a face: one per vertex at level 6. Fewer in the atlas, more than half of which lies between
+ * charts. */
 constexpr int tileTexels = 64, chartTexels = 48;
 
-/* The map's recipe names all that its texels depend on. */
+/* Returns a text that changes with everything on which the texels depend. */
 std::string recipe(const Cage& cage, const char* mapping, int texels)
 {
   return "trex skin " + std::to_string(trexSkinVersion) + ", " + mapping + " of " + std::to_string(texels) +
@@ -42,7 +42,7 @@ Model makeTrex(const TrexSettings& settings)
   const float scale = settings.amplitude * trex.cage.bounds().diagonal();
   const bool cached = HeightMap::recipeOf(path) == made;
   if (!cached)
-    prepareOutputFolder(settings.mapFolder.empty() ? "." : settings.mapFolder); // rather now than after the work
+    prepareOutputFolder(settings.mapFolder.empty() ? "." : settings.mapFolder); // fails before the work, not after
   if (faces)
   {
     const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);
@@ -60,7 +60,7 @@ Model makeTrex(const TrexSettings& settings)
     DisplacementMap map;
     map.path = path;
     map.scale = scale;
-    std::string ignored; // warnings are for maps of others
+    std::string ignored; // warnings are for users' maps
     model.displacement = displaceByMap(trex.cage, map, ignored);
   }
   model.cage = std::move(trex.cage);

@@ -3,13 +3,12 @@
 
 #pragma once
 
-/* A creature in the manner of a Tyrannosaurus: a closed organic cage of about 7,000
- * quads with thousands of extraordinary vertices, teeth, claws and eyes, and a skin of
- * layered scales and wrinkles from a float EXR map of more than 4096 x 4096.
+/* A creature similar to a Tyrannosaurus: a closed organic cage of about 7,000 quads with thousands of extraordinary
+ * vertices, teeth, claws and eyes, and a skin of layered scales and wrinkles from a float EXR map of more than
+ * 4096 x 4096 texels.
  *
- * The map is generated, written, and read back like any other; a map that is there
- * already and was made for this cage is taken as it is. Heights are a function of the
- * limit position, so faces agree on their common edges. */
+ * The map is generated, written, and read like any other map. An existing map is reused if it was made for this cage.
+ * Heights are a function of the limit position, so faces agree on their common edges. */
 
 #include "surface/model.h"
 
@@ -19,7 +18,7 @@ namespace cbvh {
 
 enum class TrexMapping
 {
-  Faces, // like Ptex: a tile a face, no texture coordinates
+  Faces, // as in Ptex: one tile per face, no texture coordinates
   Atlas, // charts of many faces, through texture coordinates
 };
 
@@ -27,16 +26,16 @@ constexpr float trexAmplitude = 0.004f;
 
 struct TrexSettings
 {
-  float amplitude = trexAmplitude; // of the diagonal of the cage's bounding box, from 0 to 1 in the map
+  float amplitude = trexAmplitude; // displacement between heights 0 and 1 as a fraction of the cage's diagonal
   TrexMapping mapping = TrexMapping::Faces;
-  std::string mapFolder;     // where the height map is kept, as EXR
-  int threads = 0;           // for generating it, 0 for all
+  std::string mapFolder; // folder of the height map, an EXR
+  int threads = 0;       // for generating the map, 0 for all
 };
 
-/* The rough variant of the skin. */
+/* Factor of the amplitude of the rough variant. */
 constexpr float trexRoughFactor = 5.0f;
 
-/* Throws Error when the map cannot be written or read, Cancelled. Shows progress. */
+/* Shows progress. Throws Error if the map cannot be written or read. Throws Cancelled. */
 Model makeTrex(const TrexSettings& settings);
 
 } // namespace cbvh

@@ -9,7 +9,7 @@
 namespace cbvh {
 namespace {
 
-/* Smaller where the head is. */
+/* Voxels are smaller at the head. */
 float voxelSize(int axis, float coordinate)
 {
   switch (axis)
@@ -20,7 +20,7 @@ float voxelSize(int axis, float coordinate)
   }
 }
 
-/* The halves of the jaws, of the left side. */
+/* Half a jaw, on the left side. */
 struct Jaw
 {
   Vec3f back, tip;
@@ -61,7 +61,7 @@ public:
     for (float side : {-1.0f, 1.0f})
       appendBall(result.cage, onSide(trexEye, side), trexEyeRadius, 2);
     mark(TrexPart::Eye);
-    for (float side : {-1.0f, 1.0f}) // lids: larger balls that leave a slit of the eye
+    for (float side : {-1.0f, 1.0f}) // lids: larger balls that leave a slit
     {
       appendBall(result.cage, onSide(trexEye + Vec3f{-0.01f, 0.075f, -0.012f}, side), 1.13f * trexEyeRadius, 3);
       appendBall(result.cage, onSide(trexEye + Vec3f{-0.005f, -0.085f, -0.025f}, side), 1.13f * trexEyeRadius, 3);
@@ -107,7 +107,8 @@ private:
       const Vec3f tip = ball + Vec3f{0.84f * reach, -0.12f, spread * 1.12f};
       body.push_back({ball, knuckle, 0.17f, 0.15f, 0.06f});
       body.push_back({knuckle, tip, 0.135f, 0.105f, 0.04f});
-      claws.push_back({lerp(tip, knuckle, 0.3f) + Vec3f{0, 0.02f, 0}, tip - knuckle + Vec3f{0, 0.06f, 0}, {0, -1, 0}, 0.44f, 0.105f, 0.25f, 1.0f});
+      claws.push_back({lerp(tip, knuckle, 0.3f) + Vec3f{0, 0.02f, 0}, tip - knuckle + Vec3f{0, 0.06f, 0}, {0, -1, 0},
+                       0.44f, 0.105f, 0.25f, 1.0f});
     }
     const Vec3f spur = ball + Vec3f{-0.42f, -0.02f, -0.1f * side};
     body.push_back({ball, spur, 0.14f, 0.09f, 0.05f});
@@ -128,7 +129,7 @@ private:
 
   void addHead()
   {
-    for (float side : {-1.0f, 1.0f}) // in halves: wider than high
+    for (float side : {-1.0f, 1.0f}) // in halves, because the head is wider than high
     {
       const auto add = [&](Vec3f a, Vec3f b, float ra, float rb, float smooth, bool carve = false) {
         body.push_back({onSide(a, side), onSide(b, side), ra, rb, smooth, carve});
@@ -148,7 +149,7 @@ private:
     }
   }
 
-  /* The surface of the body from a point inside it. */
+  /* Returns the point where a ray from inside leaves the body. */
   Vec3f surfaceFrom(Vec3f p, Vec3f direction) const
   {
     for (int i = 0; i < 40; i++)
@@ -156,15 +157,16 @@ private:
     return p;
   }
 
-  /* One row, from the corner of the mouth round to the middle of the snout. up: which
-   * way they grow. */
+  /* Adds a row of teeth from the corner of the mouth to the middle of the snout. `up` is the direction in which they
+   * grow, 1 or -1. */
   void addTeeth(const Jaw& jaw, float side, float up)
   {
     constexpr int count = 15;
     for (int i = 0; i < count; i++)
     {
       const float s = float(i) / float(count - 1);
-      const float along = up > 0.0f ? 0.34f + 0.66f * std::min(1.0f, 1.13f * s) : 0.22f + 0.78f * std::min(1.0f, 1.13f * s);
+      const float straight = std::min(1.0f, 1.13f * s);
+      const float along = up > 0.0f ? 0.34f + 0.66f * straight : 0.22f + 0.78f * straight;
       const float round = std::max(0.0f, 1.13f * s - 1.0f) / 0.13f; // about the tip of the jaw
       const Vec3f axis = normalize(jaw.tip - jaw.back);
       const Vec3f upwards = up * normalize(Vec3f{-axis.y, axis.x, 0});

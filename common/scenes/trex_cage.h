@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The control cage of `trex`: a body out of an implicit surface, with teeth, claws,
- * eyes, lids and tongue as closed pieces that stand in it. One unit is about a metre; x
- * runs from tail to head, y up, the left side is +z. */
+/* The control cage of `trex`: a body from an implicit surface, and teeth, claws, eyes, lids and tongue as closed pieces
+ * that intersect it. One unit is about a meter; x points from tail to head, y up; the left side is +z. */
 
 #include "surface/cage.h"
 
@@ -19,12 +18,12 @@ enum class TrexPart : uint8_t { Skin, Tooth, Claw, Eye, Lid, Tongue };
 struct TrexCage
 {
   Cage cage;
-  std::vector<TrexPart> parts; // a face each
+  std::vector<TrexPart> parts; // one per face
 };
 
 TrexCage makeTrexCage();
 
-/* Middle of the left eyeball; the right one mirrors it in z. */
+/* Center of the left eyeball. The right eyeball is its mirror image in z. */
 constexpr Vec3f trexEye{3.95f, 5.15f, 0.4f};
 constexpr float trexEyeRadius = 0.12f;
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Lengths are metres; heights are of the amplitude, 0.056 m in the smooth variant. */
+/* Lengths are in meters. Heights are in units of the amplitude, 0.056 m in the smooth variant. */
 
 #include "scenes/trex_skin.h"
 #include "scenes/noise.h"
@@ -20,14 +20,14 @@ float bell(float x, float width)
   return std::exp(-(x * x) / (width * width));
 }
 
-/* A scale a cell: a dome of height 1 with a groove of a given width around it. */
+/* One scale per cell: a dome of height 1 with a groove of a given width around it. */
 float scale(const CellNoise& cell, float groove)
 {
   const float dome = std::max(0.0f, 1.0f - 0.75f * cell.nearest * cell.nearest);
   return dome * smoothstep(0.0f, groove, cell.second - cell.nearest);
 }
 
-/* Distance noise keeps from 0, as grooves: 0 in them, 1 between. */
+/* Grooves where noise is near 0: 0 in a groove, 1 between grooves. */
 float creases(Vec3f p, float width, uint32_t seed)
 {
   return smoothstep(0.0f, width, std::abs(gradientNoise(p, seed)));
@@ -43,15 +43,15 @@ Regions regionsAt(Vec3f p)
   Regions r;
   r.head = smoothstep(2.95f, 3.35f, p.x) * smoothstep(3.6f, 3.8f, p.y);
   r.snout = r.head * smoothstep(3.9f, 4.4f, p.x);
-  r.neck = p.y < 2.9f ? 0.0f : bell(dot(p - Vec3f{2.7f, 4.2f, 0}, normalize(Vec3f{0.65f, 0.75f, 0})), 0.7f) * smoothstep(2.9f, 3.6f, p.y);
+  const float alongNeck = dot(p - Vec3f{2.7f, 4.2f, 0}, normalize(Vec3f{0.65f, 0.75f, 0}));
+  r.neck = p.y < 2.9f ? 0.0f : bell(alongNeck, 0.7f) * smoothstep(2.9f, 3.6f, p.y);
   r.legs = smoothstep(2.5f, 1.9f, p.y);
   r.belly = smoothstep(3.0f, 2.4f, p.y) * (1.0f - r.legs);
   r.back = smoothstep(3.5f, 4.1f, p.y) * (1.0f - r.head);
   return r;
 }
 
-/* Folds run across the axis of what bends: round the neck, up and down on trunk and
- * tail, across the limbs. */
+/* Folds run across the axis of parts that bend: around the neck, up and down on trunk and tail, across the limbs. */
 float folds(Vec3f p, const Regions& r, float wobble)
 {
   const Vec3f q = p + 0.12f * Vec3f{wobble, -wobble, wobble};
@@ -68,19 +68,19 @@ float folds(Vec3f p, const Regions& r, float wobble)
   return 1.0f - weight * (1.0f - mixed);
 }
 
-/* Above the lines of the lips, which are straight in x and y. */
+/* Height above the lines of the lips, which are straight in x and y. */
 float aboveUpperLip(Vec3f p) { return p.y - (4.55f - 0.01f * (p.x - 3.6f)); }
 float aboveLowerLip(Vec3f p) { return p.y - (4.5f - 0.36f * (p.x - 3.35f)); }
 
-/* 1 in the mouth, where the skin is smooth. */
+/* Returns 1 in the mouth, where the skin is smooth. */
 float inMouth(Vec3f p)
 {
   return smoothstep(3.5f, 3.7f, p.x) * smoothstep(0.02f, 0.07f, aboveLowerLip(p)) *
          smoothstep(-0.02f, -0.07f, aboveUpperLip(p));
 }
 
-/* What the head has beyond scales: creases around the eye, the nostril, grooves along
- * the lips. Added to the height, about zero far off. */
+/* Features of the head: creases around the eye, the nostril, and grooves along the lips. Added to the height; about
+ * zero elsewhere. */
 float headFeatures(Vec3f p)
 {
   const Vec3f m{p.x, p.y, std::abs(p.z)};
@@ -95,7 +95,7 @@ float headFeatures(Vec3f p)
   return eye + nostril + lips;
 }
 
-/* Ridges across the palate, a wet unevenness. */
+/* Ridges across the palate, and noise. */
 float gums(Vec3f p)
 {
   return 0.06f * gradientNoise({16.0f * p.x, 5.0f * p.y, 5.0f * p.z}, 41) + 0.03f * gradientNoise(35.0f * p, 42);
@@ -105,7 +105,8 @@ float gums(Vec3f p)
 float lid(Vec3f p)
 {
   const Vec3f d = {p.x - trexEye.x, p.y - trexEye.y, std::abs(p.z) - trexEye.z};
-  return 0.42f + 0.1f * scale(cellNoise(60.0f * p, 43), 0.35f) + 0.05f * std::sin(110.0f * std::abs(d.y) + 9.0f * d.x * d.x);
+  const float rings = std::sin(110.0f * std::abs(d.y) + 9.0f * d.x * d.x);
+  return 0.42f + 0.1f * scale(cellNoise(60.0f * p, 43), 0.35f) + 0.05f * rings;
 }
 
 float skin(Vec3f p)
@@ -119,25 +120,27 @@ float skin(Vec3f p)
   if (mouth == 1.0f)
     return 0.42f + gums(p);
 
-  /* Pebbles of 3 cm, with patches of 2 cm on the head and where skin must stretch. */
+  /* Scales of 3 cm, and patches of 2 cm on the head and where skin must stretch. */
   const float share2 = smoothstep(0.35f, 0.5f, 0.45f * r.head + 0.35f * r.neck + 0.5f * coarse.y);
   const float fine = (share2 < 1.0f ? (1.0f - share2) * scale(cellNoise(30.0f * warped, 5), 0.34f) : 0.0f) +
                      (share2 > 0.0f ? share2 * scale(cellNoise(47.0f * warped, 9), 0.34f) : 0.0f);
 
-  /* Feature scales of 9 cm among them, in patches: most on back and snout. */
+  /* Patches of larger scales of 9 cm, mostly on back and snout. */
   const CellNoise cell = cellNoise(11.0f * warped, 4);
   const float rank = float(cell.id >> 22) / 1023.0f;
   const float share = 0.12f + 0.4f * r.back + 0.62f * r.snout + 0.2f * r.head * (1.0f - r.snout) + 0.12f * coarse.x;
-  const float feature = rank < share ? smoothstep(0.02f, 0.9f, scale(cell, 0.3f)) * (0.6f + 0.8f * (share - rank)) : 0.0f;
+  const float dome = smoothstep(0.02f, 0.9f, scale(cell, 0.3f));
+  const float feature = rank < share ? dome * (0.6f + 0.8f * (share - rank)) : 0.0f;
 
   const float grain = gradientNoise(95.0f * p, 12);
   const float fold = folds(p, r, wobble);
   const float wrinkles = creases(Vec3f{9.0f, 15.0f, 12.0f} * warped, 0.16f, 7);
   const float bumps = gradientNoise(1.9f * p, 8) + 0.5f * gradientNoise(5.3f * p, 13);
 
-  const float relief = 0.105f + 0.05f * coarse.z; // deeper here than there
-  const float height = 0.22f + relief * fine * (1.0f - 0.6f * std::min(feature, 1.0f)) + 0.21f * feature + 0.17f * fold +
-                       0.1f * wrinkles + 0.1f * bumps + 0.014f * grain + (r.head > 0.0f ? r.head * headFeatures(p) : 0.0f);
+  const float relief = 0.105f + 0.05f * coarse.z; // varies over the body
+  const float head = r.head > 0.0f ? r.head * headFeatures(p) : 0.0f;
+  const float height = 0.22f + relief * fine * (1.0f - 0.6f * std::min(feature, 1.0f)) + 0.21f * feature +
+                       0.17f * fold + 0.1f * wrinkles + 0.1f * bumps + 0.014f * grain + head;
   return std::min(std::max(height + mouth * (0.42f + gums(p) - height), 0.0f), 1.0f);
 }
 

@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* The skin of `trex` as heights within 0 and 1. */
+/* The skin of `trex` as heights from 0 to 1. */
 
 #include "scenes/trex_cage.h"
 
 namespace cbvh {
 
-/* Changes with what the functions below return. */
+/* Must be incremented when trexHeight changes, because it is a part of the cached map's recipe. */
 constexpr int trexSkinVersion = 2;
 
-/* Height of a part at a point of the limit surface. */
+/* Returns the height of a part at a point of the limit surface. */
 float trexHeight(TrexPart part, Vec3f p);
 
 } // namespace cbvh

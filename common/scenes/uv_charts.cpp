@@ -11,20 +11,19 @@
 namespace cbvh {
 namespace {
 
-constexpr int largestChart = 24; // faces a side
+constexpr int largestChart = 24; // faces per side
 
 struct Chart
 {
   std::vector<unsigned> faces;
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0; // cells, x1 and y1 inside
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0; // cells; x1 and y1 are inclusive
   int width() const { return x1 - x0 + 1; }
   int height() const { return y1 - y0 + 1; }
 };
 
-/* Grows charts breadth first. A face comes in if its cell is free and every lattice
- * point of the cell that the chart has already is the very vertex: the chart is a
- * piece of the surface without overlaps, and texels beside each other in it are
- * neighbours on the surface. */
+/* Grows charts breadth first. A face is added if its cell is free and every lattice point of the cell that the chart
+ * already uses is the same vertex. Then the chart is a piece of the surface without overlaps, and adjacent texels are
+ * adjacent on the surface. */
 class Unfolding
 {
 public:
@@ -90,8 +89,8 @@ private:
         const FaceBorders::Side other = borders.opposite(face, unsigned(edge));
         if (other.face == ~0u || done[other.face])
           continue;
-        /* Side s of a square lies below, right of, above, left of it; the neighbour's
-         * own edge is the opposite side of its square. */
+        /* Side s of a square is below, right of, above or left of it. The common edge is on the opposite side of the
+         * other face's square. */
         const ChartCell& here = cells[face];
         const int side = (edge + here.turn) & 3;
         static constexpr int dx[4] = {0, 1, 0, -1}, dy[4] = {-1, 0, 1, 0};
@@ -119,7 +118,7 @@ Charts unfoldCharts(const Cage& cage, int texels, int rim)
   charts.count = pieces.size();
   charts.cells = unfolding.takeCells();
 
-  /* Shelves, the tallest pieces first. */
+  /* Packs charts into rows, the tallest charts first. */
   std::sort(pieces.begin(), pieces.end(), [](const Chart& a, const Chart& b) {
     return std::make_pair(a.height(), a.width()) > std::make_pair(b.height(), b.width());
   });

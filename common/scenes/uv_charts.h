@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Texture coordinates for a closed cage of quads: unfolded face by face onto a square
- * lattice, so that every face is a square of its own size in the map, in charts as
- * large as they stay compact. */
+/* Texture coordinates for a closed cage of quads. Faces are unfolded onto a square lattice, so every face is a square
+ * of its own in the map. Charts are as large as possible while they stay compact. */
 
 #include "surface/cage.h"
 
@@ -13,8 +12,8 @@
 
 namespace cbvh {
 
-/* Where a face lies in the map: corner i of the face is corner (i + turn) mod 4 of
- * the square, counterclockwise from the lower left. In texels, y up. */
+/* The place of a face in the map, in texels with y up: corner i of the face is corner (i + turn) mod 4 of the square,
+ * counterclockwise from the lower left. */
 struct ChartCell
 {
   int x = 0, y = 0, turn = 0;
@@ -23,15 +22,15 @@ struct ChartCell
 struct Charts
 {
   int width = 0, height = 0;     // of the map, in texels
-  int texels = 0;                // a side of a face
-  std::vector<ChartCell> cells;  // a face each
-  size_t count = 0;              // of charts
+  int texels = 0;               // per side of a face
+  std::vector<ChartCell> cells; // one per face
+  size_t count = 0;             // of charts
 };
 
-/* rim: texels between a chart and the border of its place, on each side. */
+/* Unfolds a cage. `rim` is the width in texels of the space around each chart. */
 Charts unfoldCharts(const Cage& cage, int texels, int rim);
 
-/* Writes the texture coordinates of charts into a cage. */
+/* Sets the texture coordinates of a cage from charts. */
 void setChartUVs(Cage& cage, const Charts& charts);
 
 } // namespace cbvh

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Control cage of a Catmull-Clark subdivision surface, and the patches Embree
- * makes of it. A quad face is one patch; a face of N != 4 vertices is N patches,
- * one a corner, each at half the edge rate, because Embree subdivides it once
- * first. Level L means an edge rate of 2^L. */
+/* Control cage of a Catmull-Clark subdivision surface, and the patches that Embree makes of it. A quad face is one
+ * patch. A face of N != 4 vertices is N patches, one per corner, each with half the edge rate, because Embree
+ * subdivides the face once first. Level L means an edge rate of 2^L. */
 
 #include "basics/vec.h"
 
@@ -17,73 +16,71 @@
 
 namespace cbvh {
 
-/* How the surface ends at boundary edges; names and numbers as OpenSubdiv's
- * interpolateboundary tag. */
+/* The shape of the surface at boundary edges. Names and numbers are those of OpenSubdiv's tag interpolateboundary. */
 enum class BoundaryRule
 {
-  None = 0,          // faces that touch the boundary vanish
+  None = 0,          // faces that touch the boundary have no surface
   EdgeAndCorner = 1, // smooth boundary curve, sharp corners
   EdgeOnly = 2,      // smooth boundary curve
 };
 
-/* How the sharpness of creases goes down from step to step. */
+/* The rule that reduces the sharpness of creases in each subdivision step. */
 enum class CreaseRule
 {
   Uniform, // by 1
-  Chaikin, // by 1, after creases that meet have come nearer to each other
+  Chaikin, // by 1, after averaging with the neighboring creases
 };
 
 struct Cage
 {
   std::string name;
-  std::string comments; // at the head of its file, a line each
+  std::string comments; // from the beginning of its file, one per line
   std::vector<Vec3f> positions;
-  std::vector<unsigned> faceSizes;   // vertices a face, at least 3
-  std::vector<unsigned> faceIndices; // concatenated, into positions
+  std::vector<unsigned> faceSizes;   // vertices per face, at least 3
+  std::vector<unsigned> faceIndices; // into positions, faces one after the other
 
-  /* Face-varying texture coordinates: uvIndices runs parallel to faceIndices. It is noUV at
-   * all corners of a face without coordinates. Both are empty if no face has some. */
+  /* Face-varying texture coordinates. uvIndices is parallel to faceIndices, and noUV at all corners of a face without
+   * coordinates. Both are empty if no face has coordinates. */
   std::vector<Vec2f> uvs;
   std::vector<unsigned> uvIndices;
-  size_t lineWithoutUVs = 0; // of the first face without, if others have some; 0 for a cage that is from no file
+  size_t lineWithoutUVs = 0; // of the first face without coordinates; 0 if there is none, or no file
   static constexpr unsigned noUV = ~0u;
 
   std::vector<std::pair<unsigned, unsigned>> creaseEdges; // vertex pairs
-  std::vector<float> creaseSharpness;                     // infinity: a hard edge
+  std::vector<float> creaseSharpness;                     // infinity for a hard edge
   std::vector<unsigned> cornerVertices;
   std::vector<float> cornerSharpness;
   std::vector<unsigned> holes;                            // faces without surface
   BoundaryRule boundary = BoundaryRule::EdgeOnly;         // OpenSubdiv's and Embree's default
-  CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; see crease_rules.h on Embree's
+  CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; crease_rules.h describes Embree's
 
   size_t numFaces() const { return faceSizes.size(); }
-  bool hasUVs() const { return !uvIndices.empty(); } // on some faces at least
+  bool hasUVs() const { return !uvIndices.empty(); } // true if at least one face has coordinates
   size_t numFacesWithoutUVs() const;
   Box3f bounds() const;
 };
 
-/* A rectangle of quads of one face: resolution x resolution of them, vertices in
- * rows of resolution + 1, u fastest. */
+/* A face or a corner of an n-gon: resolution x resolution quads, vertices in rows of resolution + 1, u fastest. */
 struct Patch
 {
   unsigned face;
-  unsigned subPatch;   // corner of an n-gon, 0 for a quad face
+  unsigned subPatch;   // corner of the n-gon, 0 for a quad face
   unsigned resolution;
-  size_t firstVertex;  // index of vertex (0,0) when all patches are laid out in a row
-  size_t firstQuad;    // likewise for quads
+  size_t firstVertex;  // index of vertex (0,0) if the vertices of all patches are concatenated
+  size_t firstQuad;    // the same for quads
 };
 
-/* All patches of a cage at one level, in order of faces; holes have none. Several
- * copies of a cage follow one another, faces numbered on. */
+/* All patches of a cage at one level, in order of faces. Holes have no patches. The faces of further copies of the
+ * cage are numbered consecutively. */
 class PatchLayout
 {
 public:
   PatchLayout(const Cage& cage, int level, size_t copies = 1);
 
-  /* Patch of a face, given (u,v) as Embree reports them. */
+  /* Returns the patch at (u,v) of a face; (u,v) are as Embree reports them. */
   const Patch& find(unsigned face, float u, float v) const;
 
-  /* Whether a face is one patch, with (u,v) from 0 to 1. */
+  /* True if the face is one patch with (u,v) in [0,1]. */
   bool isQuadFace(unsigned face) const { return size(face) == 4; }
 
   const std::vector<Patch>& patches() const { return all; }
@@ -99,11 +96,11 @@ private:
   size_t quads = 0, vertices = 0;
 };
 
-/* Embree's (u,v) of an n-gon: sub-patch i covers [0.5,1.5] + 2 (i mod 4, i div 4).
- * This takes the sub-patch out and leaves local (u,v) in [0,1]. */
+/* Embree's (u,v) of an n-gon encode the sub-patch: sub-patch i covers [0.5,1.5] + 2 (i mod 4, i div 4).
+ * Returns the sub-patch and replaces u and v by local ones in [0,1]. */
 unsigned decodeSubPatch(float& u, float& v);
 
-/* The inverse. */
+/* The inverse of decodeSubPatch. */
 Vec2f encodeSubPatch(unsigned subPatch, float u, float v);
 
 } // namespace cbvh

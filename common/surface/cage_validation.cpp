@@ -22,7 +22,7 @@ namespace Far = OpenSubdiv::Far;
 constexpr unsigned maxFaceVertices = 16;
 constexpr int maxVertexFaces = 64;
 
-/* OpenSubdiv reports through a plain function, so the text waits here. */
+/* OpenSubdiv reports errors through a plain function, which stores the first one here. */
 thread_local std::string lastReport;
 
 void keepReport(Far::ErrorType, const char* message)
@@ -52,7 +52,7 @@ std::string faces(size_t n)
   return std::to_string(n) + (n == 1 ? " face" : " faces");
 }
 
-/* What can be said without topology, in the words of the face. */
+/* Checks that need no topology. Their messages name the face, unlike OpenSubdiv's. */
 void checkFaces(const Cage& cage)
 {
   size_t offset = 0;
@@ -64,8 +64,8 @@ void checkFaces(const Cage& cage)
     std::sort(vertices.begin(), vertices.end());
     const auto twice = std::adjacent_find(vertices.begin(), vertices.end());
     if (twice != vertices.end())
-      throw Error(cage.name + ": face " + std::to_string(face + 1) + " names vertex " + std::to_string(*twice + 1) +
-                  " twice");
+      throw Error(cage.name + ": face " + std::to_string(face + 1) + " contains vertex " + std::to_string(*twice + 1) +
+                  " twice; expected different vertices");
   }
 }
 
@@ -96,13 +96,13 @@ void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string&
   if (edges.empty())
     return;
   const Far::ConstIndexArray v = level.GetEdgeVertices(edges.front());
-  warnings += cage.name + ": not manifold at " + counted(edges.size(), "edge", "edges") + ": that from vertex " +
+  warnings += cage.name + ": not manifold at " + counted(edges.size(), "edge", "edges") + ": the edge from vertex " +
               std::to_string(v[0] + 1) + " to " + std::to_string(v[1] + 1) + " has " +
               faces(size_t(level.GetEdgeFaces(edges.front()).size())) +
-              ", or two that run through it the same way; Embree does not round such edges\n";
+              ", or two faces of opposite orientation; Embree does not smooth such edges\n";
 }
 
-/* Where no edge does already. */
+/* Warns of vertices that are not manifold although their edges are. */
 void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<int> vertices;
@@ -116,19 +116,20 @@ void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::stri
   if (!vertices.empty())
     warnings += cage.name + ": not manifold at " + counted(vertices.size(), "vertex", "vertices") + ": vertex " +
                 std::to_string(vertices.front() + 1) +
-                " joins parts that share no edge; Embree rounds each of them, OpenSubdiv none\n";
+                " joins parts that share no edge; Embree smooths each part, OpenSubdiv smooths none\n";
 }
 
 void warnOfCreases(const Cage& cage, std::string& warnings)
 {
-  const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
+  const std::vector<unsigned> vertices = findVerticesWithOtherCreaseRules(cage);
   if (!vertices.empty())
     warnings += cage.name + ": creases meet at " + counted(vertices.size(), "vertex", "vertices") + ", " +
-                std::to_string(vertices.front() + 1) + (vertices.size() == 1 ? "" : " for one") + ", where Embree has another rule for their sharpness than OpenSubdiv: near them the surface is another, " +
-                "and errors against the true surface contain that\n";
+                (vertices.size() == 1 ? "" : "for example ") + std::to_string(vertices.front() + 1) +
+                ", where Embree reduces their sharpness by a different rule than OpenSubdiv: nearby, errors against " +
+                "the true surface include the difference\n";
 }
 
-/* Faces at a vertex, in parts that hang together by edges of two faces, as Embree sees them. */
+/* Splits the faces at a vertex into rings that are connected by manifold edges, as Embree does. */
 std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
 {
   std::vector<std::vector<unsigned>> rings;
@@ -155,8 +156,8 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
   return rings;
 }
 
-/* Makes holes of what is beyond Embree's limits. It would leave out such faces, and all that
- * share a vertex with a face of too many vertices. */
+/* Turns faces beyond Embree's limits into holes. Embree would leave out these faces, and also all faces that share a
+ * vertex with a face of too many vertices. */
 void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<char> isHole(cage.numFaces(), 0);
@@ -172,7 +173,7 @@ void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
     {
       cut(face);
       warnings += cage.name + ": face " + std::to_string(face + 1) + " has " + std::to_string(cage.faceSizes[face]) +
-                  " vertices, Embree takes at most " + std::to_string(maxFaceVertices) + ": it is left out\n";
+                  " vertices and is left out: Embree supports at most " + std::to_string(maxFaceVertices) + "\n";
     }
   for (int vertex = 0; vertex < level.GetNumVertices(); vertex++)
   {
@@ -185,12 +186,12 @@ void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
       for (unsigned face : ring)
         cut(face);
       warnings += cage.name + ": vertex " + std::to_string(vertex + 1) + " has " + faces(ring.size()) +
-                  " around it, Embree takes at most " + std::to_string(maxVertexFaces) + ": they are left out\n";
+                  " around it, which are left out: Embree supports at most " + std::to_string(maxVertexFaces) + "\n";
     }
   }
   if (cage.holes.size() == cage.numFaces())
-    throw Error(cage.name + ": no face is left within Embree's limits, " + std::to_string(maxFaceVertices) +
-                " vertices a face and " + std::to_string(maxVertexFaces) + " faces around a vertex");
+    throw Error(cage.name + ": no face is left: Embree supports at most " + std::to_string(maxFaceVertices) +
+                " vertices per face and " + std::to_string(maxVertexFaces) + " faces around a vertex");
 }
 
 } // namespace
@@ -199,7 +200,7 @@ void validateCage(Cage& cage, std::string& warnings)
 {
   checkFaces(cage);
   if (cage.bounds().diagonal() == 0.0f)
-    warnings += cage.name + ": all vertices lie in one place, there is nothing to see\n";
+    warnings += cage.name + ": all vertices have the same position: there is nothing to see\n";
   const std::unique_ptr<Far::TopologyRefiner> refiner = makeRefiner(cage);
   const Far::TopologyLevel level = refiner->GetLevel(0);
   warnOfEdges(cage, level, warnings);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks a cage with OpenSubdiv before Embree gets it. Embree itself takes a bad
- * cage in silence and leaves faces out or tears the surface. */
+/* Checks a cage with OpenSubdiv before Embree receives it. Embree accepts an invalid cage silently and leaves out
+ * faces or tears the surface. */
 
 #include "surface/cage.h"
 
@@ -12,14 +12,16 @@
 
 namespace cbvh {
 
-/* Faces beyond Embree's limits (16 vertices a face, 64 faces around a vertex) become holes.
+/* Turns faces beyond Embree's limits (16 vertices per face, 64 faces around a vertex) into holes.
  *
- * warnings: lines are added on such faces, and on edges at which the cage is not manifold:
- * of more than two faces, or run through twice in the same direction; there Embree keeps the
- * vertices where they are, or makes a hard crease. And on vertices that join parts without an
- * edge in common, and those where Embree has another rule for creases than OpenSubdiv.
- * Errors: throws Error, one line that starts with the cage's name, for whatever OpenSubdiv's
- * topology validation reports, and a face that names a vertex twice. */
+ * Appends to `warnings` one line for each kind of:
+ *   - faces beyond these limits;
+ *   - edges that are not manifold: with more than two faces, or with two of opposite orientation. Embree leaves their
+ *     vertices in place, or makes a hard crease;
+ *   - vertices that join parts without a common edge;
+ *   - vertices at which Embree and OpenSubdiv have different crease rules.
+ * Throws Error, one line that starts with the cage's name, if OpenSubdiv rejects the topology or if a face contains a
+ * vertex twice. */
 void validateCage(Cage& cage, std::string& warnings);
 
 } // namespace cbvh

@@ -15,7 +15,7 @@ bool isFraction(float sharpness)
   return std::isfinite(sharpness) && sharpness != std::floor(sharpness);
 }
 
-/* sharpness: of all edges at a vertex that are sharp at all. */
+/* `sharpness` holds the sharpness of each sharp edge at a vertex. */
 bool differs(std::vector<float> sharpness, float corner, CreaseRule rule)
 {
   if (sharpness.size() < 2 || corner == INFINITY)
@@ -23,8 +23,8 @@ bool differs(std::vector<float> sharpness, float corner, CreaseRule rule)
   if (corner > 0.0f)
     return true;
   std::sort(sharpness.begin(), sharpness.end());
-  /* In the order in which they end: Embree takes a crease that ends for a whole one while
-   * there are three, and mixes the last two. */
+  /* In the order in which creases end: Embree treats a fractional crease as a whole one while there are three, and
+   * averages the last two. */
   const bool areEqual = sharpness.front() == sharpness.back();
   for (size_t i = 0; i + 2 < sharpness.size(); i++)
     if (isFraction(sharpness[i]))
@@ -39,7 +39,7 @@ bool differs(std::vector<float> sharpness, float corner, CreaseRule rule)
 
 } // namespace
 
-std::vector<unsigned> verticesOfOtherCreaseRules(const Cage& cage)
+std::vector<unsigned> findVerticesWithOtherCreaseRules(const Cage& cage)
 {
   const auto edge = [](unsigned a, unsigned b) { return std::make_pair(std::min(a, b), std::max(a, b)); };
   if (cage.creaseEdges.empty())
@@ -48,7 +48,7 @@ std::vector<unsigned> verticesOfOtherCreaseRules(const Cage& cage)
   for (size_t i = 0; i < cage.creaseEdges.size(); i++)
     if (cage.creaseSharpness[i] > 0.0f)
       sharp[edge(cage.creaseEdges[i].first, cage.creaseEdges[i].second)] = cage.creaseSharpness[i];
-  std::map<std::pair<unsigned, unsigned>, int> sides; // of all edges: boundaries are sharp
+  std::map<std::pair<unsigned, unsigned>, int> sides; // faces per edge: boundary edges are sharp
   size_t first = 0;
   for (unsigned n : cage.faceSizes)
   {

@@ -9,8 +9,8 @@
 namespace cbvh {
 namespace {
 
-/* Halves each tile: every other texel, with a quarter of both its neighbours on each
- * axis, on the border of the tile along the border only. */
+/* Halves each tile: every other texel, filtered with a quarter of its two neighbors on each axis. On the border of a
+ * tile the filter runs along the border only. */
 HeightMap halved(const HeightMap& map, const FaceAtlas& atlas, const FaceAtlas& half, size_t numFaces)
 {
   HeightMap result(half.columns(), half.rows(numFaces));
@@ -98,7 +98,7 @@ private:
     }
   };
 
-  /* The coarsest mip level with texels no wider than the spacing. */
+  /* Returns the coarsest mip level whose texels are not wider than the spacing. */
   size_t levelFor(int level) const
   {
     size_t k = 0;
@@ -107,7 +107,7 @@ private:
     return k;
   }
 
-  /* Each border texel is the mean of what its sides had, so all are read first. */
+  /* Sets each border texel to the mean of its sides. All means are computed before the first texel changes. */
   static void closeBorders(Level& level, const FaceBorders& borders)
   {
     const int n = level.atlas.tileSize;
@@ -117,7 +117,7 @@ private:
       size_t next = 0;
       for (unsigned face = 0; face < borders.numFaces(); face++)
         for (unsigned edge = 0; edge < 4; edge++)
-          for (int i = 0; i < n; i++) // its last texel is the next edge's first
+          for (int i = 0; i < n; i++) // the last texel of the edge is the first of the next edge
           {
             const float t = float(i) / float(n);
             float& texel = level.texel(borders.point(face, edge, t));

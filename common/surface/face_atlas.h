@@ -3,17 +3,17 @@
 
 #pragma once
 
-/* A map made of square tiles, one a face, in rows, in memory: Ptex in one picture.
- * All faces are quads. */
+/* A map in memory that consists of square tiles in rows, one per face, like a Ptex file in one picture. All faces must
+ * be quads. */
 
 #include "surface/displacement.h"
 #include "surface/height_map.h"
 
 namespace cbvh {
 
-/* A tile has tileSize + 1 texels a side: the first and last lie on the borders of the
- * face. With tileSize a power of two, (u,v) of levels up to 8 fall on exact fractions
- * of a texel, and faces that agree on the texels of their common edge meet exactly. */
+/* A tile has tileSize + 1 texels per side; the first and the last lie on the borders of the face. If tileSize is a
+ * power of two, (u,v) of levels up to 8 fall on exact fractions of a texel, and faces with the same texels on a common
+ * edge meet exactly. */
 struct FaceAtlas
 {
   int tileSize = 64;
@@ -24,9 +24,9 @@ struct FaceAtlas
   int rows(size_t numFaces) const { return int((numFaces + tilesPerRow - 1) / tilesPerRow) * (tileSize + 1); }
 };
 
-/* Mip levels are made here: halved a tile by itself by a tent filter, then the mean of
- * all sides on the borders. A tile's level k is read at levels L with 2^-L as wide as
- * its texels: exactly at them, without any filter, up to 2^L = tileSize. */
+/* Creates mip levels: a tent filter halves each tile on its own, then border texels become the mean of all sides.
+ * Level L of the surface reads the mip level whose texels are 2^-L of a face wide, without filtering, up to
+ * 2^L = tileSize. */
 std::unique_ptr<Displacement> displaceByAtlas(const Cage& cage, const FaceAtlas& atlas, HeightMap map, float scale);
 
 } // namespace cbvh

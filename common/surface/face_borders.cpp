@@ -13,7 +13,7 @@ FaceBorders::FaceBorders(const Cage& cage)
   : sizes(cage.faceSizes), vertexOf(cage.faceIndices), sides(cage.faceIndices.size()), corners(cage.positions.size())
 {
   size_t offset = 0;
-  std::unordered_map<uint64_t, unsigned> edges; // by their vertices, smaller first
+  std::unordered_map<uint64_t, unsigned> edges; // by their vertices, the smaller in the upper half
   edges.reserve(cage.faceIndices.size());
   std::vector<size_t> sidesOfEdge;
   for (unsigned face = 0; face < sizes.size(); face++)
@@ -23,7 +23,8 @@ FaceBorders::FaceBorders(const Cage& cage)
     {
       const unsigned a = vertexOf[offset + i], b = vertexOf[offset + (i + 1) % sizes[face]];
       corners[a].push_back({face, i, a > b});
-      const auto [entry, isNew] = edges.try_emplace(uint64_t(std::min(a, b)) << 32 | std::max(a, b), unsigned(edges.size()));
+      const uint64_t vertices = uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+      const auto [entry, isNew] = edges.try_emplace(vertices, unsigned(edges.size()));
       if (isNew)
         sidesOfEdge.push_back(0);
       sidesOfEdge[entry->second]++;
@@ -49,8 +50,8 @@ FaceBorders::Side FaceBorders::opposite(unsigned face, unsigned edge) const
   return other.reversed == isReversed(face, edge) ? Side() : other;
 }
 
-/* On a quad edges 0 to 3 are v = 0, u = 1, v = 1, u = 0. A corner quad of an n-gon
- * has half of its corner's edge at v = 0 and half of the one before at u = 0. */
+/* Edges 0 to 3 of a quad are v = 0, u = 1, v = 1, u = 0. A corner quad of an n-gon has the first half of its corner's
+ * edge at v = 0, and the second half of the previous edge at u = 0. */
 FaceBorders::Place FaceBorders::place(const FacePoint& p) const
 {
   float u = p.u, v = p.v;

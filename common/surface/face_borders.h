@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Which faces share a point of a border. Heights that are stored a face, or through
- * texture coordinates with seams, differ there from side to side; the mean over all
- * sides is the same for each of them, and closes the surface. */
+/* Finds the faces that share a point of a border. Heights that are stored per face, or through texture coordinates
+ * with seams, differ between the sides of a border. The mean over all sides is the same for each and closes the
+ * surface. */
 
 #include "surface/cage.h"
 #include "surface/patch_point.h"
@@ -20,8 +20,8 @@ class FaceBorders
 public:
   explicit FaceBorders(const Cage& cage);
 
-  /* Where a face has (u,v) on its border: the edge from corner `edge` to the next,
-   * and how far along it, 0 to 1. Inside: edge is -1. */
+  /* A place on the border of a face: on the edge from corner `edge` to the next, at t in [0,1] along it. `edge` is -1
+   * inside the face. */
   struct Place
   {
     int edge = -1;
@@ -29,17 +29,17 @@ public:
   };
   Place place(const FacePoint& p) const;
 
-  /* The point of an edge, or of a corner for t = 0. */
+  /* Returns a point of an edge; t = 0 is the corner. */
   FacePoint point(unsigned face, unsigned edge, float t) const;
 
   struct Side
   {
     unsigned face = ~0u, edge = 0;
-    bool reversed = false; // runs from the greater to the smaller vertex
+    bool reversed = false; // the edge runs from the greater to the smaller vertex index
   };
 
-  /* All sides of an edge, the same list in the same order for each: one at a boundary, two as
-   * a rule, more where the cage is not manifold. */
+  /* All sides of an edge: one at a boundary, usually two, more if the cage is not manifold. Each side gets the same
+   * list in the same order. */
   struct Sides
   {
     const Side *first, *last;
@@ -53,17 +53,17 @@ public:
     return {&sides[firstSide[e]], &sides[firstSide[e]] + (firstSide[e + 1] - firstSide[e])};
   }
 
-  /* The other side of an edge of two that run through it both ways; else face is ~0u. */
+  /* Returns the other side of an edge with two faces of the same orientation; otherwise face is ~0u. */
   Side opposite(unsigned face, unsigned edge) const;
 
-  /* All corners at the vertex of a corner, the same list in the same order for each. */
+  /* Returns all corners at the vertex of a corner. Each corner gets the same list in the same order. */
   const std::vector<Side>& around(unsigned face, unsigned corner) const
   {
     return corners[vertexOf[firstCorner[face] + corner]];
   }
 
-  /* The mean of value(FacePoint) over all sides of a point whose own side has `own`: to
-   * the bit the same from every side, as they are added in the order of the list. */
+  /* Returns the mean of value(FacePoint) over all sides of a point. `own` is the value of the calling side. The result
+   * is identical to the bit for every side, because values are added in the order of the list. */
   template<typename T, typename Value>
   T mean(unsigned face, Place at, T own, const Value& value) const
   {
@@ -100,8 +100,8 @@ private:
 
   std::vector<unsigned> sizes, vertexOf;
   std::vector<size_t> firstCorner;
-  std::vector<unsigned> edgeOf;   // of each corner, that from it to the next
-  std::vector<size_t> firstSide;  // of each edge, and the end of the last
+  std::vector<unsigned> edgeOf;  // of each corner: the edge from it to the next corner
+  std::vector<size_t> firstSide; // of each edge, followed by the end
   std::vector<Side> sides;
   std::vector<std::vector<Side>> corners;
 };

@@ -13,7 +13,7 @@ namespace cbvh {
 namespace {
 
 constexpr unsigned nodataTag = 42113, asciiType = 2;
-constexpr uint64_t longestText = 64; // of a number
+constexpr uint64_t longestText = 64; // bytes that a number may need
 
 class TiffReader
 {
@@ -23,7 +23,7 @@ public:
   std::vector<std::string> run()
   {
     std::vector<std::string> pages;
-    std::set<uint64_t> known; // a malformed file may refer to a page twice
+    std::set<uint64_t> known; // ends the loop if a malformed file refers to a page twice
     uint64_t directory = readHeader();
     while (directory != 0 && known.insert(directory).second)
     {
@@ -65,7 +65,7 @@ private:
       return 0;
     offsetBytes = version == 43 ? 8 : 4;
     if (version == 43)
-      readNumber(4); // the size of offsets, and a zero
+      readNumber(4); // skip the size of offsets, and a zero
     const uint64_t first = readNumber(offsetBytes);
     return file ? first : 0;
   }
@@ -83,7 +83,7 @@ private:
       {
         if (count > offsetBytes)
           file.seekg(std::streamoff(readNumber(offsetBytes)));
-        text = readBytes(size_t(count)).c_str(); // up to the zero at its end
+        text = readBytes(size_t(count)).c_str(); // ends at the first zero
         if (!file)
           return 0;
       }

@@ -10,8 +10,8 @@
 
 namespace cbvh {
 
-/* Returns the text of the tag for each page of a TIFF or BigTIFF, empty for a page without it. Stops at the first
- * malformed page, and returns nothing for a file that is no TIFF: OpenImageIO reports what is wrong with it. */
+/* Returns the text of the tag for each page of a TIFF or BigTIFF, empty for a page without the tag. Stops at the first
+ * malformed page. Returns nothing for other files: OpenImageIO reports what is wrong with them. */
 std::vector<std::string> readGdalNodata(const std::string& path);
 
 } // namespace cbvh

@@ -15,14 +15,15 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
+#include <system_error>
+#include <utility>
 #include <unistd.h>
 
 namespace cbvh {
 namespace {
 
-/* libpng writes its complaints to stderr itself, past OpenImageIO, which reports
- * them, too. Holds stderr shut for the length of a call; the programs read maps
- * while they do nothing else. */
+/* Redirects stderr to /dev/null while it exists, because libpng prints errors that OpenImageIO reports anyway. Affects
+ * all threads; programs read maps while they do nothing else. */
 class QuietStderr
 {
 public:
@@ -57,19 +58,19 @@ Error unreadable(const std::string& path, std::string reason)
   for (char& c : reason)
     if (c == '\n')
       c = ' ';
-  return Error(path + ": cannot be read as a height map: " + (reason.empty() ? "unknown reason" : reason));
+  return Error(path + ": cannot read this height map: " + (reason.empty() ? "unknown reason" : reason));
 }
 
-/* A pipe without a writer blocks whoever opens it, and OpenImageIO opens a file several times. */
+/* Opening a pipe without a writer blocks, and OpenImageIO opens a file several times. */
 void requireFile(const std::string& path)
 {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (!std::filesystem::exists(status))
     throw Error(path + ": no such height map" +
-                (path.find('<') == std::string::npos ? "" : "; tiles are named by <UDIM>, %(UDIM)d or <UVTILE>"));
+                (path.find('<') == std::string::npos ? "" : "; expected <UDIM>, %(UDIM)d or <UVTILE> for tiles"));
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))
-    throw Error(path + ": is a pipe or a device, and a height map is read more than once: give a regular file");
+    throw Error(path + ": height maps are read more than once, but this is a pipe or a device; expected a file");
 }
 
 std::unique_ptr<MapImage> openImage(const std::string& path)
@@ -78,7 +79,7 @@ std::unique_ptr<MapImage> openImage(const std::string& path)
   const std::string extension = std::filesystem::path(path).extension().string();
   const std::string formats = "," + std::string(OIIO::get_string_attribute("input_format_list")) + ",";
   if ((extension == ".ptx" || extension == ".ptex") && formats.find(",ptex,") == std::string::npos)
-    throw Error(path + ": this OpenImageIO is built without its Ptex reader; a TIFF of one page a face serves as well");
+    throw Error(path + ": this OpenImageIO was built without its Ptex reader; a TIFF with one page per face works too");
   auto input = std::make_unique<MapImage>();
   OIIO::ImageSpec spec;
   if (!input->open(path, spec, MapImage::configuration({})))
@@ -86,7 +87,7 @@ std::unique_ptr<MapImage> openImage(const std::string& path)
   return input;
 }
 
-/* Some channels of an image, texel by texel. */
+/* Some channels of an image. */
 struct Texels
 {
   int width, height, channels;
@@ -94,8 +95,7 @@ struct Texels
 
   const float* at(int x, int y) const { return &values[(size_t(y) * size_t(width) + size_t(x)) * size_t(channels)]; }
 
-  /* Whether the border texels are all the same, so that copies of the map side by side do
-   * not tear. */
+  /* True if all border texels are equal, so that adjacent copies of the map meet without a step. */
   bool hasConstantBorder() const
   {
     const auto same = [&](int x, int y) { return std::equal(at(x, y), at(x, y) + channels, at(0, 0)); };
@@ -114,7 +114,7 @@ bool isCancelled(void*, float)
   return cancelRequested();
 }
 
-/* The image that the input is at. */
+/* Reads channels of the current image. */
 Texels readImage(MapImage& input, int image, int first, int count, const std::string& path)
 {
   const OIIO::ImageSpec& spec = input.spec();
@@ -129,11 +129,12 @@ Texels readImage(MapImage& input, int image, int first, int count, const std::st
   if (bad == texels.values.end())
     return texels;
   const size_t texel = size_t(bad - texels.values.begin()) / size_t(count), width = size_t(spec.width);
-  throw Error(path + ": the " + (count == 1 ? "height" : "vector") + " at texel " + std::to_string(texel % width) + "," +
-              std::to_string(texel / width) + (image ? " of image " + std::to_string(image) : "") + " is not finite");
+  throw Error(path + ": the " + (count == 1 ? "height" : "vector") + " at texel " + std::to_string(texel % width) +
+              "," + std::to_string(texel / width) + (image ? " of image " + std::to_string(image) : "") +
+              " is not finite");
 }
 
-/* Of the image that the input is at. Throws Error unless `count` channels follow. */
+/* Returns the index of a channel of the current image. Throws Error unless `count` channels follow from there on. */
 int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int count, const std::string& path)
 {
   int first = 0;
@@ -154,8 +155,8 @@ int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int cou
     names += (names.empty() ? "" : ", ") + name;
   if (count > 1)
     throw Error(path + ": a map of vectors needs " + std::to_string(count) + " channels" +
-                (channel.empty() ? "" : " from '" + channel + "' on") + ", it has " + names);
-  throw Error(path + ": has no channel '" + channel + "', it has " + names);
+                (channel.empty() ? "" : " from '" + channel + "' on") + ", but the file has " + names);
+  throw Error(path + ": unknown channel '" + channel + "': the file has " + names);
 }
 
 } // namespace
@@ -164,7 +165,7 @@ HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
-  input->setReading({0, 1, NAN}); // a missing height is not finite
+  input->setReading({0, 1, NAN}); // so that a missing height is an error
   Texels texels = readImage(*input, 0, 0, 1, path);
   HeightMap map;
   map.w = texels.width;
@@ -196,7 +197,7 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   if (!input->refusal().empty())
     throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->refusal());
   if (info.images == 0)
-    throw unreadable(path, "it has only copies of reduced resolution or masks");
+    throw unreadable(path, "it contains only copies of reduced resolution or masks");
   info.missing = input->numMissing();
   info.isPlain &= info.missing == 0;
   return info;
@@ -211,7 +212,7 @@ std::string HeightMap::recipeOf(const std::string& path)
   const auto input = OIIO::ImageInput::open(path);
   if (input)
     return std::string(input->spec().get_string_attribute(recipeAttribute));
-  OIIO::geterror(); // else it is reported at OpenImageIO's leisure
+  OIIO::geterror(); // otherwise OpenImageIO prints the error later
   return "";
 }
 
@@ -219,7 +220,7 @@ void HeightMap::write(const std::string& path, const std::string& recipe) const
 {
   OIIO::ImageSpec spec(w, h, 1, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"Y"};
-  spec.attribute("compression", "none"); // noise hardly shrinks, and takes long to try
+  spec.attribute("compression", "none"); // noise hardly compresses and compressing it takes long
   if (!recipe.empty())
     spec.attribute(recipeAttribute, recipe);
   writeImageFile(path, spec, OIIO::TypeDesc::FLOAT, texels.data());

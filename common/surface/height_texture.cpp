@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-constexpr int tileSize = 64; // of files that have no tiles
+constexpr int tileSize = 64; // for files without tiles
 
 struct TextureImage
 {
@@ -32,7 +32,7 @@ struct HeightTexture::Implementation
   OIIO::TextureSystem* system = nullptr;
   std::vector<TextureImage> images;
   OIIO::TextureOpt options;
-  int channels = 1;     // that are read
+  int channels = 1; // to read
   int channelsOfFile = 1;
 
   ~Implementation()
@@ -43,7 +43,7 @@ struct HeightTexture::Implementation
       OIIO::ImageCache::destroy(cache);
   }
 
-  /* count: of the file's images that belong to the texture. */
+  /* `count` is the number of images of the file that belong to the texture. */
   void open(const std::string& path, size_t count, const HeightMap::FileInfo& info, const TextureChannels& read)
   {
     if (!info.isPlain)
@@ -53,7 +53,7 @@ struct HeightTexture::Implementation
     }
     OIIO::TextureSystem::TextureHandle* handle = system->get_texture_handle(OIIO::ustring(path));
     if (!handle || !system->good(handle))
-      throw Error(path + ": OpenImageIO makes no texture of it: " + system->geterror());
+      throw Error(path + ": OpenImageIO cannot use this image as a texture: " + system->geterror());
     for (size_t i = 0; i < count; i++)
       images.push_back({handle, info.numbers[i]});
   }
@@ -71,13 +71,13 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
                              std::string& warnings)
   : implementation(std::make_unique<Implementation>())
 {
-  /* A system of its own: its cache goes with it. Texels stay in the file's type, so mip
-   * levels are rounded to it: with "forcefloat" 2.4.7 runs into an assertion of its own. */
+  /* A private system frees its cache with it. Texels keep the file's type, so mip levels are rounded to it: with
+   * "forcefloat", OpenImageIO 2.4.7 fails an assertion. */
   implementation->cache = OIIO::ImageCache::create(false);
   OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false, implementation->cache);
-  system->attribute("automip", 1);           // mip levels of files that have none
+  system->attribute("automip", 1);           // create mip levels for files without them
   system->attribute("autotile", tileSize);   // and tiles
-  system->attribute("unassociatedalpha", 1); // colours are not multiplied by alpha
+  system->attribute("unassociatedalpha", 1); // do not multiply colors by alpha
   system->attribute("max_memory_MB", 4096.0f);
   for (const std::string& path : paths)
   {
@@ -89,7 +89,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
       implementation->options.firstchannel = info.firstChannel;
     }
     else if (info.firstChannel != implementation->options.firstchannel)
-      throw Error(path + ": has its channels in another order than " + paths.front());
+      throw Error(path + ": the channels are in a different order than in " + paths.front());
     implementation->open(path, paths.size() == 1 ? info.numbers.size() : 1, info, channels);
     if (info.missing)
       warnings += path + ": " + std::to_string(info.missing) + (info.missing == 1 ? " texel has" : " texels have") +
@@ -105,8 +105,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
   fillCache();
 }
 
-/* Touches every tile of every mip level, so that the first build is not the one that
- * pays for reading the file. */
+/* Reads every tile of every mip level, so that file access does not count towards the time of the first build. */
 void HeightTexture::fillCache() const
 {
   float values[4];
@@ -140,8 +139,8 @@ Vec2f HeightTexture::size(unsigned image) const
 
 bool HeightTexture::looksLikeNormals() const
 {
-  constexpr int places = 64;        // looked at along each axis
-  constexpr float tolerance = 0.1f; // of a length of 1, in 8 bits and filtered
+  constexpr int places = 64;        // samples along each axis
+  constexpr float tolerance = 0.1f; // of a unit length; the map has 8 bits and is filtered
   if (implementation->channelsOfFile < 3)
     return false;
   OIIO::TextureOpt options = implementation->options;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Maps of heights and of vectors through OpenImageIO's texture system: tiles as they are
- * needed, a mip level by the width asked for. */
+/* Height and vector maps through OpenImageIO's texture system, which loads tiles on demand and chooses mip levels by
+ * filter width. */
 
 #include "basics/vec.h"
 
@@ -16,45 +16,42 @@ namespace cbvh {
 
 enum class TextureWrap { Repeat, Clamp };
 
-/* What is read of files. */
+/* The channels to read. */
 struct TextureChannels
 {
-  std::string first; // name, or number from 0; empty for the first of the file
+  std::string first; // name, or number from 0; empty: the first of the file
   int count = 1;     // 1 for heights, 3 for vectors
-  float neutral = 0; // read for texels without a value
+  float neutral = 0; // value of texels without a value
 };
 
 class HeightTexture
 {
 public:
-  /* Opens files and reads all of them once to see that they can be read and are finite.
-   * paths: one file, whose images are then those of the texture, or several of which the
-   * first image counts. warnings: a line is added for each file with texels without a value.
-   * Errors: throws Error, one line that starts with the path; Cancelled. */
+  /* Opens files and reads each once, to check that all texels are finite.
+   * `paths` names one file, all images of which are used, or several files, of which only the first images are used.
+   * Appends a line to `warnings` for each file with texels without a value.
+   * Throws Error, one line that starts with the path. Throws Cancelled. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);
   ~HeightTexture();
   HeightTexture(const HeightTexture&) = delete;
   HeightTexture& operator=(const HeightTexture&) = delete;
 
-  /* One a file, or one a face in a Ptex file and in a TIFF or EXR of parts. */
+  /* Number of images: one per file, or one per face of a Ptex file or of a TIFF or EXR with several parts. */
   unsigned numImages() const { return images; }
 
-  /* Texels of an image along s and t. image: less than numImages(). */
+  /* Returns the number of texels of an image along s and t; image < numImages(). */
   Vec2f size(unsigned image) const;
 
-  /* Whether the first image has one value all along its border. */
+  /* True if the first image has the same value along its whole border. */
   bool hasConstantBorder() const { return constantBorder; }
 
-  /* Whether the colours of the first image are unit vectors, most of them along blue. */
+  /* True if the colors of the first image are unit vectors, most of which point along blue. */
   bool looksLikeNormals() const;
 
-  /* Trilinear between mip levels, bicubic where texels are wider than the width asked for.
-   * (0,0) is the upper left corner of the image, (1,1) the lower right. A pure function of
-   * its arguments.
-   * image: less than numImages(). widthS, widthT: of the filter, as a part of the map.
-   * values: as many as channels, written.
-   * Thread safety: callable from any number of threads. */
+  /* Writes the channels of an image at (s,t) to `values`: trilinear between mip levels, bicubic if texels are wider
+   * than the filter. (0,0) is the upper left corner of the image, (1,1) the lower right. The filter widths are
+   * fractions of the image; image < numImages(). A pure function of its arguments. Thread-safe. */
   void sample(unsigned image, float s, float t, float widthS, float widthT, float* values) const;
 
 private:

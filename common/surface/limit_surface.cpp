@@ -29,7 +29,7 @@ Factory::Options factoryOptions()
   return options;
 }
 
-/* A cage without its holes: numbered on over those that are left. */
+/* Returns the cage without its holes; numberOf maps faces to those that remain. */
 Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
 {
   Cage rest;
@@ -50,7 +50,7 @@ Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
   return rest;
 }
 
-/* -1 for holes. */
+/* Returns the new number of each face, -1 for holes. */
 std::vector<int> numbersWithoutHoles(const Cage& cage)
 {
   std::vector<int> numbers(cage.numFaces(), 0);
@@ -118,7 +118,7 @@ LimitSample LimitSurface::evaluate(const PatchPoint& p) const
   const Bfr::Parameterization parameters = face.surface.GetParameterization();
   if (parameters.HasSubFaces())
   {
-    /* Half as wide in Bfr's parameters. */
+    /* Bfr's coordinates of a sub-face are half as wide. */
     const double local[2] = {p.u, p.v};
     parameters.ConvertNormalizedSubFaceToCoord(int(p.subPatch), local, uv);
     scale = 0.5;

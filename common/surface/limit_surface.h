@@ -3,17 +3,16 @@
 
 #pragma once
 
-/* The limit surface by OpenSubdiv's Bfr, in double precision: independent of Embree's
- * own evaluation. Regular patches are exact. Around extraordinary vertices and creases
- * Bfr refines ten times and closes what is left, 2^-10 of a face, by approximations.
+/* The limit surface, evaluated by OpenSubdiv's Bfr in double precision, independently of Embree. Regular patches are
+ * exact. Around extraordinary vertices and creases, Bfr refines ten times and approximates the remaining 2^-10 of a
+ * face.
  *
- * Holes are cut out, as Embree does it: their borders are boundaries of the surface, to
- * OpenSubdiv they are faces that are not drawn. Elsewhere the surface is OpenSubdiv's,
- * and Embree's is known to differ from it
- *   - where creases meet that are not equal, or not whole numbers: see crease_rules.h;
- *   - where creases or corners sharp by less than 1 touch n-gons;
- *   - on the corner faces of open surfaces under BoundaryRule::EdgeOnly.
- * There errors against the true surface contain that of Embree's rule. */
+ * Holes are cut out as in Embree: their borders are boundaries of the surface. (OpenSubdiv only does not draw them.)
+ * Elsewhere this is OpenSubdiv's surface. Embree's surface differs, and errors against the true surface include the
+ * difference,
+ *   - where creases of unequal or fractional sharpness meet, see crease_rules.h;
+ *   - where creases or corners of a sharpness below 1 touch n-gons;
+ *   - on the corner faces of open surfaces under BoundaryRule::EdgeOnly. */
 
 #include "basics/vec.h"
 #include "surface/cage.h"
@@ -23,7 +22,7 @@
 
 namespace cbvh {
 
-/* Position and derivatives in (u,v) of a patch. */
+/* Position and derivatives with respect to (u,v) of a patch. */
 struct LimitSample
 {
   Vec3d p, du, dv, duu, duv, dvv;
@@ -37,11 +36,10 @@ public:
   LimitSurface(const LimitSurface&) = delete;
   LimitSurface& operator=(const LimitSurface&) = delete;
 
-  /* False for holes, and under BoundaryRule::None for faces at a boundary. */
+  /* False for holes, and for faces at a boundary under BoundaryRule::None. */
   bool has(unsigned face) const;
 
-  /* p: of a face that has a surface. Thread safety: callable from any number of
-   * threads; the first call on a face prepares it. */
+  /* Requires has(p.face). Thread-safe; the first call for a face prepares it. */
   LimitSample evaluate(const PatchPoint& p) const;
 
 private:

@@ -10,7 +10,11 @@
 #include <cfloat>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <string_view>
+#include <system_error>
 
 namespace cbvh {
 namespace {
@@ -25,7 +29,7 @@ enum Photometric { WhiteIsZero = 0, BlackIsZero = 1, Rgb = 2 };
 /* Bits of TIFF's NewSubfileType. */
 enum SubfileType { ReducedResolution = 1, Mask = 4 };
 
-/* Programs store the lowest float for "no value", some of them rounded. */
+/* Programs store the lowest float for "no value"; some round it. */
 constexpr float lowestHeight = -3.4e38f;
 
 bool isMissing(float height)
@@ -33,7 +37,7 @@ bool isMissing(float height)
   return std::isnan(height) || (height <= lowestHeight && std::isfinite(height));
 }
 
-/* The types whose texels the texture system samples as they are. */
+/* True for types that the texture system samples without conversion. */
 bool isSampledNatively(OIIO::TypeDesc type)
 {
   return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::HALF ||
@@ -45,8 +49,8 @@ bool isUnsigned(OIIO::TypeDesc type)
   return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::UINT32;
 }
 
-/* The part of the image that is shown. In other formats than OpenEXR, a display window of the size of the data at
- * another place comes from a position on a page, and the image is the data. */
+/* Returns the visible part of the image. Only OpenEXR has true display windows: in other formats, a window of the same
+ * size as the data at another position describes a place on a page. */
 OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
 {
   const OIIO::ROI data = spec.roi(), full = spec.roi_full();
@@ -54,7 +58,7 @@ OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
   return isOnPage || full.width() < 1 || full.height() < 1 ? data : full;
 }
 
-/* Empty for an image that can be read. */
+/* Returns why the image cannot be read, or an empty string. */
 std::string refusalOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
 {
   if (spec.deep)
@@ -64,9 +68,9 @@ std::string refusalOf(const OIIO::ImageSpec& spec, const std::string& format, bo
   if (spec.depth > 1)
     return "it is a volume of " + std::to_string(spec.depth) + " slices";
   if (isInverted && !isUnsigned(spec.format))
-    return "white is zero in it, which has no meaning for samples of type " + std::string(spec.format.c_str()) +
+    return "white is zero in it, which is undefined for samples of type " + std::string(spec.format.c_str()) +
            ": expected black as zero";
-  /* OpenImageIO 2.4 reports success and leaves its buffer as it was. */
+  /* OpenImageIO 2.4 reports success but does not fill the buffer. */
   if (format == "tiff" && spec.format == OIIO::TypeDesc::DOUBLE && spec.tile_width)
     return "it has tiles of type double, which OpenImageIO does not read: expected strips, or type float";
   return "";
@@ -80,7 +84,7 @@ void compare(const void* samples, double value, std::vector<char>& equals)
     equals[i] = all[i] == T(value);
 }
 
-/* Which samples have a value, before any conversion. The value is one of the type. */
+/* Finds the samples that equal a value, before any conversion. The type can represent the value exactly. */
 void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std::vector<char>& equals)
 {
   switch (type.basetype)
@@ -103,7 +107,7 @@ void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std:
 OIIO::ImageSpec MapImage::configuration(const MapReading& reading)
 {
   OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1); // else colors come multiplied by alpha
+  config.attribute("oiio:UnassociatedAlpha", 1); // do not multiply colors by alpha
   config.attribute(firstAttribute, reading.first);
   config.attribute(countAttribute, reading.count);
   config.attribute(neutralAttribute, reading.neutral);
@@ -149,14 +153,14 @@ bool MapImage::seek_subimage(int subimage, int miplevel)
     return refused.empty();
   if (!source->seek_subimage(subimage, 0))
   {
-    source->geterror(); // that there are no more images
+    source->geterror(); // clear "no more images"
     return false;
   }
   image = subimage;
   return describe();
 }
 
-/* Reads what is to be known of the image that the source is at. */
+/* Sets the description of the source's current image. */
 bool MapImage::describe()
 {
   const OIIO::ImageSpec& from = source->spec();
@@ -181,25 +185,25 @@ bool MapImage::describe()
   return true;
 }
 
-/* The value of GDAL's tag as OpenImageIO delivers it in the type of the samples. */
+/* Returns the value of GDAL's tag as OpenImageIO delivers it, in the type of the samples. */
 std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const
 {
   const int photometric = from.get_int_attribute("tiff:PhotometricInterpretation", -1);
   if (size_t(image) >= nodataTexts.size() || !from.channelformats.empty() || photometric < WhiteIsZero ||
-      photometric > Rgb) // samples of palettes and other color spaces are converted
+      photometric > Rgb) // OpenImageIO converts palettes and other color spaces
     return {};
   std::string_view text = nodataTexts[size_t(image)];
   text.remove_prefix(std::min(text.find_first_not_of(" +"), text.size()));
   double value = 0;
   if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc() || std::isnan(value))
-    return {}; // NaN is missing without the tag
+    return {}; // NaN always means missing
   if (isFloating) // a float cannot hold the lowest double
     return from.format == OIIO::TypeDesc::DOUBLE || std::abs(value) <= FLT_MAX ? value : std::copysign(INFINITY, value);
   const int bits = from.get_int_attribute("oiio:BitsPerSample", int(8 * from.format.size()));
   const double most = std::ldexp(1.0, isUnsigned(from.format) ? bits : bits - 1) - 1;
   const double least = isUnsigned(from.format) ? 0 : -most - 1;
   if (!(value >= least && value <= most) || value != std::floor(value))
-    return {}; // no sample has it
+    return {}; // no sample can have this value
   if (isUnsigned(from.format))
     value = std::floor(value * (std::ldexp(1.0, int(8 * from.format.size())) - 1) / most); // 1 to 7 and 9 to 15 bits
   return photometric == WhiteIsZero && !isInverted ? 255 - value : value;
@@ -230,12 +234,12 @@ bool MapImage::read_native_scanlines(int subimage, int miplevel, int yBegin, int
   return true;
 }
 
-/* Rows of the source's data window, all channels. */
+/* Reads rows of the source's data window, all channels. */
 bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
 {
   const OIIO::ImageSpec& from = source->spec();
   const size_t rowSamples = size_t(from.width) * size_t(from.nchannels);
-  int begin = yBegin, end = yEnd; // whole tiles
+  int begin = yBegin, end = yEnd; // rounded to tiles
   if (from.tile_width)
   {
     begin = from.y + (yBegin - from.y) / from.tile_height * from.tile_height;
@@ -248,7 +252,7 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
                         ? source->read_tiles(image, 0, from.x, from.x + from.width, begin, end, from.z, from.z + 1, 0,
                                              from.nchannels, type, samples.data())
                         : source->read_scanlines(image, 0, begin, end, from.z, 0, from.nchannels, type, samples.data());
-  /* Some readers fill what a truncated file lacks and only leave a message. */
+  /* Some readers fill in the missing part of a truncated file and only leave a message. */
   if (!isRead || source->has_error())
   {
     errorfmt("{}", source->geterror());
@@ -270,7 +274,7 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
   return true;
 }
 
-/* Replaces all channels of the map where one of them is missing. */
+/* Replaces all channels of the map in texels where one of them is missing. */
 void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata)
 {
   const size_t channels = size_t(m_spec.nchannels), first = size_t(reading.first);

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* A file of heights or vectors as the texture system is to see it: images of floats that fill their display windows.
+/* A height or vector map as the texture system expects it: images of floats that fill their display windows.
  *
- * OpenImageIO 2.4 reads the files, and this class corrects what its readers or its texture system do not handle:
- * - Integers of other types than uint8 and uint16, and doubles, become floats: the texture system asserts on them.
- *   Unsigned integers are divided by the greatest value of their type and become 0..1; so are signed integers, which
- *   become -1..1. This is OpenImageIO's own conversion.
- * - The texture system wraps over the data window. Here an image is its display window, and texels outside of the data
+ * OpenImageIO 2.4 reads the files. This class corrects what its readers or its texture system do not handle:
+ * - Integers of other types than uint8 and uint16, and doubles, become floats, because the texture system asserts on
+ *   them. This is OpenImageIO's own conversion: integers are divided by the greatest value of their type, so unsigned
+ *   integers become 0..1 and signed integers -1..1.
+ * - The texture system wraps at the data window. Here an image is its display window, and texels outside of the data
  *   window are neutral.
  * - TIFF with white as zero is inverted for all unsigned types; OpenImageIO does so for 8 bits only.
  * - Missing texels become neutral: NaN, -3.4e38 and below, and the value of GDAL's tag in a TIFF. */
@@ -23,7 +23,7 @@
 
 namespace cbvh {
 
-/* The channels in which missing texels are replaced, and by which value. */
+/* The channels in which missing texels are replaced, and the replacement. */
 struct MapReading
 {
   int first = 0;
@@ -34,18 +34,18 @@ struct MapReading
 class MapImage final : public OIIO::ImageInput
 {
 public:
-  /* A configuration for open() by which the image reads like this. */
+  /* Returns the configuration that passes `reading` to open(). */
   static OIIO::ImageSpec configuration(const MapReading& reading);
 
   void setReading(const MapReading& r) { reading = r; }
 
-  /* True if the texture system can read the current image from the file itself, provided that no texel is missing. */
+  /* True if the texture system can read the current image directly from the file, provided that no texel is missing. */
   bool isPlain() const { return plain; }
 
   /* True if the current image is a smaller copy of another one, or a mask, as GDAL stores them in a TIFF. */
   bool isCopyOrMask() const { return copyOrMask; }
 
-  /* Number of missing texels among all that were read. */
+  /* Number of missing texels read so far. */
   size_t numMissing() const { return missing; }
 
   /* Why the current image cannot be read; empty if it can. */
@@ -75,9 +75,9 @@ private:
   std::string refused;
   size_t missing = 0;
 
-  /* of the current image */
+  /* Of the current image: */
   int image = -1;
-  OIIO::ROI window; // that is shown, in the coordinates of the source
+  OIIO::ROI window; // the visible part, in coordinates of the source
   std::optional<double> nodata;
   bool plain = false, copyOrMask = false, isInverted = false, isFloating = false;
 };

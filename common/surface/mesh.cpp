@@ -39,7 +39,8 @@ void makeQuads(Cage& cage, const std::string& path)
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
       throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) +
-                  " vertices: a mesh has quads and triangles, give " + settingName("cage") + " to subdivide it");
+                  " vertices, but a mesh consists of quads and triangles; " + settingName("cage") +
+                  " reads the file as a subdivision surface");
     if (!isHole[face])
       indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
     first += size;
@@ -53,7 +54,7 @@ void makeQuads(Cage& cage, const std::string& path)
 
 float latticeSpacing(const std::vector<Vec3f>& positions)
 {
-  int lowest = 1000, highest = -1000; // exponents: of what divides all, and of the largest
+  int lowest = 1000, highest = -1000; // exponents: of the common divisor, and of the largest coordinate
   for (const Vec3f& p : positions)
     for (float x : {p.x, p.y, p.z})
     {
@@ -67,7 +68,8 @@ float latticeSpacing(const std::vector<Vec3f>& positions)
   return lowest > highest - 24 && lowest <= highest ? std::ldexp(1.0f, lowest) : 0.0f;
 }
 
-void writeObj(const std::string& path, const std::vector<Vec3f>& vertices, const std::vector<std::array<unsigned, 4>>& quads)
+void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
+              const std::vector<std::array<unsigned, 4>>& quads)
 {
   Phase phase(path);
   PendingFile pending(path);
@@ -75,10 +77,10 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices, const
   if (!file)
     throw Error(path + ": " + std::strerror(errno));
   std::unordered_map<std::array<uint32_t, 3>, unsigned, HashOfWords> known;
-  std::vector<unsigned> number(vertices.size()); // from 1, 0 of what is not finite
+  std::vector<unsigned> number(vertices.size()); // from 1; 0 for vertices that are not finite
   for (size_t i = 0; i < vertices.size(); i++)
   {
-    const Vec3f p = vertices[i] + Vec3f{0, 0, 0}; // zeros are equal
+    const Vec3f p = vertices[i] + Vec3f{0, 0, 0}; // turns -0 into 0
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
       continue;
     std::array<uint32_t, 3> bits;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Meshes that are traced as they are: quads and triangles, no subdivision. */
+/* Meshes of quads and triangles that are traced without subdivision. */
 
 #include "surface/cage.h"
 
@@ -13,19 +13,24 @@
 
 namespace cbvh {
 
-/* Gives all faces of what was read 4 vertices; triangles have the last of theirs twice. Leaves out those that are holes. Throws Error that names
- * a face of more. */
+/* Converts all faces to 4 vertices; a triangle repeats its last vertex. Removes holes. Throws Error for a face with
+ * more vertices. */
 void makeQuads(Cage& cage, const std::string& path);
 
-/* Whether a face of such a mesh is a triangle. */
-inline bool isTriangle(const Cage& mesh, size_t face) { return mesh.faceIndices[4 * face + 2] == mesh.faceIndices[4 * face + 3]; }
+/* True if a face of such a mesh is a triangle. */
+inline bool isTriangle(const Cage& mesh, size_t face)
+{
+  const unsigned* const v = &mesh.faceIndices[4 * face];
+  return v[2] == v[3];
+}
 
-/* Spacing, a power of two, of the coarsest lattice on which all positions lie, as those of a mesh do that was stored as cVERT; 0 where
- * that would be no coarser than what their floats resolve. */
+/* Returns the spacing, a power of two, of the coarsest lattice that contains all positions, as after storing a mesh as
+ * cVERT. Returns 0 if that lattice is as fine as the resolution of the floats. */
 float latticeSpacing(const std::vector<Vec3f>& positions);
 
-/* Writes quads around their vertices as OBJ, with one vertex for all that are the same floats; quads with a vertex that is not
- * finite are left out. Throws Error, Cancelled. */
-void writeObj(const std::string& path, const std::vector<Vec3f>& vertices, const std::vector<std::array<unsigned, 4>>& quads);
+/* Writes quads and their vertices as OBJ, merging vertices with equal coordinates. Leaves out quads with a vertex that
+ * is not finite. Throws Error, Cancelled. */
+void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
+              const std::vector<std::array<unsigned, 4>>& quads);
 
 } // namespace cbvh

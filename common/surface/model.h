@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A displaced subdivision surface, or many copies of one, or a mesh that is traced as it is, and how it likes to be
- * looked at. */
+/* A displaced subdivision surface, many copies of one, or a mesh without subdivision, with a suitable view. */
 
 #include "surface/cage.h"
 #include "surface/displacement.h"
@@ -16,7 +15,7 @@
 
 namespace cbvh {
 
-/* Where a copy of the cage stands: scaled, turned about the y axis, moved. */
+/* Placement of a copy of the cage: scaled, rotated about the y axis, then moved. */
 struct Placement
 {
   Vec3f origin;
@@ -29,7 +28,7 @@ struct Placement
     return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
   }
 
-  /* For displacements, which grow with the copy, and for normals, which keep their length. */
+  /* Displacements scale with the copy; normals keep their length. */
   Vec3f vectorFromCage(Vec3f v) const { return Placement{{}, angle, scale}.apply(v); }
   Vec3f normalToCage(Vec3f n) const
   {
@@ -37,7 +36,7 @@ struct Placement
     return {c * n.x - s * n.z, n.y, s * n.x + c * n.z};
   }
 
-  /* The inverse, and for directions, which keep their length. */
+  /* The inverse for points, and for directions, which keep their length. */
   Vec3d pointToCage(Vec3d p) const { return directionToCage(p - toDouble(origin)) * (1.0 / scale); }
   Vec3d directionToCage(Vec3d d) const
   {
@@ -49,31 +48,37 @@ struct Placement
 struct Model
 {
   std::string name;
-  Cage cage;                                        // of a mesh: its faces, of 4 vertices each, of which triangles have the last twice
-  std::vector<std::vector<Vec3f>> poses;            // positions of the cage's vertices at later time steps, at even times; empty: it does not move
+  Cage cage; // of a mesh: its faces with 4 vertices each, triangles repeating the last one
+
+  /* Positions of the cage's vertices at the time steps after the first, at equal intervals. Empty if it is static. */
+  std::vector<std::vector<Vec3f>> poses;
+
   bool isMesh = false;
-  float spacing = 0;                                // of a lattice that all vertices of a mesh lie on, 0 if there is none
-  std::shared_ptr<const Displacement> displacement; // none: the limit surface itself
-  std::vector<Placement> copies{Placement()};       // each a geometry of its own, no instances
-  std::vector<std::vector<Vec3f>> shapes;           // a copy each: where its vertices are, before it is placed; empty: all have the cage's
+  float spacing = 0; // of a lattice that contains all vertices of a mesh, 0 if there is none
+  std::shared_ptr<const Displacement> displacement; // null: the limit surface itself
+  std::vector<Placement> copies{Placement()};       // each is a geometry of its own, not an instance
+
+  /* Vertices of each copy before it is placed. Empty if all copies have the cage's vertices. */
+  std::vector<std::vector<Vec3f>> shapes;
+
   ViewHints view;
-  std::string up = "y";                             // the axis that view is for, see up_axis.h
+  std::string up = "y"; // the up axis that view assumes, see up_axis.h
   bool isUpGuessed = false;
 
   size_t numFaces() const { return cage.numFaces() * copies.size(); }
   size_t numVertices() const { return cage.positions.size() * copies.size(); }
   PatchLayout layout(int level) const { return PatchLayout(cage, isMesh ? 0 : level, copies.size()); }
 
-  /* Null where a copy has the cage's. */
+  /* Null if the copy has the cage's vertices. */
   const std::vector<Vec3f>* shapeOf(size_t copy) const { return shapes.empty() ? nullptr : &shapes[copy]; }
 
-  /* Of a vertex of the cage, which a pose puts at p: a copy of a shape of its own moves as the cage does. */
+  /* Returns a vertex of a copy with its own shape. It moves as the cage's vertex, which is at p in this pose. */
   static Vec3f inShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex)
   {
     return shape ? (*shape)[vertex] + (p - cage.positions[vertex]) : p;
   }
 
-  /* Control points of all copies, at all time steps. */
+  /* Returns the control points of all copies at all time steps. */
   std::vector<Vec3f> positions() const
   {
     std::vector<Vec3f> all;

@@ -1,15 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* See obj_reader.h. Tags as in OpenSubdiv's regression shapes: `t name
- * ints/floats/strings` followed by that many values, vertex and face numbers of
- * tags counted from 0.
+/* See obj_reader.h. Tags are as in OpenSubdiv's regression shapes: `t name ints/floats/strings`, followed by that many
+ * values. Vertices and faces in tags are numbered from 0.
  *
- * Why not tinyobjloader: version 2.0.0rc10 of Debian 12 reads the tags, but it misreads files
- * without an error. It drops the first vertex after a byte order mark, reads `v 1 x 2` and
- * NaN as vertices, skips statements that it does not know, and keeps 8 bits of the number of
- * corners of a face. An index out of range is a warning without the index. It rejects faces
- * that a backslash continues on the next line. This reader is also faster. */
+ * Reason for not using tinyobjloader: version 2.0.0rc10 of Debian 12 reads the tags, but misreads some files without
+ * an error. It drops the first vertex after a byte order mark, reads `v 1 x 2` and NaN as vertices, skips unknown
+ * statements, and keeps only 8 bits of the number of corners of a face. For an index out of range it only warns,
+ * without naming the index. It rejects faces that a backslash continues on the next line. This reader is also
+ * faster. */
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
@@ -24,6 +23,7 @@
 #include <fstream>
 #include <set>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 
 namespace cbvh {
@@ -43,7 +43,7 @@ public:
     for (std::string line; readLine(line);)
     {
       if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0)
-        line.erase(0, 3); // a byte order mark, as Windows programs write it
+        line.erase(0, 3); // a byte order mark, written by Windows programs
       while (continues(line))
       {
         line.back() = ' ';
@@ -59,8 +59,8 @@ public:
   }
 
 private:
-  /* Reads a line that ends in LF, CR LF or CR, without its end and without blanks before that. Returns false at the end
-   * of the file. */
+  /* Reads a line that ends in LF, CR LF or CR. Removes the line end and blanks before it. Returns false at the end of
+   * the file. */
   bool readLine(std::string& line)
   {
     line.clear();
@@ -85,8 +85,8 @@ private:
     return true;
   }
 
-  /* True if the next line belongs to this one. Statements with names end with their line, as comments do: a name may be
-   * a path of Windows that ends in a backslash. */
+  /* True if the statement continues on the next line. Comments and statements with names never do: a name may be a
+   * Windows path that ends in a backslash. */
   static bool continues(std::string_view line)
   {
     if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
@@ -118,7 +118,7 @@ private:
     return words;
   }
 
-  /* For messages: printable also if the file holds no text. */
+  /* Makes a word of a file that may be binary printable in messages. */
   static std::string printable(std::string_view word)
   {
     constexpr size_t longest = 32;
@@ -143,18 +143,18 @@ private:
     if (code == std::errc::result_out_of_range && end == last)
       return outOfRange<T>(word);
     if (code != std::errc() || end != last)
-      fail(quoted(word) + " is not a number");
+      fail("expected a number, found " + quoted(word));
     return value;
   }
 
-  /* Coordinates next to nothing, as programs write that reckon in doubles, are 0. */
+  /* Tiny coordinates, written by programs that compute in doubles, become 0. */
   template<typename T>
   T outOfRange(std::string_view word) const
   {
     if constexpr (std::is_floating_point_v<T>)
       if (std::abs(std::strtod(std::string(word).c_str(), nullptr)) < 1.0)
         return 0;
-    fail(quoted(word) + " is too large");
+    fail(quoted(word) + " is too large; expected a value that a float or an index can hold");
   }
 
   float coordinate(std::string_view word) const
@@ -170,8 +170,8 @@ private:
     const long long value = number<long long>(word);
     const long long zeroBased = value < 0 ? (long long)count + value : value - 1;
     if (value == 0 || zeroBased < 0 || zeroBased >= (long long)count)
-      fail(std::string(what) + " index " + std::string(word) + " is out of range, there are " +
-           std::to_string(count));
+      fail(std::string(what) + " index " + std::string(word) + " is out of range: the file has " +
+           std::to_string(count) + " before this line");
     return unsigned(zeroBased);
   }
 
@@ -185,14 +185,14 @@ private:
     if (kind == "v")
     {
       if (words.size() < 4)
-        fail("a vertex needs three coordinates");
+        fail("a vertex needs three coordinates, this one has " + std::to_string(words.size() - 1));
       cage.positions.push_back({coordinate(words[1]), coordinate(words[2]), coordinate(words[3])});
     }
     else if (kind == "vt")
     {
       if (words.size() < 2)
-        fail("a texture coordinate needs one number or two");
-      const float v = words.size() < 3 ? 0.0f : coordinate(words[2]); // 0 if it is left out
+        fail("expected one or two numbers after 'vt', found none");
+      const float v = words.size() < 3 ? 0.0f : coordinate(words[2]);
       cage.uvs.push_back({coordinate(words[1]), v});
     }
     else if (kind == "f")
@@ -205,11 +205,11 @@ private:
                                                          "p",  "usemtl", "mtllib", "usemap", "maplib", "mg", "lod",
                                                          "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
       if (!skipped.count(kind))
-        fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? ", is this an OBJ file?" : ""));
+        fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? "; expected an OBJ file" : ""));
     }
   }
 
-  /* What programs say of themselves takes a few lines. */
+  /* Keeps the comments before the first statement, in which programs describe themselves. */
   void comment(std::string_view line)
   {
     constexpr size_t longest = 4096;
@@ -223,7 +223,7 @@ private:
     const size_t corners = words.size() - 1;
     if (corners < 3)
       fail("a face needs at least three vertices, this one has " + std::to_string(corners));
-    std::vector<unsigned> uvs; // of the corners that have one
+    std::vector<unsigned> uvs; // of the corners with texture coordinates
     for (size_t i = 1; i <= corners; i++)
     {
       const std::string_view word = words[i];
@@ -246,7 +246,8 @@ private:
   void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners)
   {
     if (!uvs.empty() && uvs.size() != corners)
-      fail("some corners have texture coordinates and some have none");
+      fail("a face needs texture coordinates at all corners or at none, this one has them at " +
+           std::to_string(uvs.size()) + " of " + std::to_string(corners));
     if (uvs.empty() && cage.lineWithoutUVs == 0)
       cage.lineWithoutUVs = lineNumber;
     if (uvs.empty() && cage.uvIndices.empty())
@@ -255,7 +256,7 @@ private:
     cage.uvIndices.insert(cage.uvIndices.end(), uvs.begin(), uvs.end());
   }
 
-  /* t NAME INTS/FLOATS/STRINGS and as many values. */
+  /* t NAME INTS/FLOATS/STRINGS, followed by the values. */
   struct Tag
   {
     std::string name;
@@ -267,7 +268,7 @@ private:
   Tag readTag(const std::vector<std::string_view>& words) const
   {
     if (words.size() < 3)
-      fail("a tag needs a name and counts");
+      fail("expected a name and counts after 't', as in 't crease 2/1/0'");
     size_t counts[3] = {0, 0, 0};
     std::string_view rest = words[2];
     for (int i = 0; i < 3; i++)
@@ -282,7 +283,7 @@ private:
       rest = rest.substr(slash + 1);
     }
     if (words.size() != 3 + counts[0] + counts[1] + counts[2])
-      fail("tag " + quoted(words[1]) + " announces " + printable(words[2]) + " values and has " +
+      fail("tag " + quoted(words[1]) + " declares " + printable(words[2]) + " values, but has " +
            std::to_string(words.size() - 3));
     Tag tag;
     tag.name = words[1];
@@ -292,18 +293,19 @@ private:
     {
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
-        fail("sharpness must not be negative");
-      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // as OpenSubdiv: 10 is infinitely sharp
+        fail("sharpness " + printable(words[3 + counts[0] + i]) + " is negative; expected 0 or more");
+      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // 10 is infinitely sharp, as in OpenSubdiv
     }
     tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());
     return tag;
   }
 
-  /* Of the i-th of n edges or vertices of a tag. */
+  /* Returns the sharpness of the i-th of n edges or vertices of a tag. */
   float sharpness(const Tag& tag, size_t i, size_t n) const
   {
     if (tag.floats.size() != 1 && tag.floats.size() != n)
-      fail("tag '" + tag.name + "' needs one sharpness, or one each");
+      fail("tag '" + tag.name + "' has " + std::to_string(tag.floats.size()) + " values of sharpness; expected 1 or " +
+           std::to_string(n));
     return tag.floats.size() == 1 ? tag.floats[0] : tag.floats[i];
   }
 
@@ -314,7 +316,7 @@ private:
     if (rule(tag) == "chaikin")
       return CreaseRule::Chaikin;
     if (rule(tag) != "normal" && rule(tag) != "uniform")
-      fail("tag 'creasemethod' needs normal or chaikin");
+      fail("unknown method " + quoted(rule(tag)) + " of tag 'creasemethod'; expected normal or chaikin");
     return CreaseRule::Uniform;
   }
 
@@ -325,7 +327,7 @@ private:
     if (tag.name == "crease")
     {
       if (ints.size() < 2 || ints.size() % 2)
-        fail("tag 'crease' needs pairs of vertices");
+        fail("tag 'crease' has " + std::to_string(ints.size()) + " vertices; expected pairs of vertices");
       for (size_t i = 0; i < ints.size() / 2; i++)
       {
         cage.creaseEdges.push_back({ints[2 * i], ints[2 * i + 1]});
@@ -343,7 +345,9 @@ private:
     else if (tag.name == "interpolateboundary")
     {
       if (ints.size() != 1 || ints[0] > 2)
-        fail("tag 'interpolateboundary' needs 0, 1 or 2");
+        fail("tag 'interpolateboundary' has " +
+             (ints.size() == 1 ? "the value " + std::to_string(ints[0]) : std::to_string(ints.size()) + " values") +
+             "; expected one value: 0, 1 or 2");
       cage.boundary = BoundaryRule(ints[0]);
     }
     else if (tag.name == "creasemethod")
@@ -352,17 +356,17 @@ private:
     {
       if (rule(tag) != "normal" && rule(tag) != "catmark")
         warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + printable(rule(tag)) +
-                    "' is not obeyed: Embree has the normal rule only\n";
+                    "' is ignored: Embree supports only the normal rule\n";
     }
-    else if (tag.name.substr(0, 11) != "facevarying") // how UVs are smoothed: ours are not
+    else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which are not smoothed here
       fail("unknown tag " + quoted(tag.name));
   }
 
-  /* Tags may come before what they refer to, so their ranges are checked last. */
+  /* Checks ranges at the end, because tags may precede the faces and vertices that they refer to. */
   void finish()
   {
     if (cage.faceSizes.empty())
-      throw Error(name + ": no faces");
+      throw Error(name + ": no faces; expected at least one 'f' statement");
     if (cage.uvIndices.empty())
     {
       cage.uvs.clear();
@@ -370,8 +374,8 @@ private:
     }
     auto check = [&](unsigned value, size_t count, const char* what) {
       if (value >= count)
-        throw Error(name + ": tag refers to " + what + " " + std::to_string(value) + ", there are " +
-                    std::to_string(count));
+        throw Error(name + ": a tag refers to " + what + " " + std::to_string(value) + ", but the file has " +
+                    std::to_string(count) + ", counted from 0");
     };
     for (auto [a, b] : cage.creaseEdges)
     {
@@ -410,7 +414,7 @@ Cage readObj(const std::string& path, std::string& warnings)
   std::ifstream stream(path);
   if (!stream)
     throw Error(path + ": cannot be opened");
-  stream.peek(); // a directory opens, and fails at the first read
+  stream.peek(); // opening a directory succeeds, reading it fails
   if (stream.bad())
     throw Error(path + ": cannot be read");
   return readObj(stream, path, warnings);

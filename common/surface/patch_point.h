@@ -3,18 +3,18 @@
 
 #pragma once
 
-/* The two names of a point of the surface. PatchWalk turns one into the other. */
+/* Points of the surface in Embree's parameters and in those of patches. PatchWalk converts between them. */
 
 namespace cbvh {
 
-/* A point of a cage as Embree names it. */
+/* A point of a face with Embree's (u,v). */
 struct FacePoint
 {
   unsigned face;
   float u, v;
 };
 
-/* A point of a patch, (u,v) from 0 to 1 in it. */
+/* A point of a patch, (u,v) in [0,1]. */
 struct PatchPoint
 {
   unsigned face, subPatch;

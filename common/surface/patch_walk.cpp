@@ -6,8 +6,8 @@
 namespace cbvh {
 namespace {
 
-/* Edges counterclockwise: v = 0, u = 1, v = 1, u = 0. The inward normal of each is the
- * direction of the next. */
+/* Directions of the edges, counterclockwise: v = 0, u = 1, v = 1, u = 0. The inward normal of an edge is the direction
+ * of the next one. */
 constexpr double along[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
 
 void pointOfEdge(unsigned edge, double t, PatchPoint& p)
@@ -16,7 +16,7 @@ void pointOfEdge(unsigned edge, double t, PatchPoint& p)
   p.v = edge == 0 ? 0.0 : edge == 1 ? t : edge == 2 ? 1.0 : 1.0 - t;
 }
 
-/* How much of a step from x by dx stays within [0,1]. */
+/* Returns the fraction of a step from x by dx that stays within [0,1]. */
 double partInside(double x, double dx)
 {
   if (x + dx > 1.0)
@@ -36,8 +36,8 @@ PatchWalk::PatchWalk(const Cage& cage, const std::function<bool(unsigned)>& hasS
 
 PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
 {
-  /* Near a corner a straight line may cross many borders; as many as there are faces
-   * around a vertex and some more are enough, and what is left of the step is dropped. */
+  /* Near a corner a straight line may cross many borders. This limit exceeds the number of faces around a vertex; the
+   * rest of the step is dropped. */
   constexpr int mostBorders = 80;
   for (int i = 0; i < mostBorders; i++)
   {
@@ -70,9 +70,8 @@ PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
   return p;
 }
 
-/* Corner quad i of an n-gon lies between the second half of the edge before corner i,
- * its edge 3, and the first half of edge i, its edge 0; its edge 1 is edge 2 of the
- * corner quad ahead. */
+/* Corner quad i of an n-gon: its edge 0 is the first half of edge i, its edge 3 the second half of the edge before
+ * corner i, and its edge 1 is edge 2 of the next corner quad. */
 bool PatchWalk::cross(unsigned face, unsigned subPatch, unsigned edge, double t, Crossing& out) const
 {
   const unsigned n = borders.size(face);

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Moving in parameter space across the borders of patches: quad faces, and the corner
- * quads of n-gons. */
+/* Moves points in parameter space across the borders of patches: quad faces and corner quads of n-gons. */
 
 #include "surface/face_borders.h"
 
@@ -15,20 +14,19 @@ namespace cbvh {
 class PatchWalk
 {
 public:
-  /* exists: whether a face has a surface; a walk does not enter one without. */
+  /* exists(face) is true if the face has a surface; walks do not enter other faces. */
   PatchWalk(const Cage& cage, const std::function<bool(unsigned face)>& exists);
 
-  /* Goes by (du,dv), in parameters of the patch it starts in. Over a border it goes on
-   * straight, as if both patches lay side by side in a plane, with parameters that
-   * double or halve between a quad face and a corner quad; along a boundary it slides. */
+  /* Moves a point by (du,dv), in parameters of its patch. Behaves at a border as if both patches lay side by side in a
+   * plane; parameters double or halve between a quad face and a corner quad. Slides along boundaries. */
   PatchPoint go(PatchPoint from, double du, double dv) const;
 
-  /* As Embree reports a point, and back. */
+  /* Converts from and to Embree's parameters. */
   PatchPoint fromEmbree(const FacePoint& p) const;
   FacePoint toEmbree(const PatchPoint& p) const;
 
 private:
-  /* The same point of a border on the patch beyond it. */
+  /* A point of a border, in parameters of the patch on the other side. */
   struct Crossing
   {
     unsigned face, subPatch, edge;

@@ -30,10 +30,10 @@ void warn(std::string& warnings, const std::string& line)
 void warnOfNormals(const HeightTexture& texture, const DisplacementMap& map, std::string& warnings)
 {
   if (map.values == MapValues::Heights && map.channel.empty() && texture.looksLikeNormals())
-    warn(warnings, map.path + " looks like a normal map, of which the first channel is read as heights: give a height map");
+    warn(warnings, map.path + " looks like a normal map; its first channel is read as heights, expected a height map");
 }
 
-/* A texture coordinate and how fast it changes there, both a unit of (u,v). */
+/* A texture coordinate and its rate of change, both per unit of (u,v). */
 struct Coordinate
 {
   Vec2f uv, width;
@@ -42,9 +42,8 @@ struct Coordinate
 Coordinate operator+(const Coordinate& a, const Coordinate& b) { return {a.uv + b.uv, a.width + b.width}; }
 Coordinate operator*(const Coordinate& a, float s) { return {a.uv * s, a.width * s}; }
 
-/* The width of the filter is interpolated from corners, where it is the mean over all
- * faces that have the same coordinate at the same vertex: like the coordinates, it
- * depends on an edge alone where both sides agree. */
+/* The filter width is interpolated from corners. At a corner it is the mean over all faces with the same coordinate at
+ * the same vertex. So, like the coordinates, it depends on an edge alone if both sides agree. */
 class MapByCoordinates : public PlacedMap
 {
 public:
@@ -125,7 +124,7 @@ private:
     }
   }
 
-  /* Edges and corners where not all sides have the same coordinates on the same tile. */
+  /* Marks edges and corners at which the sides have different coordinates or tiles. */
   void findSeams(const Cage& cage)
   {
     const auto same = [&](unsigned faceA, size_t a, unsigned faceB, size_t b) {
@@ -143,8 +142,9 @@ private:
           size_t first = faceBorders.corner(s.face, s.edge);
           size_t last = faceBorders.corner(s.face, (s.edge + 1) % faceBorders.size(s.face));
           if (cage.faceIndices[first] != cage.faceIndices[c])
-            std::swap(first, last); // it runs the other way
-          edgeDiffers[c] |= !same(face, c, s.face, first) || !same(face, faceBorders.corner(face, (i + 1) % n), s.face, last);
+            std::swap(first, last); // this side runs in the opposite direction
+          const size_t end = faceBorders.corner(face, (i + 1) % n);
+          edgeDiffers[c] |= !same(face, c, s.face, first) || !same(face, end, s.face, last);
         }
       }
   }
@@ -171,11 +171,11 @@ public:
       images += size == 4 ? 1 : size;
     }
     if (texture.numImages() > 1 && texture.numImages() < images)
-      throw Error(map.path + ": has " + std::to_string(texture.numImages()) + " images, " + cage.name + " needs " +
-                  std::to_string(images) + ", one a quad and n an n-gon, or a single one for all");
+      throw Error(map.path + ": the file has " + std::to_string(texture.numImages()) + " images, but " + cage.name +
+                  " needs " + std::to_string(images) + " (one per quad and n per n-gon), or one for all faces");
     if (texture.numImages() == 1 && !texture.hasConstantBorder())
       warn(warnings, cage.name + " has no texture coordinates: each face gets the whole of " + map.path +
-                       ", and the mean of both sides on its borders, as the border of the map is not of one height");
+                       "; the heights on the border of the map differ, so borders of faces use the mean of both sides");
   }
 
   void sample(const FacePoint& p, float level, float* values) const override
@@ -185,7 +185,7 @@ public:
     if (faceBorders.size(p.face) != 4)
     {
       corner = std::min(decodeSubPatch(u, v), faceBorders.size(p.face) - 1);
-      h *= 2.0f; // half a face on each axis
+      h *= 2.0f; // a corner quad is half a face wide
     }
     texture.sample(texture.numImages() > 1 ? firstImage[p.face] + corner : 0, repeat.x * u, repeat.y * v, repeat.x * h,
                    repeat.y * h, values);
@@ -229,7 +229,7 @@ std::unique_ptr<PlacedMap> PlacedMap::create(const Cage& cage, const Displacemen
   if (cage.hasUVs())
     return std::make_unique<MapByCoordinates>(cage, map, warnings);
   if (isUdimPath(map.path))
-    throw Error(cage.name + ": has no texture coordinates, which " + map.path + " needs");
+    throw Error(cage.name + ": the cage has no texture coordinates, but the tiles of " + map.path + " need them");
   return std::make_unique<MapByFaces>(cage, map, warnings);
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A cage in OpenSubdiv's terms. Only for sources of common/, which see its headers. */
+/* Converts a cage to OpenSubdiv. Only for sources of common/, which have OpenSubdiv's headers. */
 
 #include "surface/cage.h"
 
@@ -13,8 +13,8 @@
 
 namespace cbvh {
 
-/* Not yet refined. validate: report bad topology through Far's callbacks, and make
- * none of it. */
+/* Returns the unrefined cage. If `validate` is set, reports invalid topology through Far's callbacks and returns null
+ * for it. */
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool validate);
 
 } // namespace cbvh

@@ -9,12 +9,12 @@
 namespace cbvh {
 namespace {
 
-/* Displacement is differentiated by differences of this width in parameters, less than
- * a texel on all scenes; heights are floats, so that less would be noise. */
+/* Step for derivatives of displacement, in parameters: less than a texel in all scenes. A smaller step would amplify
+ * the rounding of heights, which are floats. */
 constexpr double difference = 0x1p-12;
 
-/* Heights are read this far inside a patch at least: on the border itself
- * displacements return the mean of its sides. More than the rounding of encoded (u,v). */
+/* Heights are read at least this far inside a patch, because displacements return the mean of the sides on the border.
+ * Larger than the rounding of encoded (u,v). */
 constexpr double inset = 0x1p-20;
 
 double inside(double x)
@@ -24,7 +24,7 @@ double inside(double x)
 
 double square(double x) { return x * x; }
 
-/* A step in parameters. */
+/* A step in parameter space. */
 struct Step
 {
   double u, v;
@@ -36,8 +36,7 @@ struct Step
   }
 };
 
-/* Steps longer than this many cells are cut: further away the surface is not what its
- * derivatives say. */
+/* Longest step, in cells. Derivatives do not describe the surface farther away. */
 constexpr double longestStep = 4.0;
 
 Cage cageOf(const Model& model, size_t copy)
@@ -95,8 +94,8 @@ TruePoint TrueSurface::evaluateAlongNormal(const PatchPoint& p) const
   const double slopeU = (double(offsets[2]) - offsets[1]) / (double(us[2]) - us[1]);
   const double slopeV = (double(offsets[4]) - offsets[3]) / (double(vs[4]) - vs[3]);
 
-  /* Of the unit normal n = m / |m|, m = du x dv: its derivative is that of m over |m|,
-   * less the part along n. */
+  /* Derivative of the unit normal n = m / |m|, m = du x dv: the derivative of m, divided by |m|, without its part
+   * along n. */
   const Vec3d m = cross(s.du, s.dv), n = normalize(m);
   const double size = length(m);
   const auto slopeOfNormal = [&](Vec3d slopeOfM) {
@@ -110,7 +109,7 @@ TruePoint TrueSurface::evaluateAlongNormal(const PatchPoint& p) const
   return result;
 }
 
-/* Derivatives of the surface are those of the limit and differences of the vectors. */
+/* The derivatives are the limit surface's plus finite differences of the vectors. */
 TruePoint TrueSurface::evaluateByVectors(const PatchPoint& p) const
 {
   const LimitSample s = limit.evaluate(p);
@@ -127,7 +126,7 @@ TruePoint TrueSurface::evaluateByVectors(const PatchPoint& p) const
   return result;
 }
 
-/* s: of p. */
+/* `s` is the limit surface at p. */
 Vec3d TrueSurface::vectorAt(const PatchPoint& p, const LimitSample& s) const
 {
   const FacePoint q = walk.toEmbree({p.face, p.subPatch, inside(p.u), inside(p.v)});
@@ -151,8 +150,7 @@ Vec3d TrueSurface::position(const PatchPoint& p) const
   return s.p + double(offset) * normalize(cross(s.du, s.dv));
 }
 
-/* Gauss-Newton with Levenberg's and Marquardt's damping: a step is taken only if it
- * comes nearer. */
+/* Gauss-Newton with Levenberg-Marquardt damping: a step is accepted only if it reduces the distance. */
 TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) const
 {
   constexpr int mostSteps = 100;
@@ -169,8 +167,8 @@ TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) con
       break;
     const Step full{(b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant};
     const Step step = full.shortened(longestStep * cell);
-    /* A foot off by s makes the distance d wrong by s^2 / 2d; but where the surface
-     * curves as strongly as the point is away, many short steps are left. */
+    /* An error of s in the foot point makes an error of s^2 / 2d in the distance d. Where the radius of curvature is
+     * close to the distance, many short steps remain. */
     const double moved = length(best.du * step.u + best.dv * step.v);
     if (moved <= 1e-6 * length(r) + 1e-7 * cell * length(best.du))
       break;
@@ -186,24 +184,24 @@ TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) con
   return best;
 }
 
-/* Parameters around a point, sampled at (2 nu + 1) x (2 nv + 1) places. */
+/* A rectangle of parameters around a point, sampled at (2 nu + 1) x (2 nv + 1) places. */
 struct TrueSurface::Window
 {
   PatchPoint middle;
-  double width, height; // from the middle to each side
-  int nu, nv;           // samples likewise
+  double width, height; // from the middle to each side, in parameters
+  int nu, nv;           // samples from the middle to each side
 
   int columns() const { return 2 * nu + 1; }
   int rows() const { return 2 * nv + 1; }
 };
 
-/* A nearer point is less than two distances away from this one, and so is, but for
- * curvature and change of height, the point of the limit surface below it. None where the
- * limit surface has no tangents, or where so small a window is taken to be smooth. */
-std::optional<TrueSurface::Window> TrueSurface::windowOfNearer(const TruePoint& p, double distance, double cell) const
+/* Returns the parameters that can hold a nearer point. Such a point is less than two distances away from this one. So
+ * is the limit surface's point below it, except for curvature and changes of height. Returns nothing if the limit
+ * surface has no tangents, or if the window is so small that the surface is assumed to be smooth. */
+std::optional<TrueSurface::Window> TrueSurface::nearerWindow(const TruePoint& p, double distance, double cell) const
 {
   constexpr double widest = 8.0, narrowest = 1.0 / 16; // cells
-  constexpr int fewest = 2, most = 8;                  // samples from the middle to each side
+  constexpr int fewest = 2, most = 8; // samples from the middle to each side
   const LimitSample s = limit.evaluate(p.at);
   const double uu = dot(s.du, s.du), uv = dot(s.du, s.dv), vv = dot(s.dv, s.dv);
   const double determinant = uu * vv - square(uv);
@@ -220,8 +218,8 @@ std::optional<TrueSurface::Window> TrueSurface::windowOfNearer(const TruePoint& 
   return Window{p.at, width, height, samplesOf(width), samplesOf(height)};
 }
 
-/* Samples no farther from x than those around them, nearest first; without the middle. */
-std::vector<PatchPoint> TrueSurface::dents(const Window& window, Vec3d x) const
+/* Returns local minima of the distance to x among the samples, except the middle one, nearest first. */
+std::vector<PatchPoint> TrueSurface::localMinima(const Window& window, Vec3d x) const
 {
   struct Sample
   {
@@ -258,13 +256,13 @@ std::vector<PatchPoint> TrueSurface::dents(const Window& window, Vec3d x) const
 
 TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) const
 {
-  constexpr size_t mostDescents = 4; // from the nearest dents
+  constexpr size_t mostDescents = 4;
   TruePoint best = descend(x, evaluate(start), cell);
   const auto distance = [&] { return length(best.position - x); };
-  const std::optional<Window> window = windowOfNearer(best, distance(), cell);
+  const std::optional<Window> window = nearerWindow(best, distance(), cell);
   if (!window)
     return best;
-  const std::vector<PatchPoint> starts = dents(*window, x);
+  const std::vector<PatchPoint> starts = localMinima(*window, x);
   for (size_t i = 0; i < std::min(starts.size(), mostDescents); i++)
   {
     const TruePoint foot = descend(x, evaluate(starts[i]), cell);
@@ -274,7 +272,7 @@ TruePoint TrueSurface::nearest(Vec3d x, const PatchPoint& start, double cell) co
   return best;
 }
 
-/* In the plane across the line, where the point has to fall on the line's own. */
+/* Newton's method in the plane perpendicular to the line. */
 std::optional<TruePoint> TrueSurface::crossing(Vec3d origin, Vec3d direction, const TruePoint& start, double cell,
                                                double tolerance) const
 {

@@ -10,14 +10,15 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <system_error>
 
 namespace cbvh {
 namespace {
 
-constexpr const char* placeholder = "<UDIM>"; // that messages name
+constexpr const char* placeholder = "<UDIM>"; // for messages
 constexpr int columns = 10;
 
-/* Spellings of programs, with OpenImageIO's meaning of each. */
+/* Placeholders of various programs, with OpenImageIO's meaning. */
 struct Placeholder
 {
   const char* spelling;
@@ -38,10 +39,10 @@ const Placeholder placeholders[] = {
   {"<v>", [](int, int y) { return "v" + std::to_string(y); }},
 };
 
-/* Where a face lies in texture coordinates. */
+/* The position of a face in texture coordinates. */
 struct FaceExtent
 {
-  Vec2f tile;           // that the middle lies on: column and row
+  Vec2f tile;           // column and row of the tile at the middle of the face
   bool isWithin = true; // all corners lie on that tile or its border
 };
 
@@ -60,7 +61,7 @@ std::vector<FaceExtent> extentsOf(const Cage& cage)
       upper = {std::max(upper.x, uv.x), std::max(upper.y, uv.y)};
     }
     const Vec2f middle = sum * (1.0f / float(size));
-    constexpr float rim = 1e-4f; // of a tile: coordinates are rounded
+    constexpr float rim = 1e-4f; // in tiles: tolerance for rounded coordinates
     FaceExtent extent;
     extent.tile = {std::floor(middle.x), std::floor(middle.y)};
     extent.isWithin = lower.x >= extent.tile.x - rim && lower.y >= extent.tile.y - rim &&
@@ -82,7 +83,7 @@ std::string pathOfTile(std::string path, int number)
   return path;
 }
 
-/* 0 for what is no tile of UDIM. */
+/* Returns the UDIM number of a tile, or 0 if it has none. */
 int numberOf(Vec2f tile)
 {
   constexpr float mostRows = 900; // numbers have four digits
@@ -91,8 +92,9 @@ int numberOf(Vec2f tile)
   return 1001 + int(tile.x) + columns * int(tile.y);
 }
 
-/* A cage that is laid out in tiles: each face on one, and several of them. */
-void warnOfTiles(const Cage& cage, const std::vector<FaceExtent>& extents, const std::string& path, std::string& warnings)
+/* Warns if each face of the cage lies on one tile and the faces use several tiles, but the map is a single file. */
+void warnOfTiles(const Cage& cage, const std::vector<FaceExtent>& extents, const std::string& path,
+                 std::string& warnings)
 {
   int least = 0, most = 0;
   for (const FaceExtent& e : extents)
@@ -105,8 +107,8 @@ void warnOfTiles(const Cage& cage, const std::vector<FaceExtent>& extents, const
   }
   if (least != most)
     warnings += cage.name + " is laid out in UDIM tiles, " + std::to_string(least) + " to " + std::to_string(most) +
-                ", and " + path + " is repeated on each of them: maps of a tile each are named with " + placeholder +
-                ", as in skin." + placeholder + ".png\n";
+                ", but " + path + " repeats on each tile; expected " + placeholder + " in the path, as in skin." +
+                placeholder + ".png, if each tile has its own map\n";
 }
 
 std::string faces(size_t n)
@@ -141,7 +143,7 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
     return tiles;
   }
   std::map<int, int> imageOfNumber; // -1: no file
-  std::map<int, size_t> missing;    // faces a number
+  std::map<int, size_t> missing;    // faces per tile without a file
   size_t across = 0;
   for (const FaceExtent& e : extents)
   {
@@ -161,15 +163,18 @@ UdimTiles UdimTiles::find(const Cage& cage, const std::string& path, std::string
     tiles.origins.push_back(e.tile);
   }
   if (tiles.paths.empty())
-    throw Error(path + ": no such height map: " + cage.name + " wants tile " +
-                std::to_string(missing.rbegin()->first) + " of it, for one");
+    throw Error(path + ": no such height map: " + cage.name + " uses, for example, tile " +
+                std::to_string(missing.rbegin()->first) + ", which does not exist");
   for (const auto& [number, count] : missing)
-    warnings += path + ": " +
-                (number ? "there is no tile " + std::to_string(number) : "texture coordinates lie outside of all tiles") +
-                ", " + faces(count) + " of " + cage.name + " stay as they are\n";
+  {
+    const std::string reason =
+      number ? "there is no tile " + std::to_string(number) : "texture coordinates lie outside of all tiles";
+    warnings += path + ": " + reason + ", " + faces(count) + " of " + cage.name + (count == 1 ? " is" : " are") +
+                " not displaced\n";
+  }
   if (across)
-    warnings += cage.name + ": " + faces(across) + " reach over the border of a UDIM tile, and read all of it from that " +
-                "of their middle\n";
+    warnings += cage.name + ": " + faces(across) + (across == 1 ? " crosses" : " cross") +
+                " the border of a UDIM tile and read only the tile at the middle\n";
   return tiles;
 }
 

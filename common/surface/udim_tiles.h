@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* UDIM: a map of several files, one a unit square of texture coordinates. Tile
- * 1001 + column + 10 row, ten columns.
+/* UDIM: a map in several files, one per unit square of texture coordinates. A tile has the number
+ * 1001 + column + 10 row, with ten columns.
  *
- * A path names the tile by <UDIM>, <udim> or %(UDIM)d (1001), <UVTILE> or <U>_<V> (u1_v1),
- * or <uvtile> or <u>_<v>, which count from 0 (u0_v0). */
+ * In a path, <UDIM>, <udim> and %(UDIM)d stand for this number (1001), <UVTILE> and <U>_<V> for column and row counted
+ * from 1 (u1_v1), <uvtile> and <u>_<v> for column and row counted from 0 (u0_v0). */
 
 #include "surface/cage.h"
 
@@ -16,33 +16,32 @@
 
 namespace cbvh {
 
-/* True if a path names tiles in one of these ways. */
+/* True if a path contains such a placeholder. */
 bool isUdimPath(const std::string& path);
 
-/* Notes the files of a map as inputs of the run, see basics/input_files.h. */
+/* Records the files of a map as inputs of the run, see basics/input_files.h. */
 void noteMapFiles(const Cage& cage, const std::string& path);
 
 struct UdimTiles
 {
-  std::vector<std::string> paths; // of the files that there are and faces lie on; the path itself if it names no tiles
+  std::vector<std::string> paths; // files that exist and that faces use; the path itself if it has no placeholder
 
-  /* Looks for the tiles on which faces have their middles.
-   * warnings: lines are added on tiles without a file, on faces that reach over the border
-   * of their tile, and where a cage that is laid out in tiles reads one map on all of them.
-   * Errors: throws Error when there is no file at all. */
+  /* Finds the files of the tiles at the middles of faces.
+   * Appends lines to `warnings` for tiles without a file, for faces that cross the border of their tile, and for a cage
+   * that is laid out in tiles while its map is one file. Throws Error if no file exists. */
   static UdimTiles find(const Cage& cage, const std::string& path, std::string& warnings);
 
   bool isUdim() const { return !images.empty(); }
 
-  /* Index into paths; -1 where there is no file. */
+  /* Index into paths; -1 if the face's tile has no file. */
   int imageOf(unsigned face) const { return isUdim() ? images[face] : 0; }
 
-  /* Of the face's tile, in texture coordinates. */
+  /* Returns the origin of the face's tile, in texture coordinates. */
   Vec2f originOf(unsigned face) const { return isUdim() ? origins[face] : Vec2f{0, 0}; }
 
 private:
-  std::vector<int> images;    // a face each, empty if the path names no tiles
-  std::vector<Vec2f> origins; // likewise
+  std::vector<int> images;    // per face; empty if the path has no placeholder
+  std::vector<Vec2f> origins; // the same
 };
 
 } // namespace cbvh

@@ -7,14 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <unordered_set>
 
 namespace cbvh {
 namespace {
 
-/* --- what the file says ------------------------------------------------------------------ */
+/* --- evidence in comments ---------------------------------------------------------------- */
 
-/* In lower case. What ends a phrase is a word of its own: "forward -Z, up Y" does not say "z up". */
+/* Splits a text into words in lower case. Punctuation becomes a word, so "forward -Z, up Y" does not contain "z up". */
 std::vector<std::string> wordsOf(const std::string& text)
 {
   std::vector<std::string> words{""};
@@ -32,8 +33,8 @@ std::vector<std::string> wordsOf(const std::string& text)
   return words;
 }
 
-/* "z up", "z axis up", "up: z", "up axis: z", "upaxis z". */
-bool saysUp(const std::vector<std::string>& words, const std::string& axis)
+/* Finds "z up", "z axis up", "up: z", "up axis: z" or "upaxis z". */
+bool namesUpAxis(const std::vector<std::string>& words, const std::string& axis)
 {
   const std::vector<std::vector<std::string>> phrases = {
     {axis, "up"}, {axis, "axis", "up"}, {axis + "up"}, {"up", axis}, {"up", "axis", axis}, {"upaxis", axis}};
@@ -42,18 +43,18 @@ bool saysUp(const std::vector<std::string>& words, const std::string& axis)
   });
 }
 
-/* Programs that name themselves, and whose exporters write the z up of their scenes without a choice. Blender and 3ds Max
- * are none of them: theirs turn to y up unless they are told not to. */
+/* Programs that name themselves in files and always export z up. Blender and 3ds Max do not belong to them: by default
+ * they convert to y up. */
 constexpr std::array<const char*, 2> zUpPrograms = {"FreeCAD", "OpenSCAD"};
 
-/* --- what the shape is like -------------------------------------------------------------- */
+/* --- evidence in the shape --------------------------------------------------------------- */
 
 using Point = std::array<float, 3>;
 
 class Shape
 {
 public:
-  /* Of the vertices that faces have. */
+  /* Uses only vertices of faces. */
   explicit Shape(const Cage& cage) : cage(cage)
   {
     std::vector<char> used(cage.positions.size());
@@ -64,7 +65,8 @@ public:
         points.push_back({cage.positions[i].x, cage.positions[i].y, cage.positions[i].z});
     for (size_t axis = 0; axis < 3; axis++)
     {
-      const auto [least, most] = std::minmax_element(points.begin(), points.end(), [=](const Point& a, const Point& b) { return a[axis] < b[axis]; });
+      const auto isLess = [=](const Point& a, const Point& b) { return a[axis] < b[axis]; };
+      const auto [least, most] = std::minmax_element(points.begin(), points.end(), isLess);
       lower[axis] = (*least)[axis];
       upper[axis] = (*most)[axis];
       double sum = 0;
@@ -79,20 +81,21 @@ public:
 
   bool isFlat() const { return !(std::min({extent(0), extent(1), extent(2)}) > 0.0f); }
 
-  /* Where a modeller's ground would be: its lowest end along an axis at 0. */
+  /* True if the lowest point along the axis is at 0, where modelers place the ground. */
   bool startsAtZero(size_t axis) const { return std::abs(lower[axis]) <= 0.01f * extent(axis); }
 
-  /* And what lies about the origin has no ground there. */
+  /* True if the shape extends to both sides of 0, so that there is no ground at 0. */
   bool isAboutZero(size_t axis) const { return std::min(-lower[axis], upper[axis]) >= 0.2f * extent(axis); }
 
-  /* Whether it would stand if that axis pointed upwards: its middle is above its lowest points, which spread over some
-   * of its width and depth: arms that are held out are five times as wide as the feet below. */
+  /* True if the shape would stand if the axis pointed upwards: its center is above its lowest points, and these spread
+   * over at least 15% of its width and depth. (Arms that are held out are five times as wide as the feet below.) */
   bool standsOn(size_t axis) const
   {
     const std::vector<Point> base = lowest(axis);
     for (const size_t other : {(axis + 1) % 3, (axis + 2) % 3})
     {
-      const auto [least, most] = std::minmax_element(base.begin(), base.end(), [=](const Point& a, const Point& b) { return a[other] < b[other]; });
+      const auto isLess = [=](const Point& a, const Point& b) { return a[other] < b[other]; };
+      const auto [least, most] = std::minmax_element(base.begin(), base.end(), isLess);
       const float begin = (*least)[other], end = (*most)[other];
       if (!(end - begin >= 0.15f * extent(other) && begin < mean[other] && mean[other] < end))
         return false;
@@ -100,11 +103,11 @@ public:
     return true;
   }
 
-  /* Whether its lowest points are left and right of the middle, and neither points nor faces are there: feet, and not
-   * the open rim of a mask or the butt of a gun. */
+  /* True if the lowest points are left and right of the middle, with no points or faces between them: feet, not the
+   * open rim of a mask or the butt of a gun. */
   bool hasFeet(size_t axis, size_t sideways) const
   {
-    const auto sideOf = [&](const Point& p) { // 0 in the middle
+    const auto sideOf = [&](const Point& p) { // -1, 1, or 0 near the middle
       const float from = (p[sideways] - middle(sideways)) / extent(sideways);
       return from < -0.02f ? -1 : from > 0.02f ? 1 : 0;
     };
@@ -129,7 +132,7 @@ public:
     return true;
   }
 
-  /* Whether it is its own mirror image along an axis, but for a few vertices. */
+  /* True if the shape is its own mirror image along an axis, except for 2% of the vertices. */
   bool isMirrored(size_t axis) const
   {
     const float cell = 0.005f * std::max({extent(0), extent(1), extent(2)});
@@ -138,7 +141,7 @@ public:
     std::unordered_set<uint64_t> occupied;
     for (const Point& p : points)
       occupied.insert(key(place(p, 0), place(p, 1), place(p, 2)));
-    constexpr size_t most = 10000; // are looked at
+    constexpr size_t most = 10000; // vertices to test
     const size_t step = points.size() / most + 1;
     size_t seen = 0, found = 0;
     for (size_t i = 0; i < points.size(); i += step)
@@ -155,7 +158,7 @@ public:
   }
 
 private:
-  /* Soles are not as flat as tables. */
+  /* Within 2% of the height, because soles of feet are not flat. */
   bool isLowest(const Point& p, size_t axis) const { return p[axis] <= lower[axis] + 0.02f * extent(axis); }
 
   std::vector<Point> lowest(size_t axis) const
@@ -171,28 +174,28 @@ private:
   Point lower, upper, mean;
 };
 
-/* Why a shape is z up, empty without clear evidence. */
+/* Returns why the shape is z up, or an empty string if there is no clear evidence. */
 std::string evidenceInShape(const Cage& cage)
 {
   constexpr size_t x = 0, y = 1, z = 2;
   const Shape shape(cage);
   if (shape.isFlat() || !shape.startsAtZero(z) || !shape.isAboutZero(y) || !shape.standsOn(z) || shape.isMirrored(z))
     return "";
-  /* What stands is hardly ever the same upside down. What is thin along z may hang on a wall with its back at 0, and
-   * what is thin along y may lie on the ground. */
+  /* Standing objects are rarely the same upside down. An object that is thin along z may hang on a wall with its back
+   * at 0; an object that is thin along y may lie on the ground. */
   if (shape.isMirrored(y))
   {
     const bool isThin = shape.extent(z) < 0.4f * std::max(shape.extent(x), shape.extent(y)) ||
                         shape.extent(y) < 0.25f * std::max(shape.extent(x), shape.extent(z));
     return isThin ? "" : "it stands on the plane z = 0 and is its own mirror image along y";
   }
-  /* Figures and furniture have a left and a right that are alike. */
+  /* Figures and furniture have symmetric left and right sides. */
   if (shape.isMirrored(x) && shape.hasFeet(z, x) && !shape.standsOn(y) && shape.extent(z) >= 0.5f * shape.extent(y))
     return "it stands on feet on the plane z = 0";
   return "";
 }
 
-/* --- turning ----------------------------------------------------------------------------- */
+/* --- rotation ---------------------------------------------------------------------------- */
 
 Vec3f turned(Vec3f v, const std::string& up)
 {
@@ -220,12 +223,12 @@ const std::vector<std::string>& upAxes()
 UpGuess guessUp(const Cage& cage)
 {
   const std::vector<std::string> words = wordsOf(cage.comments);
-  const bool y = saysUp(words, "y"), z = saysUp(words, "z");
+  const bool y = namesUpAxis(words, "y"), z = namesUpAxis(words, "z");
   if (y != z)
-    return z ? UpGuess{"z", "a comment at the head of the file says so"} : UpGuess{};
+    return z ? UpGuess{"z", "a comment at the beginning of the file names it"} : UpGuess{};
   for (const char* program : zUpPrograms)
     if (std::find(words.begin(), words.end(), lowerCase(program)) != words.end())
-      return {"z", std::string("the file is of ") + program + ", where z is up"};
+      return {"z", std::string("the file was written by ") + program + ", where z is up"};
   const std::string evidence = evidenceInShape(cage);
   return evidence.empty() ? UpGuess{} : UpGuess{"z", evidence};
 }
@@ -237,7 +240,7 @@ ViewHints turnedFromY(ViewHints hints, const std::string& up)
   return hints;
 }
 
-/* Turns about x and z are undone by those the other way; half a turn is its own inverse. */
+/* The inverse of a quarter turn about x or z is the opposite turn; a half turn is its own inverse. */
 ViewHints turnedToY(ViewHints hints, const std::string& up)
 {
   const bool isQuarter = up.back() != 'y';

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Which axis of a cage points upwards. OBJ files have no word for it: most are y up, those of CAD
- * and of programs whose ground is the plane of x and y are z up.
+/* Guesses the up axis of a cage. OBJ files do not store it: most are y up; files of CAD programs, and of programs whose
+ * ground is the plane of x and y, are z up.
  *
- * Axes are named as on command lines: "x", "y", "z", "-x", "-y" and "-z". */
+ * Axes have the names of the command line: "x", "y", "z", "-x", "-y" and "-z". */
 
 #include "surface/cage.h"
 #include "surface/view_hints.h"
@@ -16,23 +16,21 @@
 
 namespace cbvh {
 
-/* All six, the likeliest first. */
+/* All six axes, the most likely first. */
 const std::vector<std::string>& upAxes();
 
 struct UpGuess
 {
   std::string axis = "y";
-  std::string reason; // why it is not y; ends a sentence, "z is taken for up, as ..."
+  std::string reason; // why the axis is not y; ends the sentence "z is the up axis, because ..."
 };
 
-/* y, or z where there is clear evidence for it: a comment at the head of the file, or a shape that
- * would hardly be y up. Nothing else is guessed: who opens a file that is y up must not find it on
- * its side, so whatever leaves doubt is y.
- *
- * cage: at least one face; indices in range. */
+/* Returns y, or z if there is clear evidence for it: a comment at the beginning of the file, or a shape that is
+ * implausible as y up. Other axes are never guessed, and doubtful cases are y, so that files that are y up are never
+ * turned. The cage must have at least one face and valid indices. */
 UpGuess guessUp(const Cage& cage);
 
-/* Turns hints that were made for an upward y axis, and back. up: one of upAxes(). */
+/* Rotate hints for an upward y axis to the up axis `up`, one of upAxes(), and back. */
 ViewHints turnedFromY(ViewHints hints, const std::string& up);
 ViewHints turnedToY(ViewHints hints, const std::string& up);
 

@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tangents as MikkTSpace makes them: one at each corner of a face, the mean over all faces
- * that have the same texture coordinate at the same vertex, interpolated over the face and
- * made perpendicular to the normal. So on an edge they depend on the edge alone, where the
- * derivatives of the limit surface in texture coordinates would differ from side to side. */
+/* Tangents as in MikkTSpace: one per corner of a face, the mean over all faces with the same texture coordinate at the
+ * same vertex, interpolated over the face and made perpendicular to the normal. So on an edge they depend on the edge
+ * alone, unlike derivatives of the limit surface with respect to texture coordinates. */
 
 #include "surface/vector_displacement.h"
 #include "basics/error.h"
@@ -16,12 +15,12 @@
 namespace cbvh {
 namespace {
 
-/* The second axis of the texture lies to the left of the first one, seen from outside, or
- * to the right, where the texture is mirrored. */
+/* The second axis of the texture is to the left of the first one, seen from outside, or to the right if the texture is
+ * mirrored. */
 struct Tangents
 {
-  std::vector<Vec3f> corners; // of faces, in the cage's order: along the first axis
-  std::vector<float> sides;   // of faces: 1 for left, -1 for right
+  std::vector<Vec3f> corners; // along the first axis, per corner of each face, in the cage's order
+  std::vector<float> sides;   // per face: 1 for left, -1 for right
 };
 
 Tangents findTangents(const Cage& cage, const FaceBorders& borders)
@@ -37,7 +36,7 @@ Tangents findTangents(const Cage& cage, const FaceBorders& borders)
   for (unsigned face = 0; face < cage.numFaces(); face++)
   {
     const unsigned n = cage.faceSizes[face];
-    float area = 0; // twice that of the face in texture coordinates
+    float area = 0; // twice the area of the face in texture coordinates
     for (unsigned i = 0; i < n; i++)
     {
       const Vec2f a = uv(borders.corner(face, i)), b = uv(borders.corner(face, (i + 1) % n));
@@ -113,7 +112,7 @@ private:
 
   std::unique_ptr<PlacedMap> map;
   float scale, midLevel;
-  Tangents tangents; // none for vectors in the axes of the cage
+  Tangents tangents; // empty for vectors along the axes of the cage
 };
 
 } // namespace
@@ -122,7 +121,7 @@ std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_pt
                                                 const DisplacementMap& description)
 {
   if (description.values == MapValues::TangentVectors && !cage.hasUVs())
-    throw Error(cage.name + ": has no texture coordinates, whose axes vectors in tangent space are given in");
+    throw Error(cage.name + ": vectors in tangent space need texture coordinates, but the cage has none");
   return std::make_unique<VectorDisplacement>(cage, std::move(map), description);
 }
 

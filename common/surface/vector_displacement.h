@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Displacement by maps of vectors, in the axes of the cage or in those of its texture. */
+/* Displacement by maps of vectors, along the axes of the cage or of its texture. */
 
 #include "surface/placed_map.h"
 
@@ -11,8 +11,8 @@
 
 namespace cbvh {
 
-/* map: of three channels. description: scale, mid level and axes. Throws Error for vectors
- * in tangent space on a cage without texture coordinates. */
+/* The map must have three channels; `description` holds scale, mid level and axes. Throws Error for vectors in tangent
+ * space on a cage without texture coordinates. */
 std::unique_ptr<Displacement> displaceByVectors(const Cage& cage, std::unique_ptr<PlacedMap> map,
                                                 const DisplacementMap& description);
 

@@ -7,13 +7,13 @@
 
 namespace cbvh {
 
-/* How a model likes to be looked at. */
+/* A suitable view of a model. */
 struct ViewHints
 {
-  Vec3f direction{-0.5f, -0.35f, -1.0f}; // from the eye to the middle of the model
+  Vec3f direction{-0.5f, -0.35f, -1.0f}; // from the eye to the center of the model
   Vec3f up{0, 1, 0};
-  Vec2f closePoint{0.5f, 0.4f};          // what the close view looks at, in the full view, from the upper left
-  float closeDistance = 0.12f;           // from the eye, in bounding-box diagonals
+  Vec2f closePoint{0.5f, 0.4f};          // target of the close view: a place in the full view, from the upper left
+  float closeDistance = 0.12f;           // of the eye from the target, in bounding-box diagonals
 };
 
 } // namespace cbvh

@@ -16,27 +16,27 @@ namespace cbvh {
 class Camera
 {
 public:
-  /* fov: vertical, in degrees. */
+  /* `fov` is the vertical field of view in degrees. */
   Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size);
 
-  /* All points, each a ball of some radius, in view along the hint's direction, as
-   * large as can be with a narrow rim. */
+  /* Returns the camera in the direction of the hints that shows all points, each a ball of radius `radius`, as large as
+   * possible with a narrow rim. */
   static Camera fit(const std::vector<Vec3f>& points, float radius, const ViewHints& hints, float fov, ImageSize size);
 
-  /* Direction through the centre of a pixel, of length 1. */
+  /* Returns the unit direction through the center of a pixel. */
   Vec3f direction(float pixelX, float pixelY) const;
 
-  Vec3f viewDirection() const { return forward; } // into the middle of the picture, of length 1
-  Vec3f upDirection() const { return -down; }     // of the picture, likewise
+  Vec3f viewDirection() const { return forward; } // unit direction through the middle of the picture
+  Vec3f upDirection() const { return -down; }     // unit up direction of the picture
 
-  /* Width of a pixel at a distance of 1; that at distance t is t times this. */
+  /* Width of a pixel at a distance of 1. At a distance of t it is t times this. */
   float footprint() const { return pixel; }
 
   Vec3f eye() const { return origin; }
   Vec3f lookAt() const { return target; }
   float fov() const { return fieldOfView; }
   ImageSize size() const { return image; }
-  std::string description() const; // as the --view option takes it
+  std::string description() const; // in the syntax of --view
 
 private:
   Vec3f origin, target, right, down, forward;

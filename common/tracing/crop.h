@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* A part of a picture, which is rendered as it is in the whole: a pixel's rays, times and colour follow from its place in the whole picture. */
+/* A part of a picture. It is rendered as in the whole picture: rays, times and colors depend only on a pixel's place in
+ * the whole picture. */
 
 #include "tracing/image_size.h"
 
@@ -11,18 +12,18 @@
 
 namespace cbvh {
 
-/* Columns x0 to x1 and rows y0 to y1, without x1 and y1; (0,0) is the pixel at the upper left. */
+/* Columns x0 to x1 - 1 and rows y0 to y1 - 1; (0,0) is the upper left pixel. */
 struct Crop
 {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
   Crop() = default;
   Crop(int x0, int y0, int x1, int y1) : x0(x0), y0(y0), x1(x1), y1(y1) {}
-  Crop(ImageSize whole) : x1(whole.width), y1(whole.height) {} // a whole picture is a part of itself
+  Crop(ImageSize whole) : x1(whole.width), y1(whole.height) {} // the whole picture
 
   ImageSize size() const { return {x1 - x0, y1 - y0}; }
   size_t numPixels() const { return size_t(x1 - x0) * size_t(y1 - y0); }
-  int column(size_t pixel) const { return x0 + int(pixel % size_t(x1 - x0)); } // of the part's pixel, in the whole
+  int column(size_t pixel) const { return x0 + int(pixel % size_t(x1 - x0)); } // in the whole picture
   int row(size_t pixel) const { return y0 + int(pixel / size_t(x1 - x0)); }
 };
 

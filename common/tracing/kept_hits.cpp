@@ -10,7 +10,7 @@
 namespace cbvh {
 namespace {
 
-/* The sink that keeps hits. Embree leaves misses with whatever they came with. */
+/* A sink that keeps hits. Embree does not write to rays that miss. */
 struct HitStore
 {
   KeptHit* hits;
@@ -62,7 +62,7 @@ std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& 
   return hits;
 }
 
-HitDifferences compareKept(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b)
+HitDifferences compareKeptHits(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b)
 {
   HitDifferences found;
   found.rays = a.size();

@@ -11,9 +11,9 @@ struct Ray
 {
   Vec3f origin;
   float tnear = 0.0f;
-  Vec3f direction; // of length 1 unless said otherwise, so t is a distance
+  Vec3f direction; // of unit length unless documented otherwise, so t is a distance
   float tfar = INFINITY;
-  float time = 0.0f; // while the shutter is open, from 0 to 1
+  float time = 0.0f; // in [0,1]
 };
 
 } // namespace cbvh

@@ -3,33 +3,14 @@
 
 #pragma once
 
-/* Rays as Embree takes them. */
+/* Converts rays to Embree's structs. */
 
+#include "tracing/denormals.h"
 #include "tracing/ray.h"
 
 #include <embree3/rtcore.h>
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
 namespace cbvh {
-
-/* Denormals off while tracing, as Embree's manual asks for. */
-class FastDenormals
-{
-public:
-  FastDenormals() : saved(_mm_getcsr())
-  {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  }
-  ~FastDenormals() { _mm_setcsr(saved); }
-  FastDenormals(const FastDenormals&) = delete;
-  FastDenormals& operator=(const FastDenormals&) = delete;
-
-private:
-  unsigned saved;
-};
 
 inline void load(const Ray& ray, RTCRay& out)
 {
@@ -47,7 +28,7 @@ inline void load(const Ray& ray, RTCRay& out)
   out.flags = 0;
 }
 
-/* With no hit. */
+/* Also sets the hit to a miss. */
 inline void load(const Ray& ray, RTCRayHit& out)
 {
   load(ray, out.ray);
@@ -55,7 +36,7 @@ inline void load(const Ray& ray, RTCRayHit& out)
   out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Lane i of a packet. */
+/* Sets lane i of a packet. */
 template<typename RTCRayN>
 inline void load(const Ray& ray, RTCRayN& out, size_t i)
 {

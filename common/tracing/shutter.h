@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* When the rays of a picture are traced, while a shutter is open. */
+/* Times of the rays of a picture while a shutter is open. */
 
 #include "tracing/crop.h"
 #include "tracing/ray.h"
@@ -15,11 +15,11 @@ namespace cbvh {
 
 struct Shutter
 {
-  float begin = 0, end = 1; // times of a model's motion: 0 is its first step, 1 its last
+  float begin = 0, end = 1; // time of the model's motion: 0 is the first time step, 1 the last
 };
 
-/* Gives sample i of each pixel a time: those of one pixel are spread evenly over the shutter, those of neighbours differ. rays: one a pixel of a part
- * of a picture that is `width` pixels wide. */
+/* Sets the time of sample i of each pixel. Times of one pixel are spread evenly over the shutter; neighboring pixels
+ * have different times. `rays` holds one ray per pixel of a part of a picture that is `width` pixels wide. */
 inline void setTimes(std::vector<Ray>& rays, const Shutter& shutter, int sample, const Crop& part, int width)
 {
   for (size_t i = 0; i < rays.size(); i++)
@@ -27,7 +27,7 @@ inline void setTimes(std::vector<Ray>& rays, const Shutter& shutter, int sample,
     uint32_t h = (uint32_t(part.row(i)) * uint32_t(width) + uint32_t(part.column(i))) * 0x9E3779B1u;
     h = (h ^ (h >> 15)) * 0x85EBCA77u;
     h = (h ^ (h >> 13)) * 0xC2B2AE3Du;
-    const uint32_t place = (h ^ (h >> 16)) + uint32_t(sample) * 0x9E3779B9u; // the golden ratio's steps
+    const uint32_t place = (h ^ (h >> 16)) + uint32_t(sample) * 0x9E3779B9u; // steps of the golden ratio
     rays[i].time = shutter.begin + (shutter.end - shutter.begin) * float(place >> 8) * 0x1p-24f;
   }
 }

@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-/* Rays of a call; a Vulkan device has threads of its own. */
+/* Rays per call. A Vulkan device needs many, because it has threads of its own. */
 constexpr size_t embreeChunk = 4096, vulkanChunk = size_t(1) << 20;
 
 size_t chunkOf(const TracedScene& scene) { return scene.vulkan() ? vulkanChunk : embreeChunk; }
@@ -29,7 +29,9 @@ void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHi
 std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads)
 {
   std::vector<SurfaceHit> hits(rays.size());
-  parallelFor(rays.size(), chunkOf(scene), threads, [&](size_t begin, size_t end) { traceClosest(scene, end - begin, &rays[begin], &hits[begin]); });
+  parallelFor(rays.size(), chunkOf(scene), threads, [&](size_t begin, size_t end) {
+    traceClosest(scene, end - begin, &rays[begin], &hits[begin]);
+  });
   return hits;
 }
 

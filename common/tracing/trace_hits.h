@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Tracing ray sets for their hits. */
+/* Traces ray sets for their hits. */
 
 #include "building/traced_scene.h"
 #include "tracing/ray_sets.h"
@@ -12,16 +12,13 @@
 
 namespace cbvh {
 
-/* Closest hits of n rays, on the calling thread.
- *
- * rays, hits: n each; hits are written. */
+/* Writes the closest hits of n rays to hits[0] to hits[n-1]. Runs on the calling thread. */
 void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits);
 
-/* Closest hits, one a ray. Throws Cancelled. */
+/* Returns the closest hit of each ray. Throws Cancelled. */
 std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads);
 
-/* Number of rays for which any-hit and the given closest hits disagree on whether
- * something is hit. Throws Cancelled. */
+/* Returns the number of rays for which an any-hit query and the given closest hits disagree. Throws Cancelled. */
 size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>& rays,
                                 const std::vector<SurfaceHit>& closest, unsigned threads);
 

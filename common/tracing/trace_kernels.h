@@ -3,13 +3,12 @@
 
 #pragma once
 
-/* Loops that trace rays through every entrance of Embree's API. What becomes of the hits is
- * up to a sink, which is compiled into the loop: where time is measured it counts them, where
- * they are looked at it keeps them. A sink has
+/* Loops that trace rays with every query of Embree's API. A sink receives the hits and is compiled into the loop: it
+ * counts hits when time is measured, and keeps them for comparisons. A sink has these members:
  *
- *   void closest(size_t i, const RTCRayHit& ray);                 // what ray i hit
+ *   void closest(size_t i, const RTCRayHit& ray);                    // the closest hit of ray i
  *   void closest(size_t i, const RTCRayHitN& packet, size_t lane);
- *   void any(size_t i, float tfar);                               // below 0 if ray i hit something */
+ *   void any(size_t i, float tfar);                                  // tfar < 0 if ray i hits anything */
 
 #include "tracing/ray_conversion.h"
 #include "tracing/trace_modes.h"
@@ -18,11 +17,11 @@
 
 namespace cbvh {
 
-/* Rays that a thread takes at a time: whole packets and streams, and 64 tiles of 8 x 8. */
+/* Rays per task of a thread: whole packets and streams, and 64 tiles of 8 x 8 pixels. */
 constexpr size_t traceChunk = 4096;
 static_assert(traceChunk % streamSize == 0, "only the last call of a set is not full");
 
-/* coherent: the flag that Embree gets with the rays. */
+/* `coherent` selects the flag that Embree receives with the rays. */
 inline RTCIntersectContext traceContext(bool coherent)
 {
   RTCIntersectContext context;
@@ -31,8 +30,7 @@ inline RTCIntersectContext traceContext(bool coherent)
   return context;
 }
 
-/* Traces rays [0,n) and returns the sink, which is passed by value for a count to stay in a
- * register. */
+/* Traces rays [0,n) and returns the sink. It is passed by value so that a count stays in a register. */
 template<typename Sink>
 using Kernel = Sink (*)(RTCScene, RTCIntersectContext&, const Ray*, size_t n, Sink);
 
@@ -71,7 +69,10 @@ struct Packet4
   static constexpr size_t size = 4;
   using Ray = RTCRay4;
   using RayHit = RTCRayHit4;
-  static void closest(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r) { rtcIntersect4(valid, s, c, r); }
+  static void closest(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r)
+  {
+    rtcIntersect4(valid, s, c, r);
+  }
   static void any(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded4(valid, s, c, r); }
 };
 
@@ -80,7 +81,10 @@ struct Packet8
   static constexpr size_t size = 8;
   using Ray = RTCRay8;
   using RayHit = RTCRayHit8;
-  static void closest(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r) { rtcIntersect8(valid, s, c, r); }
+  static void closest(const int* valid, RTCScene s, RTCIntersectContext* c, RayHit* r)
+  {
+    rtcIntersect8(valid, s, c, r);
+  }
   static void any(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded8(valid, s, c, r); }
 };
 
@@ -96,7 +100,7 @@ struct Packet16
   static void any(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded16(valid, s, c, r); }
 };
 
-/* Lanes beyond n repeat the last ray, inactive. */
+/* Loads up to Packet::size rays. Lanes beyond n repeat the last ray and are inactive. */
 template<typename Packet, typename PacketRay>
 size_t loadPacket(const Ray* rays, size_t n, PacketRay& packet, int* valid)
 {

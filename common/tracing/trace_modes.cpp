@@ -29,7 +29,7 @@ Query parseQuery(const std::string& name)
   for (int i = 0; i < numQueries; i++)
     if (name == queryNames[i])
       return Query(i);
-  throw Error("unknown query '" + name + "', known are closest and any");
+  throw Error("unknown query '" + name + "': expected closest or any");
 }
 
 TraceMode parseTraceMode(const std::string& name)
@@ -37,7 +37,7 @@ TraceMode parseTraceMode(const std::string& name)
   for (size_t i = 0; i < std::size(modeNames); i++)
     if (name == modeNames[i])
       return TraceMode(i);
-  throw Error("unknown mode '" + name + "', known are single, packet4, packet8, packet16 and stream");
+  throw Error("unknown mode '" + name + "': expected single, packet4, packet8, packet16 or stream");
 }
 
 } // namespace cbvh

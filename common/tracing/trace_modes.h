@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The entrances of Embree's API that rays are traced through. */
+/* The queries of Embree's API. */
 
 #include <cstddef>
 #include <string>
@@ -12,17 +12,16 @@ namespace cbvh {
 
 enum Query { Closest, Any, numQueries };
 
-/* How many rays a call takes. A packet is made of consecutive rays of the set, the
- * last one filled up with inactive lanes. */
+/* Rays per call. A packet consists of consecutive rays of the set; the last one may have inactive lanes. */
 enum class TraceMode { Single, Packet4, Packet8, Packet16, Stream };
 
 constexpr size_t streamSize = 1024;
 
-/* "closest"; "single", "packet4", "stream". */
+/* Return names such as "closest"; "single", "packet4", "stream". */
 const char* queryName(Query query);
 const char* traceModeName(TraceMode mode);
 
-/* The inverse. Throws Error. */
+/* The inverse functions. Throw Error. */
 Query parseQuery(const std::string& name);
 TraceMode parseTraceMode(const std::string& name);
 

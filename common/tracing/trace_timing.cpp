@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-/* The sink of a measurement. */
+/* The sink for measurements. */
 struct HitCount
 {
   size_t hits = 0;
@@ -55,7 +55,7 @@ TraceTiming timeOnDevice(const std::vector<Ray>& rays, unsigned passes, const Tr
     throwIfCancelled();
   }
   if (!rays.empty() && !(timing.seconds > 0.0))
-    throw Error("the Vulkan device has no clock, so there is no speed to measure: leave it out");
+    throw Error("measuring speed: the Vulkan device has no clock; expected a device with timestamps");
   timing.hits = size_t(std::count_if(batch.begin(), batch.end(), isHit));
   return timing;
 }

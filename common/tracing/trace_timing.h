@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Tracing ray sets for the clock, through every entrance of Embree's API. */
+/* Measures the speed of tracing ray sets with every query of Embree's API. */
 
 #include "building/traced_scene.h"
 #include "tracing/ray_sets.h"
@@ -17,21 +17,21 @@ struct TraceSettings
 {
   Query query = Closest;
   TraceMode mode = TraceMode::Single;
-  bool coherent = false; // the flag that Embree gets with the rays
-  unsigned threads = 1;  // 1: the calling thread
-  unsigned passes = 1;   // over the rays, for sets that one pass is too short to time
+  bool coherent = false; // the flag that Embree receives with the rays
+  unsigned threads = 1;  // 1: only the calling thread
+  unsigned passes = 1;   // over the rays, if one pass is too short to measure
 };
 
 struct TraceTiming
 {
-  /* Of one pass, filling Embree's ray structures included, starting threads not. One
-   * thread is timed by its processor time, which other programs disturb less, several
-   * by the wall clock. Of a Vulkan device: by its own clock, copies left out. */
+  /* Seconds per pass, including filling Embree's ray structs but not starting threads. Processor time for one thread,
+   * because other programs disturb it less; wall-clock time for several threads. On a Vulkan device: time of the
+   * device's clock, without copies. */
   double seconds = 0;
   size_t hits = 0; // rays that hit something
 };
 
-/* Traces all rays; mode, coherence and threads are without meaning for a Vulkan device. Throws Cancelled. */
+/* Traces all rays. Ignores mode, coherence and threads for a Vulkan device. Throws Error, Cancelled. */
 TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 } // namespace cbvh

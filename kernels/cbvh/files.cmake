@@ -1,11 +1,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Files of the library, compiled once for the lowest ISA.
+# Files that are compiled once, for the lowest ISA.
 list(APPEND EMBREE_LIBRARY_FILES
   cbvh/api/settings.cpp
   cbvh/api/factory.cpp
   cbvh/api/geometry_commit.cpp
+  cbvh/api/interpolation.cpp
   cbvh/api/rtcore_compression.cpp
   cbvh/api/rtcore_compressed_triangles.cpp
   cbvh/api/rtcore_compressed_clusters.cpp
@@ -34,7 +35,10 @@ list(APPEND EMBREE_LIBRARY_FILES
   cbvh/stored/stored_clusters.cpp
   cbvh/stored/surface_blocks.cpp
   cbvh/surface/input_checks.cpp
+  cbvh/surface/mesh_parts.cpp
   cbvh/surface/quad_regions.cpp
+  cbvh/surface/triangle_pairs.cpp
+  cbvh/surface/welded_vertices.cpp
   cbvh/vert/tables.cpp
   cbvh/traversal/thread_cache.cpp
   cbvh/traversal/intersector1.cpp
@@ -45,14 +49,14 @@ if(NOT EMBREE_CBVH_NO_PAPER)
   list(APPEND EMBREE_LIBRARY_FILES cbvh/framed/node_tables.cpp)
 endif()
 
-# Files of one ISA, appended to the list that `target` names.
+# Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
-  # As upstream's subdivision builder, which is chosen among the lowest ISA and AVX.
+  # Upstream selects its subdivision builder from the lowest ISA and AVX, too.
   if(${isa} EQUAL ${AVX})
     list(APPEND ${target} cbvh/building/builder.cpp)
   endif()
-  # The library compiles the files of the lowest ISA already: not twice.
+  # For the lowest ISA, the library already compiles them.
   if(${isa} EQUAL ${ISA_LOWEST})
     list(REMOVE_ITEM ${target} ${EMBREE_LIBRARY_FILES})
   endif()

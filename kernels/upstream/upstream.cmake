@@ -58,6 +58,7 @@ function(upstream_archive result)
     message(STATUS "Downloading source package ${EMBREE_UPSTREAM_PACKAGE} ${EMBREE_UPSTREAM_VERSION}")
     execute_process(
       COMMAND "${UPSTREAM_DIR}/fetch.sh" "${EMBREE_UPSTREAM_PACKAGE}" "${EMBREE_UPSTREAM_VERSION}" "${temporary}"
+              "${EMBREE_UPSTREAM_SUITE}"
       RESULT_VARIABLE status OUTPUT_VARIABLE log ERROR_VARIABLE log)
     file(GLOB archive "${temporary}/*.orig.tar.*")
     if(NOT status EQUAL 0 OR NOT archive)
@@ -70,7 +71,10 @@ function(upstream_archive result)
       endif()
       string(REGEX REPLACE "\n+$" "" log "${log}")
       string(REGEX REPLACE "^.*\n" "" log "${log}")
-      upstream_fail("download of source package ${EMBREE_UPSTREAM_PACKAGE} ${EMBREE_UPSTREAM_VERSION} failed (${log}); EMBREE_UPSTREAM_ARCHIVE takes a local copy")
+      string(CONCAT message "download of source package ${EMBREE_UPSTREAM_PACKAGE} ${EMBREE_UPSTREAM_VERSION} failed (${log}); "
+        "copy ${EMBREE_UPSTREAM_PACKAGE}_${EMBREE_UPSTREAM_VERSION}.orig.tar.xz from pool/main/e/embree of any mirror of Debian, "
+        "and set the environment variable EMBREE_UPSTREAM_FALLBACK, or the CMake variable EMBREE_UPSTREAM_ARCHIVE, to its path")
+      upstream_fail("${message}")
     endif()
     file(RENAME "${archive}" "${cached}.part")
     file(REMOVE_RECURSE "${temporary}")

@@ -14,6 +14,7 @@
 #include <embree3/rtcore_dicing.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <memory>
 
@@ -464,7 +465,7 @@ TEST(Beside, CagesAreDicedByTheView)
     }
 }
 
-TEST(Beside, MeshWithoutGridsIsAnError)
+TEST(Beside, MovingMeshWithoutGridsIsAnError)
 {
   Random random(93);
   Context context;
@@ -475,10 +476,13 @@ TEST(Beside, MeshWithoutGridsIsAnError)
     vertices.push_back({float(random.uniform()), float(random.uniform()), float(random.uniform())});
     if (i >= 3) triangles.push_back({random.below(i), random.below(i), random.below(i)});
   }
-  const Steps steps(vertices, nullptr, 1);
-  const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
-  ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
-  context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "do not lie in grids");
+  for (unsigned n : {1u, 2u}) {
+    const Steps steps(vertices, nullptr, n);
+    const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
+    ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
+    if (n == 1) { ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText(); }
+    else context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "move and do not lie in grids");
+  }
 }
 
 TEST(Beside, InvalidInputIsReportedByName)
@@ -632,6 +636,47 @@ TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
   context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
                  "attribute");
   context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
+}
+
+// Limits of the faces at a vertex, of the cage or of an attribute's topology.
+TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
+{
+  Context context;
+  Displacement displacement;
+  const Cage poles = trapezohedronCage(65), sheet = sheetCage(12);
+  ASSERT_GT(sheet.faces.size(), poles.faces.size());
+  for (bool isOwn : {false, true}) {
+    const Cage& cage = isOwn ? sheet : poles;
+    std::vector<unsigned> corners = poles.indices; // and separate values at the corners of further faces
+    while (corners.size() < cage.indices.size()) corners.push_back(unsigned(poles.positions.size() + corners.size()));
+    const std::vector<float> values(poles.positions.size() + cage.indices.size(), 2.0f);
+    const unsigned* const indices = isOwn ? corners.data() : nullptr;
+    const CbvhAttribute attribute = {values.data(), values.size(), 4, 1, indices, CBVH_BOUNDARY_SMOOTH};
+    const Surface surface(context);
+    CageInput input(cage, settingsOf(displacement, 1, 4));
+    input.cage.numAttributes = 1;
+    input.cage.attributes = &attribute;
+    ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
+    ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    float value = -1;
+    const float u = 0.25f, v = 0.5f;
+    CbvhInterpolation points = CbvhInterpolation();
+    points.count = 1;
+    points.u = &u;
+    points.v = &v;
+    points.P = &value;
+    for (unsigned face : {0u, 7u, 129u}) {
+      points.primID = face;
+      const char* const why = "cannot be interpolated";
+      const CbvhError error = cbvhInterpolate(surface, face, u, v, 0, &value, nullptr, nullptr);
+      context.expect(error, CBVH_ERROR_INVALID_ARGUMENT, why);
+      context.expect(cbvhInterpolatePoints(surface, &points), CBVH_ERROR_INVALID_ARGUMENT, why);
+      EXPECT_EQ(value, -1) << "face " << face;
+    }
+    if (!isOwn) continue;
+    ASSERT_EQ(cbvhInterpolate(surface, 140, u, v, 0, &value, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_NEAR(value, 2, 1e-5f);
+  }
 }
 
 // Triangles of hits, and all triangles.

@@ -13,6 +13,7 @@
 #endif
 #include <cbvh/embree.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ostream>
 #include <vector>
 
 namespace cbvh::test {

@@ -36,7 +36,7 @@ void add(Mesh& mesh, const Point& a, const Point& b, const Point& c, uint32_t pr
 {
   MeshTriangle t;
   for (int k = 0; k < 3; k++) { t.corners[0][k] = a[k]; t.corners[1][k] = b[k]; t.corners[2][k] = c[k]; }
-  t.primID = primID;
+  t.number = primID;
   mesh.push_back(t);
 }
 
@@ -74,7 +74,7 @@ std::string bytesOf(const MeshTriangle& t)
 {
   float p[9];
   for (int i = 0; i < 9; i++) p[i] = t.corners[i/3][i % 3] + 0.0f; // maps -0 to 0
-  return std::string((const char*)p, sizeof(p)) + std::string((const char*)&t.primID, sizeof(t.primID));
+  return std::string((const char*)p, sizeof(p)) + std::string((const char*)&t.number, sizeof(t.number));
 }
 
 /* --- a decoder written from the page --------------------------------------------------- */
@@ -239,10 +239,10 @@ void expectMesh(const Mesh& mesh, const std::vector<std::unique_ptr<Encoded>>& b
       MeshTriangle triangle;
       for (int c = 0; c < 3; c++)
         std::memcpy(triangle.corners[c], decoded->vertices[decoded->triangles[t][c]], sizeof(triangle.corners[c]));
-      triangle.primID = decoded->primIDs[t];
+      triangle.number = decoded->numbers[t];
       const auto found = left.find(bytesOf(triangle));
       ASSERT_TRUE(found != left.end()
-        && found->second > 0) << "triangle " << t << ", primID " << triangle.primID << " is not of the mesh";
+        && found->second > 0) << "triangle " << t << ", primID " << triangle.number << " is not of the mesh";
       found->second--;
       ASSERT_EQ(bytesOf(second.triangles[t]), bytesOf(triangle)) << "triangle " << t << " by the page";
     }
@@ -325,7 +325,7 @@ TEST(MeshBlock, SheetsRoundTrip)
     Mesh mesh = sheet(random, 1 + random.below(12), exponent, std::vector<double>{0, 10, 1e4, 1e6}[random.below(4)]);
     if (mesh.empty()) continue;
     const uint32_t first = random.chance(0.5) ? random.bits() : 0;
-    for (MeshTriangle& t : mesh) t.primID = random.chance(0.1) ? random.bits() : t.primID + first;
+    for (MeshTriangle& t : mesh) t.number = random.chance(0.1) ? random.bits() : t.number + first;
     expectMesh(*encoder, mesh, std::vector<uint32_t>{1, 3, 16, 32}[random.below(4)], statistics);
     if (HasFatalFailure()) FAIL() << "sheet " << i;
   }
@@ -429,7 +429,7 @@ TEST(MeshBlock, GroupsDecodeIndependently)
     }
     const auto again = std::make_unique<DecodedMeshGroup>(MeshView(damaged->block()), g);
     for (uint32_t t = 0; t < group->numTriangles; t++) {
-      ASSERT_EQ(again->primIDs[t], group->primIDs[t]);
+      ASSERT_EQ(again->numbers[t], group->numbers[t]);
       for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++) ASSERT_EQ(again->corners[c][k][t], group->corners[c][k][t])
           << "group " << g << ", lane " << t;

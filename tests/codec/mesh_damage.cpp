@@ -44,7 +44,7 @@ std::vector<Words> someBlocks(Random& random)
         for (int k = 0; k < 3; k++) mesh[t].corners[c][k] = soup ? float(random.normal()) : lattice
           ? float(std::floor(64*p[k])/64) : float(p[k]);
       }
-      mesh[t].primID = i % 5 == 0 ? random.bits() : 1000 + t;
+      mesh[t].number = i % 5 == 0 ? random.bits() : 1000 + t;
     }
     std::vector<uint32_t> ends;
     for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize)
@@ -98,7 +98,7 @@ TEST(MeshDamage, NewerFeaturesAreUnsupported)
   // kind and version
   for (uint32_t bit : {14u, 15u, 30u, 31u}) { expectUnsupported(12, bit); expectUnsupported(13, bit); }
   for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(3, bit);
-  for (uint32_t bit = 26; bit < 30; bit++) expectUnsupported(13, bit);
+  for (uint32_t bit = 27; bit < 30; bit++) expectUnsupported(13, bit);
   for (uint32_t bit = 0; bit < 32; bit++) expectUnsupported(7, bit); // motion
 }
 

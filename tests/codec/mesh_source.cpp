@@ -69,8 +69,8 @@ struct Stored
         for (int c = 0; c < 3; c++)
           std::copy(decoded->vertices[decoded->triangles[t][c]], decoded->vertices[decoded->triangles[t][c]] + 3,
           corners[c].begin());
-        ASSERT_TRUE(triangles.emplace(decoded->primIDs[t],
-          corners).second) << "triangle " << decoded->primIDs[t] << " is stored twice";
+        ASSERT_TRUE(triangles.emplace(decoded->numbers[t],
+          corners).second) << "triangle " << decoded->numbers[t] << " is stored twice";
       }
     });
   }

@@ -8,6 +8,7 @@
 #include "kernels/cbvh/framed/block.h"
 #include "kernels/cvert/format/motion.h"
 #include "kernels/cvert/encoder/lattice.h"
+#include "kernels/cvert/encoder/numbers_encoder.h"
 #include "kernels/cvert/rule/rule.h"
 #include "kernels/cvert/decoder/validate.h"
 
@@ -15,6 +16,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -281,8 +283,9 @@ TEST(VertFormat, MotionIsThatOfThePage)
 TEST(VertFormat, NumbersAreThoseOfThePage)
 {
   const std::vector<Bits> form = bitsOf("mesh_numbers.md", "the form");
-  ASSERT_EQ(form.size(), 7u);
+  ASSERT_EQ(form.size(), 8u);
   EXPECT_EQ(form[0].count, 2u);
+  expectFlag(form[6], haveHalves);
   expectFlag(form[1], isOfTriangles);
   expectFlag(form[2], isOneTriangle);
   EXPECT_EQ(formOfTurns(3, 0), 3u << form[3].first);
@@ -297,6 +300,7 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
   const VertNumbers bytes = {0x40100401u, 0xC0300C03u};
   EXPECT_EQ(patternNumber(numbersRecursive | 0xFFu << 8, bytes, 5, 8), 0xFFu ^ 0x01u ^ 0x10u ^ 0xC0u);
   EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles, bytes, 2, 1), 2*(0x04u ^ 0x03u));
+  EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles | numbersOfHalves, bytes, 2, 1), 0x04u ^ 0x03u);
   // table: bits of it
   alignas(16) uint8_t block[256] = {};
   VertHeader& header = *(VertHeader*)block;
@@ -328,10 +332,99 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
   const OwnParameters own = ownParameters(0, true, a, b);
   EXPECT_EQ(own.u, a);
   EXPECT_EQ(own.v, b);
-  EXPECT_EQ(primitiveOfNumber(0, 6, true), 6u);
-  EXPECT_EQ(primitiveOfNumber(numbersOfTriangles, 6, true), 7u);
-  EXPECT_EQ(primitiveOfNumber(numbersOfTriangles, 6, false), 6u);
-  EXPECT_EQ(primitiveOfNumber(numbersOfTriangles | numbersOfOneTriangle, 6, true), 6u);
+  const auto primitive = [&](uint32_t ofNumbers, bool isSecond) {
+    header.patchQuads = numbersInTable | ofNumbers;
+    return primitiveOfQuad(&header, 2, 1, isSecond).primID;
+  };
+  EXPECT_EQ(primitive(0, true), 2234u);
+  EXPECT_EQ(primitive(numbersOfTriangles, true), 2235u);
+  EXPECT_EQ(primitive(numbersOfTriangles, false), 2234u);
+  EXPECT_EQ(primitive(numbersOfTriangles | numbersOfOneTriangle, true), 2234u);
+
+  // X and Y elsewhere, and the distance of second triangles
+  const VertNumbers at = {200, 0};
+  std::memcpy(&header + 1, &at, sizeof(at));
+  const uint32_t halves[] = {3, 5, ~0u - 99};
+  std::memcpy(block + 200, halves, sizeof(halves));
+  header.patchQuads = numbersInRows | numbersOfTriangles | numbersOfHalves;
+  EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1011u);
+  EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 911u);
+
+  // a table of triangles: entries of 7 bits, of which 2 are the turn
+  std::memset(block + 128, 0, 128);
+  const VertNumbers ofTriangles = {128, 7};
+  std::memcpy(&header + 1, &ofTriangles, sizeof(ofTriangles));
+  header.patchQuads = numbersInTriangleTable | numbersOfTriangles;
+  const uint32_t entry = 2*(3*1 + 2) + 1; // of the second triangle of quad (2,1)
+  for (uint32_t b = 0; b < 7; b++)
+    if (((21u << 2 | 2u) >> b) & 1) block[128 + (7*entry + b)/8] |= uint8_t(1u << ((7*entry + b) % 8));
+  EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1000u);
+  EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 1021u);
+  EXPECT_EQ(turnOfTriangle(primitiveOfQuad(&header, 2, 1, true).form, true), 2u);
+}
+
+// What the encoder writes of numbers in any order is read back.
+TEST(VertFormat, NumbersOfTrianglesAreReadBack)
+{
+  struct Quad { uint32_t first, second, turns; };
+  struct Case { const char* name; uint32_t pattern; bool hasHalves; std::function<Quad(uint32_t)> quad; };
+  const uint32_t turned = formOfTurns(2, 1);
+  std::vector<uint32_t> shuffled(2*20*18);
+  for (uint32_t i = 0; i < shuffled.size(); i++) shuffled[i] = (i*337 + 11) % uint32_t(shuffled.size());
+  const auto recursive = [](uint32_t i) {
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < 5; k++) n |= ((i % 20 >> k) & 1) << (2*k) | (((i/20 - 2) >> k) & 1) << (2*k + 1);
+    return n;
+  };
+  const Case cases[] = {
+    {"next to each other", numbersInRows, false, [&](uint32_t i) { return Quad{2*i, 2*i + 1, turned}; }},
+    {"first halves before second ones", numbersInRows, true, [&](uint32_t i) { return Quad{i, 360 + i, turned}; }},
+    {"second halves before first ones", numbersInRows, true, [&](uint32_t i) { return Quad{360 + i, i, turned}; }},
+    {"recursive", numbersRecursive, true, [&](uint32_t i) { return Quad{recursive(i), recursive(i) + 1024, turned}; }},
+    {"first halves in any order", numbersInTable, true, [&](uint32_t i) {
+      return Quad{shuffled[i], shuffled[i] + 720, turned};
+    }},
+    {"any order", numbersInTriangleTable, false, [&](uint32_t i) {
+      return Quad{shuffled[2*i], shuffled[2*i + 1], turned};
+    }},
+    {"any turns", numbersInTriangleTable, false, [&](uint32_t i) {
+      return Quad{2*i, 2*i + 1, formOfTurns(i % 3, i/7 % 3)};
+    }}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    QuadNumbers numbers;
+    numbers.form = numbersOfTriangles;
+    numbers.width = 20;
+    for (unsigned i = 0; i < 20*18; i++) {
+      const Quad quad = c.quad(i);
+      numbers.numbers.push_back(quad.first);
+      numbers.seconds.push_back(quad.second);
+      numbers.turns.push_back(uint8_t(quad.turns));
+    }
+    NumbersEncoder encoder;
+    encoder.set(numbers, 16, 2, 4, 16);
+    alignas(16) uint8_t bytes[NumbersEncoder::maxBytes + 128] = {};
+    VertHeader& header = *(VertHeader*)bytes;
+    header.region = vertRegion(4, 16, 16, 0);
+    header.boxForm = 1u << 30;
+    header.patchQuads = encoder.form;
+    std::memcpy(&header + 1, &encoder.pattern, sizeof(encoder.pattern));
+    const size_t size = encoder.finish(&header, 75);
+    EXPECT_EQ(patternOfNumbers(encoder.form), c.pattern);
+    EXPECT_EQ(haveHalves(encoder.form), c.hasHalves);
+    if (c.hasHalves && c.pattern != numbersInTable) {
+      EXPECT_EQ(size, 76 + sizeof(VertHalves));
+    }
+    for (unsigned y = 0; y < 16; y++)
+      for (unsigned x = 0; x < 4; x++) {
+        const unsigned i = (y + 2)*20 + x + 16;
+        for (bool isSecond : {false, true}) {
+          const QuadPrimitive primitive = primitiveOfQuad(&header, x, y, isSecond);
+          EXPECT_EQ(primitive.primID, isSecond ? numbers.seconds[i] : numbers.numbers[i]);
+          EXPECT_EQ(turnOfTriangle(primitive.form, isSecond), turnOfTriangle(numbers.turns[i], isSecond));
+        }
+      }
+  }
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "surface/crease_rules.h"
 #include "basics/error.h"
 #include "scenes/cube.h"
+#include "support/message_parts.h"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +55,11 @@ Checked checked(Cage cage)
   return result;
 }
 
+ptrdiff_t linesOf(const std::string& text)
+{
+  return std::count(text.begin(), text.end(), '\n');
+}
+
 /* A closed fan of triangles around vertex 0. */
 std::vector<std::vector<unsigned>> fan(unsigned n)
 {
@@ -75,14 +81,13 @@ TEST(CageValidation, WarnsOfACageWithoutExtent)
   Cage cage = withFaces(4, {{0, 1, 2, 3}});
   EXPECT_EQ(checked(cage).warnings, "");
   cage.positions.assign(4, {1, 2, 3});
-  EXPECT_EQ(checked(cage).warnings, "test: all vertices lie in one place, there is nothing to see\n");
+  EXPECT_TRUE(containsInOrder(checked(cage).warnings, {"test: ", "all vertices", "\n"}));
 }
 
 TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces)
 {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
-  EXPECT_NE(result.warnings.find("not manifold at 1 edge: that from vertex 1 to 2 has 3 faces"), std::string::npos)
-    << result.warnings;
+  EXPECT_TRUE(containsInOrder(result.warnings, {"not manifold at 1 edge", "vertex 1 to 2 ", "3 faces"}));
   EXPECT_TRUE(result.cage.holes.empty());
 }
 
@@ -94,7 +99,7 @@ TEST(CageValidation, WarnsOfFacesWithOppositeOrientation)
 
 TEST(CageValidation, RejectsRepeatedVertices)
 {
-  EXPECT_EQ(errorOf(withFaces(3, {{0, 1, 1}})), "test: face 1 names vertex 2 twice");
+  EXPECT_TRUE(containsInOrder(errorOf(withFaces(3, {{0, 1, 1}})), {"test: ", "face 1 ", "vertex 2 "}));
 }
 
 TEST(CageValidation, CutsOutLargeFaces)
@@ -104,7 +109,8 @@ TEST(CageValidation, CutsOutLargeFaces)
     ring[i] = i;
   const Checked result = checked(withFaces(18, {{1, 0, 17}, ring}));
   EXPECT_EQ(result.cage.holes, (std::vector<unsigned>{1}));
-  EXPECT_EQ(result.warnings, "test: face 2 has 17 vertices, Embree takes at most 16: it is left out\n");
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "face 2 has 17 vertices", "left out", "16"}));
+  EXPECT_EQ(linesOf(result.warnings), 1);
   EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
 }
 
@@ -114,7 +120,8 @@ TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
   faces.push_back({2, 1, 66});
   const Checked result = checked(withFaces(67, faces));
   EXPECT_EQ(result.cage.holes.size(), 65u);
-  EXPECT_EQ(result.warnings, "test: vertex 1 has 65 faces around it, Embree takes at most 64: they are left out\n");
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "vertex 1 has 65 faces", "left out", "64"}));
+  EXPECT_EQ(linesOf(result.warnings), 1);
   EXPECT_EQ(checked(withFaces(65, fan(64))).warnings, "");
 }
 
@@ -131,9 +138,8 @@ TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree)
 TEST(CageValidation, WarnsOfAVertexThatJoinsPartsWithoutAnEdge)
 {
   const Checked result = checked(withFaces(5, {{0, 1, 2}, {0, 3, 4}}));
-  EXPECT_EQ(result.warnings,
-            "test: not manifold at 1 vertex: vertex 1 joins parts that share no edge; Embree rounds each "
-            "of them, OpenSubdiv none\n");
+  EXPECT_TRUE(containsInOrder(result.warnings, {"test: ", "not manifold at 1 vertex", "vertex 1 "}));
+  EXPECT_EQ(linesOf(result.warnings), 1);
 }
 
 /* Four quads around vertex 4, with creases at it. */
@@ -152,7 +158,7 @@ Cage creasedQuads(const std::vector<float>& sharpness)
 TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
 {
   const auto isNamed = [](const Cage& cage) {
-    const std::vector<unsigned> vertices = verticesOfOtherCreaseRules(cage);
+    const std::vector<unsigned> vertices = findVerticesWithOtherCreaseRules(cage);
     return std::find(vertices.begin(), vertices.end(), 4u) != vertices.end();
   };
   EXPECT_FALSE(isNamed(creasedQuads({1.5f})));
@@ -161,7 +167,9 @@ TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
   EXPECT_FALSE(isNamed(creasedQuads({1.0f, 2.0f, 2.0f}))) << "whole numbers";
   EXPECT_TRUE(isNamed(creasedQuads({0.1f, 5.0f, 5.0f})));
   EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f, 3.0f}))) << "two of them remain";
-  EXPECT_NE(checked(creasedQuads({0.1f, 5.0f, 5.0f})).warnings.find("another rule"), std::string::npos);
+  const Cage uneven = creasedQuads({0.1f, 5.0f, 5.0f});
+  const std::string vertex = std::to_string(findVerticesWithOtherCreaseRules(uneven).front() + 1);
+  EXPECT_TRUE(containsInOrder(checked(uneven).warnings, {"creases meet at ", " " + vertex + ",", "rule"}));
   Cage cornered = creasedQuads({2.0f, 2.0f});
   cornered.cornerVertices = {4};
   cornered.cornerSharpness = {1.0f};

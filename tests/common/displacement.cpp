@@ -5,6 +5,7 @@
 #include "basics/error.h"
 #include "basics/parallel.h"
 #include "scenes/cube.h"
+#include "support/message_parts.h"
 #include "surface/face_atlas.h"
 #include "surface/face_borders.h"
 #include "surface/obj_reader.h"
@@ -185,7 +186,7 @@ TEST_F(Displacing, OneMapOnEveryFaceIsClosed)
 {
   const Cage cage = mixedCage();
   const auto d = displaced(cage, path(ramp(32)), 2.0f);
-  EXPECT_NE(warningsOf(cage, path(ramp(32))).find("not of one height"), std::string::npos);
+  EXPECT_TRUE(containsInOrder(warningsOf(cage, path(ramp(32))), {"heights", "border", "differ"}));
   for (int level : {1, 3, 6})
     expectClosed(cage, *d, level);
   EXPECT_EQ(warningsOf(cage, path(flat(8, 0.25f))), "");
@@ -317,8 +318,7 @@ TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
 {
   path(flat(8, 0.75f), "skin.1001.exr");
   const std::string skin = (folder / "skin.<UDIM>.exr").string();
-  EXPECT_NE(warningsOf(quadsOnTiles(), skin).find("there is no tile 1002, 1 face of two stay"), std::string::npos)
-    << warningsOf(quadsOnTiles(), skin);
+  EXPECT_TRUE(containsInOrder(warningsOf(quadsOnTiles(), skin), {"no tile 1002", "1 face of two"}));
   EXPECT_FLOAT_EQ(offset(*displaced(quadsOnTiles(), skin, 1.0f), 1, 0.5f, 0.5f), 0.0f);
   EXPECT_THROW(displaced(quadsOnTiles(), (folder / "hide.<UDIM>.exr").string(), 1.0f), Error);
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);

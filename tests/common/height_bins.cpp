@@ -70,7 +70,7 @@ TEST(HeightBins, OnSlopeAlongZAreASixteenthOfAQuadsRise)
 TEST(HeightBins, ErrorsAreUniformWithinHalfABin)
 {
   const HeightBins b = bins(plane(12), {0, 0, -1}, 2);
-  EXPECT_NEAR(b.rmseOfOthers, binOf(12) / std::sqrt(12.0), 1e-5);
+  EXPECT_NEAR(b.inlierRmse, binOf(12) / std::sqrt(12.0), 1e-5);
   EXPECT_NEAR(b.median, binOf(12) / 4, binOf(12) / 2 / 20);
 }
 
@@ -94,7 +94,7 @@ TEST(HeightBins, ErrorsBeyond5PixelsAreNotInTheRmse)
 {
   const HeightBins b = bins(plane(480), {0, 0, -1}, 2);
   ASSERT_GT(binOf(480), 2 * 5.0);
-  EXPECT_NEAR(b.rmseOfOthers, 5 / std::sqrt(3.0), 1e-5);
+  EXPECT_NEAR(b.inlierRmse, 5 / std::sqrt(3.0), 1e-5);
   EXPECT_NEAR(b.median, binOf(480) / 4, binOf(480) / 2 / 20);
 }
 
@@ -103,7 +103,7 @@ TEST(HeightBins, OnFlatSurfaceAreZero)
   const HeightBins b = bins(plane(0), {0, 0, -1}, 2);
   EXPECT_EQ(b.hits, 1u);
   EXPECT_EQ(b.quantiles[9], 0.0);
-  EXPECT_EQ(b.rmseOfOthers, 0.0);
+  EXPECT_EQ(b.inlierRmse, 0.0);
 }
 
 } // namespace

@@ -27,7 +27,7 @@ TEST(KeptHits, EveryQueryModeMatchesSingleRays)
     {
       const std::vector<KeptHit> kept = keepHits(scene, rays, {query, mode, true, 3, 1});
       ASSERT_EQ(kept.size(), rays.size());
-      EXPECT_EQ(compareKept(kept, keepHits(scene, rays, {query, mode, true, 1, 1})).all(), 0u) << "with one thread";
+      EXPECT_EQ(compareKeptHits(kept, keepHits(scene, rays, {query, mode, true, 1, 1})).all(), 0u) << "with one thread";
       size_t others = 0; // packets may round differently for grazing rays
       for (size_t i = 0; i < rays.size(); i++)
       {
@@ -54,7 +54,7 @@ TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion)
   others[2].t = std::nextafter(2.0f, 3.0f);
   others[3].normal.z = 1;
   others[4].u = -0.0f; // equal
-  const HitDifferences found = compareKept(all, others);
+  const HitDifferences found = compareKeptHits(all, others);
   EXPECT_EQ(found.rays, 6u);
   EXPECT_EQ(found.hits, 1u);
   EXPECT_EQ(found.ids, 1u);
@@ -68,7 +68,7 @@ TEST(KeptHits, NaNEqualsNaN)
   KeptHit hit;
   hit.hit = true;
   hit.normal.x = NAN;
-  EXPECT_EQ(compareKept({hit}, {hit}).all(), 0u);
+  EXPECT_EQ(compareKeptHits({hit}, {hit}).all(), 0u);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
  * */
 
 #include "basics/error.h"
+#include "support/message_parts.h"
 #include "support/tiff_file.h"
 #include "surface/height_map.h"
 #include "surface/height_texture.h"
@@ -573,8 +574,8 @@ TEST_F(MapFormats, PipesAreRejectedWithoutOpeningThem)
 {
   const std::string path = pathOf("pipe.exr");
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  EXPECT_EQ(sampleAt(path, 0.5f, 0.5f).error,
-            path + ": is a pipe or a device, and a height map is read more than once: give a regular file");
+  EXPECT_EQ(sampleAt(path, 0.5f, 0.5f).error.rfind(path + ": ", 0), 0u);
+  EXPECT_TRUE(containsInOrder(sampleAt(path, 0.5f, 0.5f).error, {"pipe", "device"}));
   EXPECT_THROW(HeightMap::read(path), Error);
   EXPECT_EQ(HeightMap::recipeOf(path), "");
 }

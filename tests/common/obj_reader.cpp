@@ -4,6 +4,7 @@
 #include "surface/obj_reader.h"
 #include "basics/error.h"
 #include "basics/progress.h"
+#include "support/message_parts.h"
 #include "support/obj_dialects.h"
 #include "surface/cage_validation.h"
 
@@ -148,7 +149,8 @@ TEST(ObjReader, PipesWithoutAWriterAreReported)
   {
     error = e.what();
   }
-  EXPECT_EQ(error, pipe.path + ": is a pipe, and no program opened it for writing within 10 seconds");
+  EXPECT_EQ(error.rfind(pipe.path + ": ", 0), 0u) << error;
+  EXPECT_TRUE(containsInOrder(error, {"pipe", "10 seconds"}));
 }
 
 TEST(ObjReader, CancellationEndsTheWaitForAWriter)
@@ -211,7 +213,7 @@ TEST(ObjReader, DialectsOfPrograms)
     EXPECT_EQ(cage.faceIndices, (std::vector<unsigned>{0, 1, 2, 3}));
   }
   EXPECT_EQ(read(square + "vt 0.5\nf 1/1 2/1 3/1 4/1\n").uvs[0].y, 0.0f);
-  EXPECT_EQ(errorOf(square + "# a\\\n# b\\\r\nf 1 2 9\n"), "test.obj:7: vertex index 9 is out of range, there are 4");
+  EXPECT_TRUE(containsInOrder(errorOf(square + "# a\\\n# b\\\r\nf 1 2 9\n"), {"test.obj:7: vertex index 9 ", " 4 "}));
 }
 
 TEST(ObjReader, FilesOfManyProgramsHaveTheirFaces)
@@ -242,38 +244,48 @@ TEST(ObjReader, DenormalCoordinatesAreZero)
 
 TEST(ObjReader, RejectsBadInputWithItsLine)
 {
-  const std::pair<const char*, const char*> cases[] = {
-    {"f 1 2\n", "test.obj:5: a face needs at least three vertices, this one has 2"},
-    {"f 1 2 5\n", "test.obj:5: vertex index 5 is out of range, there are 4"},
-    {"f 1 2 0\n", "test.obj:5: vertex index 0 is out of range, there are 4"},
-    {"f 1 2 -5\n", "test.obj:5: vertex index -5 is out of range, there are 4"},
-    {"f 1/1 2/1 3/1\n", "test.obj:5: texture coordinate index 1 is out of range, there are 0"},
-    {"f 1 2 x\n", "test.obj:5: 'x' is not a number"},
-    {"f 1 2 3.5\n", "test.obj:5: '3.5' is not a number"},
-    {"v 1 2\n", "test.obj:5: a vertex needs three coordinates"},
-    {"v 1 2 nan\n", "test.obj:5: 'nan' is not finite"},
-    {"v 1 2 1e99\n", "test.obj:5: '1e99' is too large"},
-    {"f 1 2 99999999999999999999\n", "test.obj:5: '99999999999999999999' is too large"},
-    {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: some corners have texture coordinates and some have none"},
-    {"surf 1\n", "test.obj:5: unknown statement 'surf'"},
-    {"curv 0 1 1 2\n", "test.obj:5: unknown statement 'curv'"},
-    {"v 0,5 1 2\n", "test.obj:5: '0,5' is not a number"},
-    {"v 1 2 3d0\n", "test.obj:5: '3d0' is not a number"},
-    {"t crease 2/1/0 0 1\n", "test.obj:5: tag 'crease' announces 2/1/0 values and has 2"},
-    {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: tag refers to vertex 4, there are 4"},
-    {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: tag refers to face 1, there are 1"},
-    {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: sharpness must not be negative"},
-    {"t corn\x84 0/0/0\n", "test.obj:5: unknown tag 'corn?'"},
-    {"t \x84 1/0/0/\x84\n", "test.obj:5: tag '?' announces 1/0/0/? values and has 0"},
-    {"", "test.obj: no faces"},
+  struct Case
+  {
+    const char* text;
+    const char* place;
+    std::vector<std::string> parts;
   };
-  for (const auto& [text, message] : cases)
-    EXPECT_EQ(errorOf(square + text), message) << text;
+  const Case cases[] = {
+    {"f 1 2\n", "test.obj:5: ", {"face", "three vertices", "2"}},
+    {"f 1 2 5\n", "test.obj:5: ", {"vertex index 5", " 4 "}},
+    {"f 1 2 0\n", "test.obj:5: ", {"vertex index 0", " 4 "}},
+    {"f 1 2 -5\n", "test.obj:5: ", {"vertex index -5", " 4 "}},
+    {"f 1/1 2/1 3/1\n", "test.obj:5: ", {"texture coordinate index 1", " 0 "}},
+    {"f 1 2 x\n", "test.obj:5: ", {"number", "'x'"}},
+    {"f 1 2 3.5\n", "test.obj:5: ", {"number", "'3.5'"}},
+    {"v 1 2\n", "test.obj:5: ", {"vertex", "three coordinates", "2"}},
+    {"v 1 2 nan\n", "test.obj:5: ", {"'nan'", "finite"}},
+    {"v 1 2 1e99\n", "test.obj:5: ", {"'1e99'", "too large"}},
+    {"f 1 2 99999999999999999999\n", "test.obj:5: ", {"'99999999999999999999'", "too large"}},
+    {"vt 0 0\nf 1/1 2/1 3\n", "test.obj:6: ", {"texture coordinates", "2 of 3"}},
+    {"surf 1\n", "test.obj:5: ", {"statement 'surf'"}},
+    {"curv 0 1 1 2\n", "test.obj:5: ", {"statement 'curv'"}},
+    {"v 0,5 1 2\n", "test.obj:5: ", {"number", "'0,5'"}},
+    {"v 1 2 3d0\n", "test.obj:5: ", {"number", "'3d0'"}},
+    {"t crease 2/1/0 0 1\n", "test.obj:5: ", {"tag 'crease'", " 2/1/0 ", " 2"}},
+    {"f 1 2 3\nt crease 2/1/0 0 4 1\n", "test.obj: ", {"tag", "vertex 4", " 4"}},
+    {"f 1 2 3\nt hole 1/0/0 1\n", "test.obj: ", {"tag", "face 1", " 1"}},
+    {"t corner 1/1/0 0 -1\nf 1 2 3\n", "test.obj:5: ", {"sharpness -1 ", "negative"}},
+    {"t interpolateboundary 1/0/0 3\n", "test.obj:5: ", {"tag 'interpolateboundary'", " 3", "0, 1 or 2"}},
+    {"t corn\x84 0/0/0\n", "test.obj:5: ", {"tag 'corn?'"}},
+    {"t \x84 1/0/0/\x84\n", "test.obj:5: ", {"tag '?'", " 1/0/0/? ", " 0"}},
+    {"", "test.obj: ", {"no faces"}},
+  };
+  for (const Case& c : cases)
+  {
+    const std::string error = errorOf(square + c.text);
+    EXPECT_EQ(error.rfind(c.place, 0), 0u) << c.text << error;
+    EXPECT_TRUE(containsInOrder(error, c.parts)) << c.text;
+  }
   const std::string utf16("\xFF\xFEv\0 \0", 6);
-  EXPECT_EQ(errorOf(utf16), "test.obj:1: unknown statement '" + std::string(2, '?') + "v?', is this an OBJ file?");
+  EXPECT_TRUE(containsInOrder(errorOf(utf16), {"test.obj:1: ", "'" + std::string(2, '?') + "v?'", "OBJ"}));
   const std::string binary = "\x89PNG" + std::string(40, '\x01');
-  EXPECT_EQ(errorOf(binary),
-            "test.obj:1: unknown statement '?PNG" + std::string(28, '?') + "...', is this an OBJ file?");
+  EXPECT_TRUE(containsInOrder(errorOf(binary), {"test.obj:1: ", "'?PNG" + std::string(28, '?') + "...'", "OBJ"}));
   std::string warnings;
   EXPECT_THROW(readObj("/nonexistent/cage.obj", warnings), Error);
   EXPECT_THROW(readObj("/", warnings), Error);
@@ -283,11 +295,13 @@ TEST(ObjReader, SubdivisionRulesAreReadOrCauseWarnings)
 {
   EXPECT_EQ(read(square + "f 1 2 3 4\n").creaseRule, CreaseRule::Uniform);
   EXPECT_EQ(read(square + "f 1 2 3 4\nt creasemethod 0/0/1 chaikin\n").creaseRule, CreaseRule::Chaikin);
-  EXPECT_EQ(errorOf(square + "t creasemethod 0/0/1 blunt\n"), "test.obj:5: tag 'creasemethod' needs normal or chaikin");
+  const std::string error = errorOf(square + "t creasemethod 0/0/1 blunt\n");
+  EXPECT_TRUE(containsInOrder(error, {"test.obj:5: ", "'blunt'", "'creasemethod'", "normal", "chaikin"}));
   std::istringstream stream(square + "f 1 2 3\nt smoothtriangles 0/0/1 smooth\n");
   std::string warnings;
   readObj(stream, "test.obj", warnings);
-  EXPECT_EQ(warnings, "test.obj:6: tag 'smoothtriangles smooth' is not obeyed: Embree has the normal rule only\n");
+  EXPECT_TRUE(containsInOrder(warnings, {"test.obj:6: ", "'smoothtriangles smooth'", "\n"}));
+  EXPECT_EQ(warnings.find('\n'), warnings.size() - 1) << "one line: " << warnings;
 }
 
 } // namespace

@@ -14,6 +14,7 @@
 #include "scenes/trex_cage.h"
 #include "scenes/trex_skin.h"
 #include "scenes/uv_charts.h"
+#include "support/message_parts.h"
 #include "surface/cage_validation.h"
 #include "surface/face_borders.h"
 #include "measure/true_errors.h"
@@ -268,7 +269,7 @@ TEST(Herd, CopiesWithOwnShapesAreHitThere)
   Model model = makeCube();
   model.displacement = nullptr;
   model.copies = {{{0, 0, 0}, 0.0f, 1.0f}, {{9, 0, 0}, 0.6f, 1.5f}};
-  model.shapes = {posed("twist", model.cage.positions, 30), posed("bend", model.cage.positions, -20)};
+  model.shapes = {poseVertices("twist", model.cage.positions, 30), poseVertices("bend", model.cage.positions, -20)};
   BuildSettings settings;
   settings.level = 5;
   const BuiltScene scene(model, {RepresentationKind::CVert}, settings);
@@ -276,7 +277,7 @@ TEST(Herd, CopiesWithOwnShapesAreHitThere)
   const std::vector<Ray> rays = primaryRays(camera);
   const std::vector<SurfaceHit> hits = traceClosest(scene, rays, 1);
   const TrueSurfaces surfaces(model);
-  const TrueView view{model, surfaces, rays, sampleOfHits(hits, 500, 1), camera.footprint()};
+  const TrueView view{model, surfaces, rays, sampleHits(hits, 500, 1), camera.footprint()};
   const TrueErrors errors = compareToTrueSurface(view, hits, scene.layout(), 1);
   EXPECT_GT(errors.hits, 400u);
   EXPECT_LT(errors.p99World, 2e-3f);
@@ -326,7 +327,7 @@ TEST(Catalogue, UnknownNamesListTheKnownOnes)
 {
   SceneSettings s;
   s.scene = "teapot";
-  EXPECT_EQ(complaint(s), "unknown --scene 'teapot', known are cube, frog, herd, knee, scythe and trex");
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--scene 'teapot'", "cube", "frog", "herd", "knee", "scythe", "trex"}));
   for (const std::string& name : sceneNames())
   {
     s.scene = name;
@@ -338,18 +339,18 @@ TEST(Catalogue, DisplacementAmplitudeIsTheGivenOneOrTheDefault)
 {
   SceneSettings s;
   s.cagePath = "body.obj";
-  EXPECT_FALSE(withStrength(s).amplitude || withStrength(s).mapScale) << "no map, no amplitude";
+  EXPECT_FALSE(withDefaultAmplitude(s).amplitude || withDefaultAmplitude(s).mapScale) << "no map, no amplitude";
   s.heightPath = "skin.png";
-  EXPECT_EQ(withStrength(s).amplitude, defaultAmplitude);
+  EXPECT_EQ(withDefaultAmplitude(s).amplitude, defaultAmplitude);
   s.mapValues = MapValues::ObjectVectors;
-  EXPECT_EQ(withStrength(s).mapScale, 1.0f);
-  EXPECT_FALSE(withStrength(s).amplitude);
+  EXPECT_EQ(withDefaultAmplitude(s).mapScale, 1.0f);
+  EXPECT_FALSE(withDefaultAmplitude(s).amplitude);
   s.amplitude = 0.5f;
-  EXPECT_EQ(withStrength(s).amplitude, 0.5f);
-  EXPECT_FALSE(withStrength(s).mapScale);
+  EXPECT_EQ(withDefaultAmplitude(s).amplitude, 0.5f);
+  EXPECT_FALSE(withDefaultAmplitude(s).mapScale);
   SceneSettings cube;
   cube.scene = "cube";
-  EXPECT_EQ(withStrength(cube).amplitude, cubeAmplitude);
+  EXPECT_EQ(withDefaultAmplitude(cube).amplitude, cubeAmplitude);
 }
 
 TEST(Catalogue, OptionsBelongToTheirScenes)
@@ -357,14 +358,14 @@ TEST(Catalogue, OptionsBelongToTheirScenes)
   SceneSettings s;
   s.scene = "cube";
   s.count = 3;
-  EXPECT_EQ(complaint(s), "--count belongs to --scene herd");
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--count ", "--scene herd"}));
   s.scene = "herd";
   EXPECT_EQ(complaint(s), "");
   s.count = 0;
   EXPECT_NE(complaint(s).find("--count 0 is out of range"), std::string::npos);
   s.count = 2;
   s.mapping = "sphere";
-  EXPECT_EQ(complaint(s), "unknown --mapping 'sphere', known are faces and atlas");
+  EXPECT_TRUE(containsInOrder(complaint(s), {"--mapping 'sphere'", "faces", "atlas"}));
   s.mapping = "atlas";
   EXPECT_EQ(complaint(s), "");
 }

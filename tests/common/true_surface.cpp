@@ -206,7 +206,7 @@ Traced trace(const Model& model, int level)
 
 TrueErrors errorsOf(const Model& model, const TrueSurfaces& surfaces, const Traced& t)
 {
-  const std::vector<size_t> sample = sampleOfHits(t.hits, 3000, 1);
+  const std::vector<size_t> sample = sampleHits(t.hits, 3000, 1);
   return compareToTrueSurface({model, surfaces, t.rays, sample, t.footprint}, t.hits, t.scene.layout(), 1);
 }
 
@@ -262,11 +262,11 @@ TEST(TrueErrors, SampleIsDeterminedBySeedAndComplete)
   std::vector<SurfaceHit> hits(1000);
   for (size_t i = 0; i < hits.size(); i += 2)
     hits[i].t = 1;
-  EXPECT_EQ(sampleOfHits(hits, 1000, 1).size(), 500u);
-  const std::vector<size_t> some = sampleOfHits(hits, 100, 1);
+  EXPECT_EQ(sampleHits(hits, 1000, 1).size(), 500u);
+  const std::vector<size_t> some = sampleHits(hits, 100, 1);
   EXPECT_EQ(some.size(), 100u);
-  EXPECT_EQ(some, sampleOfHits(hits, 100, 1));
-  EXPECT_NE(some, sampleOfHits(hits, 100, 2));
+  EXPECT_EQ(some, sampleHits(hits, 100, 1));
+  EXPECT_NE(some, sampleHits(hits, 100, 2));
   for (size_t i : some)
     EXPECT_TRUE(hits[i].hit());
 }

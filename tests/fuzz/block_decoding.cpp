@@ -50,6 +50,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   for (uint32_t step = 0; step < (isMoving(block->boxForm) ? motionOf(block).numSteps : 1); step++) decode(block, step);
   if (hasNumbers(block->boxForm))
     for (uint32_t y = 0; y < vertQuadsY(block->region); y++)
-      for (uint32_t x = 0; x < vertQuadsX(block->region); x++) numberOfQuad(block, x, y);
+      for (uint32_t x = 0; x < vertQuadsX(block->region); x++) {
+        primitiveOfQuad(block, x, y, false);
+        primitiveOfQuad(block, x, y, true);
+      }
   return 0;
 }

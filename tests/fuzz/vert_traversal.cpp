@@ -41,7 +41,9 @@ size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
-  if (isMoving(header.boxForm) || hasRemainders(header.boxForm)) { // what has offsets is checked before rays meet it
+  const bool hasOffsets = hasNumbers(header.boxForm)
+    && (haveHalves(header.patchQuads) || patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
+  if (isMoving(header.boxForm) || hasRemainders(header.boxForm) || hasOffsets) { // is checked before rays meet it
     const ExactMemory aligned(data, size, alignment);
     return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
   }
@@ -49,7 +51,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
   if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;
   size_t tableEnd = 0;
   if (hasNumbers(header.boxForm)) {
-    if (patternOfNumbers(header.patchQuads) > numbersInTable || turnOfTriangle(header.patchQuads, false) > 2 || turnOfTriangle(header.patchQuads, true) > 2) return 0;
+    if (turnOfTriangle(header.patchQuads, false) > 2 || turnOfTriangle(header.patchQuads, true) > 2) return 0;
     const VertNumbers numbers = numbersOf((const VertHeader*)data);
     if (patternOfNumbers(header.patchQuads) == numbersInTable) {
       if (numbers.y > 32) return 0;

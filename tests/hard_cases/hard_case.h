@@ -9,6 +9,8 @@
 #include "support/random.h"
 #include "support/scene.h"
 
+#include <ostream>
+
 namespace cbvh::test {
 
 struct Tracer

@@ -6,28 +6,13 @@
 
 #include "hard_cases/hard_case.h"
 #include "support/odd_rays.h"
+#include "tracing/denormals.h"
 
 #include <algorithm>
-#include <pmmintrin.h>
 #include <sstream>
 
 namespace cbvh::test {
 namespace {
-
-// Sets whether denormals are flushed to zero until the end of the scope. Renderers use both modes.
-class Denormals
-{
-public:
-  explicit Denormals(bool areZero)
-  {
-    _MM_SET_FLUSH_ZERO_MODE(areZero ? _MM_FLUSH_ZERO_ON : _MM_FLUSH_ZERO_OFF);
-    _MM_SET_DENORMALS_ZERO_MODE(areZero ? _MM_DENORMALS_ZERO_ON : _MM_DENORMALS_ZERO_OFF);
-  }
-  ~Denormals() { _mm_setcsr(before); }
-
-private:
-  const unsigned before = _mm_getcsr();
-};
 
 // --- entrances -----------------------------------------------------------------------------------
 

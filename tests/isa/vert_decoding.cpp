@@ -7,6 +7,7 @@
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
+#include "kernels/cbvh/base/mapped_blocks.h"
 #include "kernels/cbvh/vert/decoder.h"
 #include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"
@@ -249,6 +250,23 @@ TEST(VertTriangles, OfPacketsAreThoseOfRays)
 #if defined(__AVX512F__)
   comparePacketsWithRays<16>();
 #endif
+}
+
+// What a thread with weakly ordered loads sees while another one maps the first file: addresses that hold all blocks,
+// and no function yet that checks them.
+TEST(MappedBlocks, ABlockIsUsableWhereNoFileIsSeen)
+{
+  const uint64_t block[2] = {0, 0};
+  ASSERT_EQ(isMappedBlockGood.load(), nullptr) << "this program has no files";
+  EXPECT_TRUE(isUsable(block, VERT_FORM));
+  mappedBytes = ~size_t(0);
+  EXPECT_TRUE(isUsable(block, VERT_FORM));
+  isMappedBlockGood = [](const void*, BlockForm form) { return form != VERT_FORM; };
+  EXPECT_FALSE(isUsable(block, VERT_FORM));
+  EXPECT_TRUE(isUsable(block, MESH_FORM));
+  mappedBytes = 0;
+  EXPECT_TRUE(isUsable(block, VERT_FORM));
+  isMappedBlockGood = nullptr;
 }
 
 } // namespace

@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include <exception>
+
 namespace cbvh::test {
 namespace {
 

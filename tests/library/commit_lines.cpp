@@ -3,8 +3,8 @@
 
 /* Lines on stderr about commits: what is compressed, what is not and why, and how much memory it takes. */
 
-#include "support/diced_mesh.h"
 #include "support/environment.h"
+#include "support/irregular_mesh.h"
 #include "support/memory.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +83,7 @@ TEST(CommitLine, NamesWhatIsNotCompressedAndWhy)
       scan.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
       if (i >= 2) scan.triangles.push_back({random.below(i), random.below(i), i});
     }
-    attach(scene, newMesh(device, scan));
+    attach(scene, newMesh(device, scan, RTC_COMPRESSION_INHERIT, 0, 2));
     attach(scene, newMesh(device, meshOf(dicedSheet(1, 8), QuadOrder::Rows, random)));
     attach(scene, newGrids(device, dicedSheet(10, 2)));
     attach(scene, newGrids(device, dicedSheet(2, 32)));
@@ -92,7 +92,7 @@ TEST(CommitLine, NamesWhatIsNotCompressedAndWhy)
     addSurface(device, scene, quadCage(), settings);
   });
   EXPECT_NE(line.find("compression: 1 grid geometry as cVERT: 4096 quads"), std::string::npos) << line;
-  for (const char* part : {"not compressed: 1 subdivision surface that does not ask for it", "998 triangles that do not lie in grids",
+  for (const char* part : {"not compressed: 1 subdivision surface that does not ask for it", "998 triangles that move and do not lie in grids",
                            "64 quads that are too few to matter", "100 grids that are so small that Embree's own kernel needs less memory for them"})
     EXPECT_NE(line.find(part), std::string::npos) << line;
 }
@@ -149,6 +149,27 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
   settings.edgeRates[0] = 16;
   const std::string kept = lineOf("voxel,verbose", "", settings, needle);
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
+}
+
+// A lattice as coarse as the quads is reported once, even if nobody asked for lines about commits.
+TEST(CoarseLattice, IsReportedOnce)
+{
+  Random random(2);
+  const DicedMesh mesh = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random); // edges of 1/32
+  const DicedMesh irregular = irregularTriangles(mesh, random);
+  const auto reported = [&](const char* config, bool isRegular = true) {
+    testing::internal::CaptureStderr();
+    const Device device(config);
+    const MeshScene scene(device, isRegular ? mesh : irregular);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(reported("cbvh_max_error=0.001"), "");
+  const std::string text = reported("cbvh_max_error=0.05");
+  EXPECT_NE(text.find("max_error selects a spacing of 0.03125, "), std::string::npos) << text;
+  EXPECT_NE(text.find(" times the median edge"), std::string::npos) << text;
+  EXPECT_EQ(reported("cbvh_max_error=0.05"), "") << "once";
+  EXPECT_NE(reported("cbvh_max_error=0.05,verbose=1").find("max_error selects"), std::string::npos);
+  EXPECT_NE(reported("cbvh_max_error=0.05,verbose=1", false).find("max_error selects"), std::string::npos);
 }
 
 } // namespace

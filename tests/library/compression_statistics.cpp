@@ -5,6 +5,7 @@
 
 #include "support/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cbvh::test {

@@ -60,11 +60,11 @@ TEST_F(DamagedFiles, AreRefusedWithTheReason)
 {
   expectRefused("", "only 0 bytes");
   expectRefused("mesh", "only 4 bytes");
-  expectRefused(std::string(100000, 'x'), "no file of compressed surfaces");
+  expectRefused(std::string(100000, 'x'), "not a file of compressed surfaces");
   for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50) expectRefused(sound.substr(0, bytes), "truncated");
   expectRefused(sound.substr(0, sound.size() - 1), "truncated");
   expectRefused(sound + "x", "after its end");
-  expectRefused("\r" + sound, "no file of compressed surfaces");
+  expectRefused("\r" + sound, "not a file of compressed surfaces");
   std::remove(path.c_str());
   EXPECT_EQ(rtcOpenCompressedFile(device, path.c_str()), nullptr);
   EXPECT_NE(device.message.find("No such file"), std::string::npos) << device.message;
@@ -84,10 +84,10 @@ TEST_F(DamagedFiles, OfOtherVersionsAreRefused)
   using Header = cvert::FileHeader;
   expectRefused(with(&Header::version, file.header().version + 1), "newer version of these files");
   expectRefused(with(&Header::version, file.header().version - 1), "older version of these files");
-  expectRefused(with(&Header::vertVersion, file.header().vertVersion + 1), "newer version of cVERT");
+  expectRefused(with(&Header::vertVersion, cvert::meshFormatVersion + 1), "newer version of cVERT");
   expectRefused(with(&Header::vertVersion, file.header().vertVersion - 1), "older version of cVERT");
   expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1), "blocks with frames of a newer version, 2");
-  expectRefused(with(&Header::byteOrder, __builtin_bswap32(file.header().byteOrder)), "order of bytes");
+  expectRefused(with(&Header::byteOrder, __builtin_bswap32(file.header().byteOrder)), "byte order");
 }
 
 TEST_F(DamagedFiles, AnyAlteredByteIsFound)

@@ -111,6 +111,7 @@ TEST(FileFormat, TablesOfNumbersMatchCode)
   expectTable("| constant | value |\n|:--|--:|\n", {
     {"version of the file", text(fileVersion)},
     {"version of cVERT blocks", text(vertFormatVersion)},
+    {"version of cVERT blocks in a file with mesh blocks", text(meshFormatVersion)},
     {"version of blocks with frames", text(fileFramedVersion)},
     {"bytes of the header", text(sizeof(FileHeader))},
     {"bytes of a record of the directory", text(sizeof(FileGeometry))},
@@ -129,13 +130,14 @@ TEST(FileFormat, TablesOfNumbersMatchCode)
     {text(FILE_TRIANGLES), "triangles"}});
   expectTable("| type | child |\n|---|---|\n", {
     {text(FILE_NONE), "none"}, {text(FILE_NODE), "a node"}, {text(FILE_FRAMED), "a block with a frame"},
-    {text(FILE_VERT), "a cVERT block"}, {text(FILE_MOVING_VERT), "a moving cVERT block"}});
+    {text(FILE_VERT), "a cVERT block"}, {text(FILE_MOVING_VERT), "a moving cVERT block"},
+    {text(FILE_MESH), "a mesh block"}});
 
   // Existing files contain these numbers.
   EXPECT_EQ(FILE_TREE, 0u); EXPECT_EQ(FILE_LIST, 1u); EXPECT_EQ(FILE_MOVING, 2u);
   EXPECT_EQ(FILE_CAGE, 0u); EXPECT_EQ(FILE_GRIDS, 1u); EXPECT_EQ(FILE_QUADS, 2u); EXPECT_EQ(FILE_TRIANGLES, 3u);
   EXPECT_EQ(FILE_NONE, 0u); EXPECT_EQ(FILE_NODE, 1u); EXPECT_EQ(FILE_FRAMED, 2u); EXPECT_EQ(FILE_VERT, 3u);
-  EXPECT_EQ(FILE_MOVING_VERT, 4u);
+  EXPECT_EQ(FILE_MOVING_VERT, 4u); EXPECT_EQ(FILE_MESH, 5u);
   EXPECT_EQ(crc32c("123456789", 9), 0xE3069283u);
 }
 
@@ -250,6 +252,7 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
   ASSERT_EQ(reader.u32(24), all.size());
   std::set<uint32_t> surfaces;
   std::set<uint32_t> forms;
+  bool hasMeshBlocks = false;
   for (size_t i = 0; i < all.size(); i++) {
     SCOPED_TRACE(all[i].name);
     const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16),
@@ -262,20 +265,28 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
     const auto found = reader.blocksOf(record);
     EXPECT_EQ(found.size(), reader.u64(record + 96));
     EXPECT_LE(blocks + blockBytes + 64, bytes.size());
-    size_t sum = 0;
+    size_t sum = 0, triangles = 0;
     for (const auto& block : found) {
       const uint64_t at = blocks + block.first;
       const bool isVert = block.second != 2;
       EXPECT_LT(block.first, blockBytes);
       EXPECT_EQ(reader.u32(at + (isVert ? 16 : 12)), surface); // block.md, framed_block.md
+      if (block.second == 5) { // mesh_block.md
+        triangles += (reader.u32(at + 48) >> 16 & 255) + 1;
+        hasMeshBlocks = true;
+        continue;
+      }
       EXPECT_LT(reader.u32(at + (isVert ? 20 : 64)), reader.u32(record + 56));
       const uint32_t region = reader.u32(at + 24), height = reader.u32(at + 68) >> 4 & 15;
       sum += isVert ? ((region & 15) + 1)*((region >> 4 & 15) + 1) : size_t(1) << 2*height;
     }
+    sum += (triangles + 1)/2;
     EXPECT_EQ(sum, quads[i]);
     EXPECT_EQ(reader.u64(record + 120 + 8*6), quads[i]) << "numQuads of RTCCompressionStatistics";
   }
   EXPECT_EQ(forms.size(), 3u);
+  EXPECT_TRUE(hasMeshBlocks);
+  EXPECT_EQ(reader.u32(16), 6u);
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 

@@ -1,17 +1,19 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes of quads and of triangles that are compressed: grids are found in them by their indices, and hits are as Embree's own kernels
+/* Meshes of quads and of triangles that are compressed: grids are found in them, and hits are as Embree's own kernels
  * have them, whatever order the quads come in. */
 
 #include "support/closed.h"
-#include "support/diced_mesh.h"
+#include "support/irregular_mesh.h"
 #include "support/filtered_geometry.h"
 #include "support/memory.h"
 #include "support/same_hits.h"
 
 #include <embree3/rtcore_compressed_triangles.h>
 
+#include <chrono>
+#include <cstdio>
 #include <mutex>
 #include <set>
 
@@ -96,6 +98,26 @@ TEST_P(MeshGeometry, HitsAreEmbreesOfTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+// The triangles of a quad are anywhere in the index buffer, begin at any corner, and share vertices or not.
+TEST_P(MeshGeometry, HitsAreEmbreesOfTrianglesInAnyOrder)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(136);
+  const DicedMesh rows = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
+  for (const OrderedMesh& ordered : trianglesInAnyOrder(rows, random)) {
+    SCOPED_TRACE(ordered.name);
+    expectEmbreesHits(device, ordered.mesh, random, 503);
+    if (HasFatalFailure()) return;
+  }
+  const DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), QuadOrder::Recursive, random);
+  for (const DicedMesh& mesh : {unwelded(quads), unwelded(withShuffledFaces(quads, random))}) {
+    expectEmbreesHits(device, mesh, random, 503);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
 // Triangles of no pair among those that have one: what is behind them begins with a triangle of an odd number.
 TEST_P(MeshGeometry, HitsAreEmbreesBesideSingleTriangles)
 {
@@ -109,8 +131,8 @@ TEST_P(MeshGeometry, HitsAreEmbreesBesideSingleTriangles)
     mesh.triangles.insert(mesh.triangles.begin() + i*73, {v, v + 1, v + 2});
   }
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
-  ASSERT_EQ(statisticsOf(scene).numQuads, 48u*48 + 9);
-  EXPECT_EQ(statisticsOf(scene).numLooseQuads, 9u);
+  ASSERT_EQ(statisticsOf(scene).numQuads, 48u*48 + 5);
+  EXPECT_EQ(statisticsOf(scene).numLooseQuads, 5u) << "two triangles count as a quad";
   const std::vector<RTCRayHit> rays = raysAt(random, mesh, 2000);
   for (QueryForm form : allQueryForms) {
     SCOPED_TRACE(nameOf(form));
@@ -202,8 +224,154 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
   EXPECT_LE(statisticsOf(scene).numLooseQuads, 200u) << "at the poles";
 }
 
-// A heap of triangles that nothing is regular in, and what else is better left alone.
-TEST(Meshes, IrregularOnesAreLeftToEmbree)
+// Blocks are full, and numbers take few bytes where they follow a pattern. Where patches of a ball meet that begin at
+// other corners, pairs of triangles that nothing else tells apart from those of a quad may lead on into the next patch.
+TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
+{
+  Device device("cbvh_max_error=0.00043"); // 1/36 of an edge of the sheet
+  Random random(137);
+  const DicedMesh sheet = meshOf(dicedSheet(4, 32), QuadOrder::Rows, random);
+  const DicedMesh ball = meshOf(dicedBall(2, 16), QuadOrder::Recursive, random);
+  for (bool isSheet : {true, false})
+    for (const OrderedMesh& ordered : trianglesInAnyOrder(isSheet ? sheet : ball, random)) {
+      SCOPED_TRACE(testing::Message() << ordered.name << (isSheet ? ", a sheet" : ", a ball"));
+      const MeshScene scene(device, ordered.mesh);
+      const RTCCompressionStatistics stats = statisticsOf(scene);
+      const size_t quads = (isSheet ? sheet : ball).quads.size();
+      const auto is = [&](const char* word) { return ordered.name.find(word) != std::string::npos; };
+      const bool hasPattern = !is("shuffled") && !is("turned");
+      const bool isCertain = isSheet || hasPattern;
+      ASSERT_GE(stats.numMeshQuads, quads);
+      EXPECT_LE(stats.numMeshQuads, isCertain ? quads : quads + quads/50);
+      EXPECT_LE(stats.numLooseQuads, isCertain ? 0 : quads/20);
+      EXPECT_LE(stats.numBlocks, isCertain ? quads/256 + quads/128 : quads/32);
+      EXPECT_LE(double(stats.leafBytes)/double(quads), hasPattern ? 3.5 : isSheet ? 7.5 : 9.5);
+    }
+}
+
+// A vertex of its own for each quad along some rows of a sheet, as of a mesh that is smooth except at sharp edges.
+TEST(Meshes, SplitEdgesCostNothing)
+{
+  Device device;
+  Random random(138);
+  const DicedMesh whole = meshOf(dicedSheet(1, 96), QuadOrder::Rows, random);
+  DicedMesh split = whole;
+  for (size_t i = 0; i < split.quads.size(); i++)
+    if (i/96 % 7 == 3)
+      for (unsigned k = 0; k < 2; k++) {
+        split.vertices.push_back(whole.vertices[split.quads[i][k]]);
+        split.quads[i][k] = unsigned(split.vertices.size() - 1);
+      }
+  for (bool asTriangles : {false, true}) {
+    const auto statistics = [&](const DicedMesh& mesh) {
+      return statisticsOf(MeshScene(device, asTriangles ? trianglesOf(mesh) : mesh));
+    };
+    const RTCCompressionStatistics a = statistics(whole), b = statistics(split);
+    EXPECT_EQ(a.numBlocks, b.numBlocks);
+    EXPECT_EQ(a.leafBytes, b.leafBytes);
+    EXPECT_EQ(a.numMeshQuads, b.numMeshQuads);
+  }
+}
+
+// Vertices that are together at the first time step only are not one.
+TEST(Meshes, VerticesThatPartAreNotWelded)
+{
+  Device device;
+  Random random(139);
+  DicedMesh mesh;
+  for (int side : {-1, 1}) {
+    const unsigned first = unsigned(mesh.vertices.size());
+    for (unsigned y = 0; y <= 32; y++)
+      for (unsigned x = 0; x <= 32; x++)
+        mesh.vertices.push_back({float(side)*float(side > 0 ? x : 32 - x)/32, float(y)/16 - 1, 0});
+    for (unsigned y = 0; y < 32; y++)
+      for (unsigned x = 0; x < 32; x++) {
+        const unsigned v = first + y*33 + x;
+        mesh.quads.push_back({v, v + 1, v + 34, v + 33});
+      }
+  }
+  for (bool asTriangles : {false, true}) {
+    const DicedMesh both = asTriangles ? trianglesOf(mesh) : mesh;
+    std::vector<Vec> second = both.vertices;
+    for (size_t i = 0; i < second.size(); i++) second[i][0] += i < second.size()/2 ? -0.5f : 0.5f;
+    RTCGeometry geometry = rtcNewGeometry(device, asTriangles ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+    rtcSetGeometryTimeStepCount(geometry, 2);
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, both.vertices);
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
+    if (asTriangles) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, both.triangles);
+    else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, both.quads);
+    commitAs(geometry, RTC_COMPRESSION_VERT, 0);
+    Scene scene(device);
+    attach(scene, geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(statisticsOf(scene).numMeshQuads, 2048u);
+    for (float time : {0.0f, 1.0f})
+      for (float x : {-0.3f, 0.0f, 0.3f}) {
+        RTCRayHit ray = makeRay({x + 0.001f, 0.01f, 1}, {0, 0, -1});
+        ray.ray.time = time;
+        EXPECT_EQ(isHit(intersect(scene, ray)), time == 0) << "at " << x << " and time " << time;
+      }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Quads that are cut along either diagonal are no grid: a grid has the same one everywhere.
+TEST(Meshes, MixedDiagonalsKeepTheirTriangles)
+{
+  Device device;
+  Random random(140);
+  for (double part : {0.02, 0.5}) {
+    DicedMesh quads = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
+    for (auto& q : quads.quads)
+      if (random.chance(part)) std::rotate(q.begin(), q.begin() + 1, q.end());
+    for (const OrderedMesh& ordered : trianglesInAnyOrder(quads, random)) {
+      SCOPED_TRACE(testing::Message() << ordered.name << ", other diagonals: " << part);
+      const MeshScene embree(device, ordered.mesh, RTC_COMPRESSION_NONE), scene(device, ordered.mesh);
+      const std::vector<RTCRayHit> rays = raysAt(random, ordered.mesh, 503);
+      expectSameHits(closestHits(embree, rays, QueryForm::Single), closestHits(scene, rays, QueryForm::Single), slack);
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// A closed mesh has no corner to begin at. The same regions are found, in about the same time.
+TEST(Meshes, ClosedMeshesAreFoundFromAnyQuadOn)
+{
+  Device device;
+  Random random(141);
+  const DicedMesh natural = globe(400, 200);
+  DicedMesh reversed = natural;
+  std::reverse(reversed.quads.begin(), reversed.quads.end());
+  const auto secondsToFind = [&](const DicedMesh& mesh, RTCCompression compression) {
+    double least = INFINITY;
+    for (int i = 0; i < 5; i++) {
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_NONE);
+      RTCCompressionArguments args;
+      rtcInitCompressionArguments(&args);
+      args.compression = compression;
+      rtcSetGeometryCompression(geometry, &args);
+      const auto begin = std::chrono::steady_clock::now();
+      rtcCommitGeometry(geometry);
+      least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+      rtcReleaseGeometry(geometry);
+    }
+    return least;
+  };
+  const RTCCompressionStatistics expected = statisticsOf(MeshScene(device, natural));
+  const double expectedTime = secondsToFind(natural, RTC_COMPRESSION_VERT);
+  for (const DicedMesh& mesh : {reversed, withShuffledFaces(natural, random)}) {
+    const RTCCompressionStatistics stats = statisticsOf(MeshScene(device, mesh));
+    EXPECT_EQ(stats.numMeshQuads, natural.quads.size());
+    EXPECT_LE(stats.numLooseQuads, expected.numLooseQuads + 400);
+    EXPECT_LE(double(stats.numBlocks), 1.1*double(expected.numBlocks));
+    EXPECT_LT(secondsToFind(mesh, RTC_COMPRESSION_VERT), 6*expectedTime);
+  }
+}
+
+// A heap of quads or triangles, in which nothing is regular, and quads that share no vertices become mesh blocks, but not
+// if they move; few primitives, and those that are refitted, are left to Embree.
+TEST(Meshes, IrregularOnesBecomeMeshBlocks)
 {
   Device device;
   Random random(127);
@@ -216,21 +384,28 @@ TEST(Meshes, IrregularOnesAreLeftToEmbree)
     heap.quads.push_back(q);
     triangles.triangles.push_back({q[0], q[1], q[2]});
   }
-  DicedMesh unwelded; // no quad shares a vertex with another
+  DicedMesh apart; // no quad shares a vertex with another, nor a position
   const DicedMesh sheet = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random);
   for (const auto& q : sheet.quads) {
-    const unsigned v = unsigned(unwelded.vertices.size());
-    for (unsigned k : q) unwelded.vertices.push_back(sheet.vertices[k]);
-    unwelded.quads.push_back({v, v + 1, v + 2, v + 3});
+    const unsigned v = unsigned(apart.vertices.size());
+    for (unsigned k : q) {
+      apart.vertices.push_back(sheet.vertices[k]);
+      apart.vertices.back()[2] += 1e-4f*float(apart.quads.size() % 7);
+    }
+    apart.quads.push_back({v, v + 1, v + 2, v + 3});
   }
   DicedMesh one = sheet;
   one.quads.resize(1);
-  for (const DicedMesh& mesh : {heap, triangles, unwelded, one}) {
-    const MeshScene scene(device, mesh);
-    EXPECT_EQ(statisticsOf(scene).numQuads, 0u);
-    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    EXPECT_TRUE(isHit(intersect(scene, rayAt(random, mesh))));
-  }
+  for (const DicedMesh& mesh : {heap, triangles, apart, one})
+    for (unsigned timeSteps : {1u, 2u}) {
+      Scene scene(device);
+      attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+      rtcCommitScene(scene);
+      EXPECT_EQ(statisticsOf(scene).numLooseQuads > 0, mesh.size() > 1 && timeSteps == 1);
+      EXPECT_EQ(statisticsOf(scene).numLooseQuads, statisticsOf(scene).numQuads);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+      EXPECT_TRUE(isHit(intersect(scene, rayAt(random, mesh))));
+    }
   Scene refitted(device);
   RTCGeometry geometry = newMesh(device, sheet, RTC_COMPRESSION_VERT);
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
@@ -416,7 +591,10 @@ TEST(Meshes, TrianglesOfHitsComeOut)
   Random random(133);
   for (QuadOrder order : allQuadOrders) {
     const DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), order, random);
-    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1)}) {
+    const DicedMesh triangles = trianglesOf(quads, 2, 1);
+    const DicedMesh anyhow = unwelded(withTurnedTriangles(withShuffledFaces(triangles, random), random));
+    for (const DicedMesh& mesh : {quads, triangles, halvesApart(triangles), anyhow, irregularQuads(quads, random),
+      irregularTriangles(quads, random), partlyIrregular(quads, random, false), partlyIrregular(quads, random, true)}) {
       Scene scene(device);
       RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT);
       attach(scene, geometry);
@@ -445,7 +623,9 @@ TEST(Meshes, TrianglesOfHitsComeOut)
       // all of it
       std::set<unsigned> met;
       rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
-        for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*part->primitivesPerQuad; i++) EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second);
+        const unsigned n = part->primitivesPerQuad;
+        for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
+          if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) { EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second); }
         return true;
       }, &met);
       EXPECT_EQ(met.size(), mesh.size());
@@ -460,7 +640,10 @@ TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
   Device device;
   Random random(134);
   const DicedMesh quads = meshOf(dicedSheet(4, 16, lattice), QuadOrder::Rows, random);
-  for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 0)}) {
+  const DicedMesh triangles = trianglesOf(quads, 1, 0);
+  for (const DicedMesh& mesh : {quads, triangles, halvesApart(triangles), withTurnedTriangles(triangles, random),
+    irregularQuads(quads, random), irregularTriangles(quads, random), partlyIrregular(quads, random, false),
+    partlyIrregular(quads, random, true)}) {
     const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
     struct Found { const DicedMesh* mesh; Vec at; std::set<unsigned> near; size_t calls = 0; };
     // primitives with a vertex near enough

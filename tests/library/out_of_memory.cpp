@@ -67,6 +67,8 @@ long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags
     rtcCommitGeometry(geometry);
     const RTCError ofGeometry = device.takeError();
     EXPECT_EQ(ofGeometry, RTC_ERROR_NONE) << device.message << ": commits of geometries are not expected to fail";
+    // A refusal would be lost if the geometry were detached now.
+    EXPECT_EQ(monitor.calls, 0) << "the monitor was asked during the commit of a geometry";
     rtcCommitScene(scene);
     EXPECT_EQ(device.takeError(), monitor.refused ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_NONE) << device.message;
     monitor.isArmed = false;

@@ -125,7 +125,7 @@ private:
     for (unsigned y = 0; y < h; y++)
       for (unsigned x = 0; x < w; x++) {
         const bool onX = x == 0 || x + 1 == w, onY = y == 0 || y + 1 == h;
-        const Meeting kind = onX && onY ? AtCageVertex : onX ? AtFaceBorder : onY ? AtBlockBorder : AtVertex;
+        const AimKind kind = onX && onY ? AtCageVertex : onX ? AtFaceBorder : onY ? AtBlockBorder : AtVertex;
         const auto neighbor = [&](unsigned i) {
           return std::array<unsigned, 2>{x + unsigned(dx[i]), y + unsigned(dy[i])};
         };
@@ -227,12 +227,12 @@ void expectNoLeaks(double partOfEdge)
       const LeakCounts counts = countLeaks(judge, tracer, stored.points, settings, threadCount(0));
       rays += counts.rays;
       aimed += counts.aimed;
-      leaksOfRobust += counts.ofGrid.closest + counts.ofGrid.any + counts.ofGrid.through;
-      leaks += counts.ofScene.closest + counts.ofScene.any + counts.ofScene.through;
+      leaksOfRobust += counts.gridLeaks.closest + counts.gridLeaks.any + counts.gridLeaks.through;
+      leaks += counts.sceneLeaks.closest + counts.sceneLeaks.any + counts.sceneLeaks.through;
       EXPECT_GT(counts.aimed, raysOfRun/2);
-      EXPECT_EQ(counts.ofScene.closest, 0u);
-      EXPECT_EQ(counts.ofScene.any, 0u);
-      EXPECT_EQ(counts.ofScene.through, 0u);
+      EXPECT_EQ(counts.sceneLeaks.closest, 0u);
+      EXPECT_EQ(counts.sceneLeaks.any, 0u);
+      EXPECT_EQ(counts.sceneLeaks.through, 0u);
       for (const Ray& r : counts.examples)
         ADD_FAILURE() << "leaks from " << r.origin.x << " " << r.origin.y << " " << r.origin.z << " towards "
                       << r.direction.x << " " << r.direction.y << " " << r.direction.z << " at time " << time;

@@ -110,7 +110,7 @@ TEST(RandomCages, InvalidIndicesAreReported)
   cage.indices[13] = 8;
   rtcReleaseGeometry(newSurface(device, cage, settings));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(device.message, "face 3 of 4 vertices: index 1 is vertex 8 of 8");
+  EXPECT_NE(device.message.find("face 3 of 4 vertices: index 1 is vertex 8"), std::string::npos) << device.message;
   cage = cubeCage();
   cage.faces[5] = 5;
   rtcReleaseGeometry(newSurface(device, cage, settings));

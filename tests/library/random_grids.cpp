@@ -9,6 +9,7 @@
 #include "support/query_forms.h"
 #include "support/random_rounds.h"
 
+#include <algorithm>
 #include <memory>
 
 namespace cbvh::test {

@@ -172,11 +172,11 @@ TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
 {
   RTCCompressedFileWriter writer = resume();
   append(writer, 0);
-  expectRefused("another writer has it");
+  expectRefused("another writer");
   rtcReleaseCompressedFileWriter(writer);
   const std::string sound = bytesOf(part);
-  expectRefused("begun with something else", key + 1);
-  expectRefused("begun with something else", key ^ (1ull << 63));
+  expectRefused("another key", key + 1);
+  expectRefused("another key", key ^ (1ull << 63));
   EXPECT_EQ(bytesOf(part), sound);
   auto expectAltered = [&](size_t at, const std::string& why) {
     std::string bytes = sound;
@@ -185,7 +185,7 @@ TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
     expectRefused(why);
     EXPECT_EQ(bytesOf(part), bytes);
   };
-  expectAltered(0, "no file of compressed surfaces");
+  expectAltered(0, "not a file of compressed surfaces");
   expectAltered(12, "another version");
   expectAltered(16, "another version");
   expectAltered(24, "is damaged");
@@ -195,7 +195,7 @@ TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
     expectRefused("is damaged");
   }
   writeBytes(part, "mesh");
-  expectRefused("no file of compressed surfaces");
+  expectRefused("not a file of compressed surfaces");
   /* a part without saved geometries is started again */
   for (const std::string& bytes : {std::string(), std::string(4096, '\0'), std::string(64, '\0') + "x"}) {
     writeBytes(part, bytes);

@@ -61,7 +61,7 @@ struct AimPointRecorder : public VertexRecorder
   AimPoints taken()
   {
     const auto key = [](const AimPoint& p) {
-      return std::make_tuple(p.position.x, p.position.y, p.position.z, p.neighbour.x, p.neighbour.y, p.neighbour.z);
+      return std::make_tuple(p.position.x, p.position.y, p.position.z, p.neighbor.x, p.neighbor.y, p.neighbor.z);
     };
     for (std::vector<AimPoint>& kind : points)
       std::sort(kind.begin(), kind.end(), [&](const AimPoint& a, const AimPoint& b) { return key(a) < key(b); });
@@ -110,12 +110,12 @@ protected:
   static void expectNoLeaks(const LeakCounts& counts, const Case& c)
   {
     EXPECT_GT(counts.aimed, raysOfCase/4);
-    EXPECT_EQ(counts.ofScene.any, counts.ofScene.closest);
+    EXPECT_EQ(counts.sceneLeaks.any, counts.sceneLeaks.closest);
     const bool mayLeak = GetParam() == RTC_COMPRESSION_GRID;
     // equal except for chance: a vertex that rounds differently moves a leak
     const auto allowed = [&](size_t ofGrid) { return mayLeak ? double(ofGrid) + 5*std::sqrt(double(ofGrid)) + 5 : 0; };
-    EXPECT_LE(double(counts.ofScene.closest), allowed(counts.ofGrid.closest));
-    EXPECT_LE(double(counts.ofScene.through), allowed(counts.ofGrid.through));
+    EXPECT_LE(double(counts.sceneLeaks.closest), allowed(counts.gridLeaks.closest));
+    EXPECT_LE(double(counts.sceneLeaks.through), allowed(counts.gridLeaks.through));
     if (mayLeak && !c.coarse) {
       EXPECT_EQ(counts.random.closest, 0u);
     }

@@ -24,6 +24,7 @@ MOTION = ("motion_block",)
 CLUSTERS = ("cluster_codec",)
 MOTION_DECODING = tuple(f"motion_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
+MESH_DECODING = tuple(f"mesh_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
 RULE = ("vert_rule",)
 BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates BordersOfMixedRates.*:*VERT", "cage_topology")
@@ -102,6 +103,8 @@ FUNCTIONS = (
           {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
     Entry("CellDecoder", 4, DECODING),
     Entry("VertDecoder", 7, DECODING),
+    Entry("MeshDecoder", 7, MESH_DECODING),
+    Entry("trianglesAround", 2, MESH_DECODING, {"y [ [3 => 4] ]": "an element more, which nothing reads"}),
     Entry("setWindows", 2, DECODING),
     Entry("::isInside", 2, TRIANGLES, {
         "isInside, word": "triangles that miss the ray are rejected by their own sides",
@@ -145,6 +148,9 @@ FUNCTIONS = (
     Entry("StitchedVertices::parameterOn", 1, GRIDS),
     Entry("GridsOfGridMesh::isValid", 2, GRIDS),
     Entry("takeLessAsBlocks", 2, GRIDS),
+    # primitives of meshes that lie in no grid
+    Entry("LooseTriangles::find", 2, ("loose_meshes",)),
+    Entry("MeshEncoder::encodeCluster", 2, ("loose_meshes", "random_meshes")),
     Entry("shareBorder", 3, BORDERS, {
         "at < part . x0 [|| => &&]": "written parts are whole rows",
         "[- => +] part . x0": "written parts are whole rows",
@@ -161,7 +167,7 @@ FUNCTIONS = (
     Entry("faceParameterOfQuad", 1, RAYS),
     Entry("parametersAtLowerEdge", 2, RULE),
     Entry("meetsBounds", 2, RAYS),
-    Entry("VertIntersector1::meetBoxes", 2, RAYS, {
+    Entry("meetGroupBoxes", 2, RAYS, {
         "open = [0 => 1]": "triangles of a missed group are not hit",
         "[without] tNear": "boxes before or after the ray are entered, but their triangles are not hit",
     }),

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 namespace cbvh::test {
 namespace {
 
@@ -63,7 +65,7 @@ TEST(Batches, LibrariesAreComparedInOneBatch)
   for (const auto& batch : plan.rest)
   {
     ASSERT_EQ(batch.size(), 2u);
-    EXPECT_TRUE(sameButLibrary(batch[0], batch[1]));
+    EXPECT_TRUE(differOnlyByLibrary(batch[0], batch[1]));
     EXPECT_EQ(batch[0].library, 0u);
     EXPECT_EQ(batch[1].library, 1u);
   }

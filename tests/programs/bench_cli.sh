@@ -22,22 +22,21 @@ refuses() {
 
 refuses "unknown --scene 'teapot'" --scene teapot
 refuses "unknown --scene 'teapot'" --scene cube,teapot
-refuses "names 'cube' twice" --scene cube,cube
-refuses "amplitude after the colon" --scene cube:high
-refuses "either --scene"
-refuses "belongs to --cage" --scene cube --height "$folder/map.exr"
-refuses "belongs to --cage; one for a scene comes after a colon" --scene cube --amplitude 0.45
-refuses "count belongs to --scene herd" --scene herd,cube --count 2
+refuses "scene 'cube,cube'.*'cube' twice" --scene cube,cube
+refuses "cube:high'.*amplitude" --scene cube:high
+refuses "one of --scene.*--cage"
+refuses "height needs --cage" --scene cube --height "$folder/map.exr"
+refuses "amplitude needs --cage.*colon" --scene cube --amplitude 0.45
+refuses "count .*--scene herd" --scene herd,cube --count 2
 refuses "count 0 is out of range" --scene herd --count 0
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "unknown representation 'mesh', known are naive, grid, cgrid, cvoxel, cleaf, cleaf-only and cvert" \
-  --scene cube --representation mesh
-refuses "representation 'cbvh.leaf' is named twice" --scene cube --representation Leaf,cbvh.leaf
+refuses "representation 'mesh'.*naive, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" --scene cube --representation mesh
+refuses "representation 'cbvh.leaf' is repeated" --scene cube --representation Leaf,cbvh.leaf
 refuses "leaves-only" --scene cube --leaves-only
 refuses "frame level '9'" --scene cube --frame-level 2,9
-refuses "'9' is not a number from 0 to 8" --scene cube --level 4,9
+refuses "level '9'.* 0 to 8" --scene cube --level 4,9
 refuses "view 'side'" --scene cube --view full,side
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "unknown --set 'random'" --scene cube --set random
@@ -48,12 +47,12 @@ refuses "threads 'many'" --scene cube --threads many
 refuses "repeat" --scene cube --repeat -1
 refuses "reference-level" --scene cube --reference-level 9
 refuses "unknown --check 'holes'" --scene cube --check leaks,holes
-refuses "check is of models that stand still" --scene cube --motion turn --check leaks
+refuses "check .*--motion" --scene cube --motion turn --check leaks
 refuses "position '1,2'" --scene cube --position 1,2
 refuses "max-error" --scene cube --max-error -1
 refuses "size '64'" --scene cube --size 64
 refuses "paint" --scene cube --paint red
-refuses "cannot be made an output folder" --scene cube --pictures "$folder/quad.obj/pictures"
+refuses "$folder/quad.obj/pictures: .*output folder" --scene cube --pictures "$folder/quad.obj/pictures"
 
 # A record of two levels, with pictures.
 "$program" --scene cube --level 2,3 --view full,close --representation naive,Voxel,cbvh.leaf,leaf-only --frame-level 1 \
@@ -168,18 +167,17 @@ cp "$library" "$folder/a/libembree3.so.3"
 cp "$library" "$folder/b/libembree3.so.3"
 refuses "missing.so: cannot open" --scene cube --library "$folder/a,$folder/missing.so"
 refuses "quad.obj: \(invalid ELF header\|file too short\)" --scene cube --library "$folder/quad.obj"
-refuses "is no Embree: it has no rtcNewDevice" --scene cube \
-  --library "$(ldd "$library" | awk '$1 ~ "^libtbb.so" { print $3 }')"
+refuses "libtbb.*rtcNewDevice" --scene cube --library "$(ldd "$library" | awk '$1 ~ "^libtbb.so" { print $3 }')"
 refuses "the folder has no libembree3.so.3" --scene cube --library "$folder/empty"
 refuses "are the same file" --scene cube --library "$folder/a,$folder/a/libembree3.so.3"
-refuses "library is of the processor" --scene cube --library "$folder/a" --device vulkan
+refuses "library .*--device vulkan" --scene cube --library "$folder/a" --device vulkan
 
 # A library and its copy: the same hits, at about the same speed.
 "$program" --scene cube --level 4 --library "$folder/a,$folder/b/libembree3.so.3" --representation grid,cleaf,cvert \
   --query closest,any --mode single,packet4,stream --rays 2000 --repeat 3 --size 64x64 --true-surface 0 \
   --json "$folder/copies.json" >"$folder/stdout" 2>"$folder/stderr" || complain "copies: $(cat "$folder/stderr")"
 grep -q "library B ($folder/b/libembree3.so.3), Embree 3.13" "$folder/stdout" || complain "no message about library B"
-grep -q "rays are A's to the bit" "$folder/stdout" || complain "no message about the hits: $(cat "$folder/stdout")"
+grep -q "rays are identical to library A" "$folder/stdout" || complain "no message about the hits: $(cat "$folder/stdout")"
 grep -q "Mrays/s.* of GRID, spread .* of A, spread" "$folder/stdout" ||
   complain "no message about the ratio of the libraries"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of two libraries is wrong"
@@ -211,8 +209,7 @@ sed 's/rtcSetGeometryCompression/rtcNotGeometryCompression/' "$library" >"$folde
 "$program" --scene cube --level 3 --library "$folder/a,$folder/b" --representation naive,cvert --rays 500 --repeat 1 \
   --size 32x32 --true-surface 0 --json "$folder/stock.json" >"$folder/stdout" 2>"$folder/stderr" ||
   complain "a library without compression: $(cat "$folder/stderr")"
-grep -q "cVERT is not known to library A ($folder/a/libembree3.so.3)" "$folder/stderr" ||
-  complain "no message about what is left out"
+grep -q "cVERT .*library A ($folder/a/libembree3.so.3)" "$folder/stderr" || complain "no message about what is left out"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of a library without compression is wrong"
 import json, sys
 results = json.load(open(sys.argv[1] + "/stock.json"))["groups"][0]["results"]

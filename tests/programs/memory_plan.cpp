@@ -4,8 +4,11 @@
 #include "memory_plan.h"
 #include "basics/error.h"
 #include "building/memory.h"
+#include "support/message_parts.h"
 
 #include <gtest/gtest.h>
+
+#include <cstdint>
 
 namespace cbvh::test {
 namespace {
@@ -48,8 +51,7 @@ TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
   const MemoryPlan alone = plan("naive,grid,cleaf", grid + leaf - 1);
   EXPECT_EQ(builtOf(alone), "cleaf2");
   ASSERT_EQ(alone.leftOut.size(), 2u);
-  EXPECT_NE(alone.leftOut[0].find("GRID is left out: 1.0 million quads take about"), std::string::npos)
-    << alone.leftOut[0];
+  EXPECT_TRUE(containsInOrder(alone.leftOut[0], {"GRID is left out", "1.0 million quads"}));
   EXPECT_NE(alone.leftOut[1].find("NAIVE is left out"), std::string::npos);
 }
 

@@ -62,7 +62,7 @@ is_json "$folder/from_fifo"
 [ -p "$folder/fifo" ] || complain "a FIFO is replaced"
 for where in /dev/null "$folder/fifo" /dev/stdout; do
   # shellcheck disable=SC2086
-  expect_refusal "save.*regular file\|need a regular file" $quick $out --scene cube --save "$where"
+  expect_refusal "save.*regular file\|expected a regular file" $quick $out --scene cube --save "$where"
 done
 
 # Reading a FIFO must not block.
@@ -98,7 +98,7 @@ expect_refusal "json .*would replace" $quick $out $model --cage-end "$folder/qua
   --json "$folder/quad_cvert.png"
 expect_refusal "json .*would replace" --load "$folder/cube.cbvh" --json "$folder/cube.cbvh"
 # shellcheck disable=SC2086
-expect_refusal "is the file of --export, too" $quick $out --scene cube --json "$folder/same" --export "$folder/./same"
+expect_refusal "json .*same: .*--export" $quick $out --scene cube --json "$folder/same" --export "$folder/./same"
 # shellcheck disable=SC2086
 expect_refusal "would replace" $quick --cage "$folder/quad.obj" --height "$folder/quad_cvert.png" --output "$folder"
 cp "$folder/skin.pgm" "$folder/tile.1001.pgm"

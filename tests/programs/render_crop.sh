@@ -53,17 +53,15 @@ if command -v oiiotool >/dev/null; then
 fi
 
 for wrong in 0,0,30 0,0,30,20,1 0,0,30,x 0.5,0,30,20; do
-  expect_refusal "crop '$wrong' is not x0,y0,x1,y1" --scene cube "${picture[@]}" --crop "$wrong" --output "$folder/none"
+  expect_refusal "crop '$wrong'.*x0,y0,x1,y1" --scene cube "${picture[@]}" --crop "$wrong" --output "$folder/none"
 done
 for empty in 30,0,30,20 30,0,20,20 0,20,30,19; do
-  expect_refusal "crop '$empty' is empty" --scene cube "${picture[@]}" --crop "$empty" --output "$folder/none"
+  expect_refusal "crop '$empty'.*empty" --scene cube "${picture[@]}" --crop "$empty" --output "$folder/none"
 done
 for outside in 0,0,62,20 0,0,61,48 -1,0,30,20 61,0,62,1; do
-  expect_refusal "crop '$outside' is not inside of the picture, 61x47" --scene cube "${picture[@]}" "--crop=$outside" \
-    --output "$folder/none"
+  expect_refusal "crop '$outside'.*61x47" --scene cube "${picture[@]}" "--crop=$outside" --output "$folder/none"
 done
-expect_refusal "crop is for parts of one picture" --scene cube "${picture[@]}" --crop 0,0,30,20 \
-  --compare --output "$folder/none"
+expect_refusal "crop .*comparison" --scene cube "${picture[@]}" --crop 0,0,30,20 --compare --output "$folder/none"
 [ -z "$(ls -A "$folder/none" 2>/dev/null)" ] || complain "files were written"
 
 [ $failures = 0 ] && echo "passed"

@@ -383,7 +383,7 @@ void untilCancelled()
 TEST(Worker, ReportsThePhaseOfItsWork)
 {
   Worker worker;
-  worker.listen();
+  worker.reportProgress();
   EXPECT_FALSE(worker.progress());
   std::atomic<int> step{0};
   worker.start("loading", [&] {

@@ -402,7 +402,7 @@ def test_up(session):
     session.start(*level, scene=(tower,))
     session.key("h")
     session.shows("the tower", z)
-    if "z is taken for up" not in session.read("log") or "--up y" not in session.read("log"):
+    if "z is assumed to be the up axis" not in session.read("log") or "--up y" not in session.read("log"):
         fail(f"no message about the guess: {session.read('log')}")
     session.key("u")
     session.shows("the next axis", x)

@@ -73,7 +73,7 @@ class Cages(unittest.TestCase):
                            (b, "there are faces that have no texture coordinates, and height needs")):
             with self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model(cage, np.zeros((4, 4)))
-        with self.assertRaisesRegex(ValueError, "uv_indices: face 0 has texture coordinates on some corners only"):
+        with self.assertRaisesRegex(ValueError, "uv_indices: face 0 .*corners"):
             cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=np.roll(a.uv_indices, -6))
         without = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=np.full(24, none))
         self.assertEqual(without.uv_indices.shape, (0,))
@@ -116,35 +116,32 @@ class Cages(unittest.TestCase):
         nan = vertices.copy()
         nan[3, 1] = np.nan
         for error, text, arguments, options in (
-                (ValueError, r"vertices: has shape \(9, 2\), not \(n, 3\)", (vertices[:, :2], faces), {}),
+                (ValueError, r"vertices: has shape \(9, 2\).*\(n, 3\)", (vertices[:, :2], faces), {}),
                 (ValueError, "vertices: row 3 is not finite", (nan, faces), {}),
                 (TypeError, "vertices: is an array of complex128", (vertices + 1j, faces), {}),
                 (TypeError, "vertices: is an array of <U1", ("x", faces), {}),
                 (TypeError, "vertices: is ", ([[1, 2], [3]], faces), {}),
-                (TypeError, "indices: is an array of float64, not of integers", (vertices, faces * 1.0), {}),
-                (ValueError, "indices: holds -1, which is not from 0 to 8", (vertices, faces - 1), {}),
-                (ValueError, "indices: holds 9, which is not from 0 to 8", (vertices, faces + 1), {}),
+                (TypeError, "indices: is an array of float64.*integers", (vertices, faces * 1.0), {}),
+                (ValueError, "indices: .* -1.* 0 to 8", (vertices, faces - 1), {}),
+                (ValueError, "indices: .* 9.* 0 to 8", (vertices, faces + 1), {}),
                 (ValueError, "indices: has shape", (vertices, flat), {}),
                 (ValueError, "indices: has shape", (vertices, []), {}),
                 (ValueError, "indices: has no faces", (vertices, [], []), {}),
-                (ValueError, "face_sizes: adds up to 15, indices are 16", (vertices, flat, [4, 4, 4, 3]), {}),
+                (ValueError, "face_sizes: adds up to 15.* 16", (vertices, flat, [4, 4, 4, 3]), {}),
                 (ValueError, "face_sizes: face 1 has 2 vertices", (vertices, flat, [4, 2, 4, 6]), {}),
-                (ValueError, "uvs: are 4, not one (a|per) vertex", (vertices, faces), {"uvs": np.zeros((4, 2))}),
+                (ValueError, "uvs: .* 4 .*vertex, 9", (vertices, faces), {"uvs": np.zeros((4, 2))}),
                 (ValueError, "uv_indices: needs uvs", (vertices, faces), {"uv_indices": flat}),
-                (ValueError, "uv_indices: are 4, indices are 16", (vertices, faces),
+                (ValueError, "uv_indices: .* 4 .*indices, 16", (vertices, faces),
                  {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),
-                (ValueError, r"crease_edges: has shape \(3,\), not \(n, 2\)", (vertices, faces),
-                 {"crease_edges": [0, 1, 2]}),
-                (ValueError, "crease_sharpness: are 2, needed are 1", (vertices, faces),
+                (ValueError, r"crease_edges: has shape \(3,\).*\(n, 2\)", (vertices, faces), {"crease_edges": [0, 1, 2]}),
+                (ValueError, "crease_sharpness: .* 2 .* 1", (vertices, faces),
                  {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]}),
-                (ValueError, "corner_sharpness: holds -1", (vertices, faces),
-                 {"corner_vertices": [0], "corner_sharpness": -1}),
-                (ValueError, "holes: holds 4, which is not from 0 to 3", (vertices, faces), {"holes": [4]}),
-                (ValueError, "boundary: is 'round', not 'none', 'edge_and_corner' or 'edge_only'", (vertices, faces),
+                (ValueError, "corner_sharpness: .* -1", (vertices, faces), {"corner_vertices": [0], "corner_sharpness": -1}),
+                (ValueError, "holes: .* 4.* 0 to 3", (vertices, faces), {"holes": [4]}),
+                (ValueError, "boundary: is 'round'.*'none', 'edge_and_corner' or 'edge_only'", (vertices, faces),
                  {"boundary": "round"}),
-                (cbvh.Error, "mine: face 1 names vertex 1 twice", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
-                (cbvh.Error, "mine: no face is left.*16 vertices a face", (np.eye(17, 3), [range(17)]),
-                 {"name": "mine"})):
+                (cbvh.Error, "mine: face 1 .*vertex 1 ", (vertices, [[0, 0, 1, 2]]), {"name": "mine"}),
+                (cbvh.Error, "mine: no face is left.* 16 vertices", (np.eye(17, 3), [range(17)]), {"name": "mine"})):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Cage(*arguments, **options)
 

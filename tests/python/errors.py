@@ -56,13 +56,13 @@ class Errors(unittest.TestCase):
         wrong = other.intersect(*self.rays)
         few = self.grid.intersect(*(a[0] for a in self.rays))
         for text, call in (
-                ("hits: are of a model of 25 faces, this one has 6", lambda: self.grid.errors(wrong, wrong, footprint)),
-                ("reference: are of a model of 25", lambda: self.grid.errors(self.hits, wrong, footprint)),
-                ("reference: are of 160 rays, hits of 19200",
+                ("hits: .*model.* 25 faces.* 6", lambda: self.grid.errors(wrong, wrong, footprint)),
+                ("reference: .*model.* 25 faces", lambda: self.grid.errors(self.hits, wrong, footprint)),
+                ("reference: .* 160 rays.* 19200.*hits",
                  lambda: self.grid.errors(self.hits, few, footprint)),
-                ("reference: are of 160 rays", lambda: cbvh.pixel_errors(self.hits, few, footprint)),
+                ("reference: .* 160 rays", lambda: cbvh.pixel_errors(self.hits, few, footprint)),
                 ("footprint: is 0", lambda: cbvh.pixel_errors(self.hits, self.reference, 0)),
-                ("hits: are of 160 rays, origins and directions of 19200",
+                ("hits: .* 160 rays.* 19200.*origins and directions",
                  lambda: self.grid.true_errors(few, *self.rays, footprint))):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 call()

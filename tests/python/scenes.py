@@ -49,7 +49,7 @@ class Hits(unittest.TestCase):
         near = scene.intersect([[0.5, 0.5, 1], [0.5, 0.5, 3], [5, 5, 1]], [0, 0, -1])
         far = scene.intersect([[0.5, 0.5, 2], [0.5, 0.5, 2], [0.5, 0.5, 4]], [0, 0, -1])
         np.testing.assert_allclose(cbvh.nearer_hits(near, far).t, [1, 2, 4], atol=1e-5)
-        with self.assertRaisesRegex(ValueError, "b: are of 1 rays, a of 3"):
+        with self.assertRaisesRegex(ValueError, "b: .* 1 .* 3"):
             cbvh.nearer_hits(near, scene.intersect([0.5, 0.5, 2], [0, 0, -1]))
 
 
@@ -86,7 +86,7 @@ class Motion(unittest.TestCase):
         self.assertEqual(cbvh.Model.scene("cube", motion="turn", steps=3).steps, 3)
 
     def test_invalid_motion_is_rejected(self):
-        with self.assertRaisesRegex(ValueError, r"poses.*not \(steps, 36, 3\)"):
+        with self.assertRaisesRegex(ValueError, r"poses: .*\(2, 35, 3\).*\(steps, 36, 3\)"):
             cbvh.Model(sheet(), poses=np.zeros((2, 35, 3)))
         with self.assertRaisesRegex(cbvh.Error, "unknown motion 'jump'"):
             cbvh.Model.scene("cube", motion="jump")
@@ -124,9 +124,9 @@ class Stored(unittest.TestCase):
 
     def test_only_cvert_returns_triangles(self):
         scene = cbvh.build(sheet(), "cleaf", 3)
-        with self.assertRaisesRegex(cbvh.Error, "cLEAF.*only cVERT"):
+        with self.assertRaisesRegex(cbvh.Error, "cLEAF.*cVERT"):
             scene.triangles(scene.intersect(*rays_from_above()))
-        with self.assertRaisesRegex(cbvh.Error, "cLEAF.*only cVERT"):
+        with self.assertRaisesRegex(cbvh.Error, "cLEAF.*cVERT"):
             scene.tessellation()
 
 
@@ -176,10 +176,9 @@ class Rays(unittest.TestCase):
     def test_invalid_arrays_are_reported_by_name(self):
         scene = self.scene
         for error, text, arguments in (
-                (ValueError, r"origins: has shape \(2,\), not \(..., 3\)", ([0, 0], [0, 0, 1])),
-                (ValueError, r"directions: has shape \(\), not \(..., 3\)", ([0, 0, 0], 1.0)),
-                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors",
-                 (np.zeros((2, 3)), np.ones((3, 3)))),
+                (ValueError, r"origins: has shape \(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
+                (ValueError, r"directions: has shape \(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
+                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors", (np.zeros((2, 3)), np.ones((3, 3)))),
                 (TypeError, "tfar: is an array of <U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
                 (TypeError, "origins: is an array of object", (None, [0, 0, 1]))):
             for query in (scene.intersect, scene.occluded):
@@ -254,25 +253,24 @@ class Building(unittest.TestCase):
 
     def test_invalid_arguments_are_reported_by_name(self):
         for error, text, options in (
-                (cbvh.Error, "unknown representation 'cmesh', known are naive", {"representation": "cmesh"}),
+                (cbvh.Error, "unknown representation 'cmesh'.*naive", {"representation": "cmesh"}),
                 (ValueError, "representation: 'grid,cvert' names several", {"representation": "grid,cvert"}),
-                (cbvh.Error, "^level 9 is out of range, 0 to 8", {"level": 9}),
+                (cbvh.Error, "^level 9 is out of range.* 0 to 8", {"level": 9}),
                 (cbvh.Error, "^level -1 is out of range", {"level": -1}),
-                (cbvh.Error, "frame level '9' is neither auto nor 0 to 8",
-                 {"representation": "cleaf", "frame_level": 9}),
+                (cbvh.Error, "frame level '9'.* 0 to 8 or auto", {"representation": "cleaf", "frame_level": 9}),
                 (ValueError, "max_error: is -1", {"max_error": -1}),
                 (ValueError, "max_pixel_error: needs a camera", {"max_pixel_error": 1}),
-                (cbvh.Error, "^threads must not be negative", {"threads": -1}),
+                (cbvh.Error, "^threads -1 is negative", {"threads": -1}),
                 (cbvh.Error, "^unknown isa 'neon'", {"isa": "neon"}),
                 (cbvh.Error, "device", {"device": "abacus"}),
-                (TypeError, "progress: is neither None nor callable", {"progress": 3})):
+                (TypeError, "progress: .*None .*callable", {"progress": 3})):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.build(sheet(), **options)
         with self.assertRaises(TypeError):
             cbvh.build("body.obj")
 
     def test_insufficient_memory_is_detected_before_the_build(self):
-        with self.assertRaisesRegex(MemoryError, "not enough memory: NAIVE on 5898.2 million quads takes about"):
+        with self.assertRaisesRegex(MemoryError, "not enough memory: NAIVE on 5898.2 million quads"):
             cbvh.build(sheet(300), "naive", 8)
 
 
@@ -318,19 +316,19 @@ class Cameras(unittest.TestCase):
         self.assertEqual(len(cbvh.bounce_rays(hits, origins, directions, offset=0, count=7)[0]), 7)
 
     def test_invalid_arguments_are_reported_by_name(self):
-        for text, arguments in (("look_at: is where the eye is", ((0, 0, 0), (0, 0, 0))),
+        for text, arguments in (("look_at: .*eye", ((0, 0, 0), (0, 0, 0))),
                                 (r"eye: has shape \(2,\)", ((0, 0), (0, 0, 1))),
                                 ("eye: is not finite", ((0, 0, np.nan), (0, 0, 1))),
-                                ("up: has no length", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
+                                ("up: has length 0", ((0, 0, 0), (0, 0, 1), (0, 0, 0))),
                                 ("fov: is 180", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 180)),
                                 (r"size: is \(0, 3\)", ((0, 0, 0), (0, 0, 1), (0, 1, 0), 35, (0, 3)))):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 cbvh.Camera(*arguments)
         scene = cbvh.build(sheet(), "grid", 3)
-        with self.assertRaisesRegex(ValueError, "view: is 'top', not 'full' or 'close'"):
+        with self.assertRaisesRegex(ValueError, "view: is 'top'.*'full' or 'close'"):
             scene.camera("top")
         hits = scene.intersect([[0.5, 0.5, 1]], [0, 0, -1])
-        with self.assertRaisesRegex(ValueError, "hits: are of 1 rays, origins and directions of 576"):
+        with self.assertRaisesRegex(ValueError, "hits: .* 1 .* 576.*origins"):
             cbvh.bounce_rays(hits, *rays_from_above(), offset=0)
 
 

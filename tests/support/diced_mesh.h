@@ -83,6 +83,76 @@ inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, un
   return out;
 }
 
+// All first halves of quads and then all second halves, in the order of modifiers that split quads, or the reverse.
+inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
+{
+  DicedMesh out = mesh;
+  const size_t n = mesh.triangles.size()/2;
+  for (size_t i = 0; i < n; i++)
+    for (size_t half = 0; half < 2; half++)
+      out.triangles[(half == size_t(secondsFirst) ? 0 : n) + i] = mesh.triangles[2*i + half];
+  return out;
+}
+
+// Faces do not share vertices, which are copies with the same floats, as after a modifier that splits edges.
+inline DicedMesh unwelded(const DicedMesh& mesh)
+{
+  DicedMesh out = mesh;
+  out.vertices.clear();
+  const auto own = [&](auto& faces) {
+    for (auto& face : faces)
+      for (unsigned& v : face) {
+        out.vertices.push_back(mesh.vertices[v]);
+        v = unsigned(out.vertices.size() - 1);
+        if (out.vertices.size() % 2)
+          for (float& x : out.vertices.back())
+            if (x == 0) x = -x;
+      }
+  };
+  if (mesh.isOfTriangles()) own(out.triangles); else own(out.quads);
+  return out;
+}
+
+inline DicedMesh withShuffledFaces(DicedMesh mesh, Random& random)
+{
+  const auto shuffle = [&](auto& faces) {
+    for (size_t i = faces.size(); i-- > 1;) std::swap(faces[i], faces[random.below(unsigned(i + 1))]);
+  };
+  shuffle(mesh.quads);
+  shuffle(mesh.triangles);
+  return mesh;
+}
+
+// Each triangle begins at a random corner.
+inline DicedMesh withTurnedTriangles(DicedMesh mesh, Random& random)
+{
+  for (auto& t : mesh.triangles) std::rotate(t.begin(), t.begin() + random.below(3), t.end());
+  return mesh;
+}
+
+// Triangles of a mesh in the orders that exporters write.
+struct OrderedMesh
+{
+  std::string name;
+  DicedMesh mesh;
+};
+
+inline std::vector<OrderedMesh> trianglesInAnyOrder(const DicedMesh& quads, Random& random)
+{
+  const DicedMesh triangles = trianglesOf(quads, 2, 0), symmetric = trianglesOf(quads, 1, 1);
+  std::vector<OrderedMesh> all;
+  all.push_back({"first halves, then second ones", halvesApart(triangles)});
+  all.push_back({"second halves, then first ones", halvesApart(triangles, true)});
+  all.push_back({"first halves, then second ones, cut at the same corner", halvesApart(symmetric)});
+  all.push_back({"shuffled", withShuffledFaces(triangles, random)});
+  all.push_back({"shuffled, cut at the same corner", withShuffledFaces(symmetric, random)});
+  all.push_back({"turned", withTurnedTriangles(triangles, random)});
+  all.push_back({"shuffled and turned", withTurnedTriangles(withShuffledFaces(triangles, random), random)});
+  for (size_t i = 0, n = all.size(); i < n; i++) all.push_back({all[i].name + ", not welded", unwelded(all[i].mesh)});
+  all.push_back({"not welded", unwelded(triangles)});
+  return all;
+}
+
 // A globe of rows of quads or triangles between two poles. The quads at the poles have a degenerate edge.
 inline DicedMesh globe(unsigned columns, unsigned rows)
 {

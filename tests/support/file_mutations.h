@@ -131,7 +131,7 @@ inline std::string mutated(Random& random, const std::string& sound)
         uint64_t child;
         std::memcpy(&child, &file.bytes[g.tree + i + (g.form == FILE_TREE ? 0 : 24)], sizeof(child));
         if (g.form == FILE_TREE && i % 128 >= 32) continue; // planes
-        if ((child & 15) >= 2 && (child & 15) <= 4 && (child & ~uint64_t(15)) + 64 <= g.blockBytes)
+        if ((child & 15) >= 2 && (child & 15) <= 5 && (child & ~uint64_t(15)) + 64 <= g.blockBytes)
           blocks.push_back(child & ~uint64_t(15));
       }
       if (blocks.empty()) break;

@@ -5,7 +5,7 @@
 
 /* Geometries in files: a folder for files, their bytes, and surfaces of all forms. */
 
-#include "support/diced_mesh.h"
+#include "support/irregular_mesh.h"
 #include "support/scene.h"
 
 #include <embree3/rtcore_compressed_files.h>
@@ -140,6 +140,17 @@ inline std::vector<Saveable> allSaveable()
                 return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
               });
   }
+  for (bool triangles : {false, true})
+    diced(triangles ? "triangles, irregular in part" : "quads, irregular in part", 1, [=](RTCDevice device, const Diced& sheet, unsigned) {
+      Random random(6);
+      return newMesh(device, partlyIrregular(meshOf(sheet, QuadOrder::Rows, random), random, triangles), RTC_COMPRESSION_VERT,
+        RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+    });
+  diced("irregular triangles", 1, [](RTCDevice device, const Diced& sheet, unsigned) {
+    Random random(7);
+    return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_VERT,
+      RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+  });
   return all;
 }
 

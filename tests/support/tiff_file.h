@@ -7,6 +7,7 @@
  * palettes, bilevel, CMYK, GDAL's tag for missing values, both byte orders and BigTIFF. Uncompressed. */
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <fstream>

@@ -14,7 +14,10 @@
 #include <pmmintrin.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -23,6 +26,7 @@
 #include <random>
 #include <string>
 #include <vector>
+#include <sys/wait.h>
 
 namespace {
 

@@ -6,6 +6,7 @@
 #include "kernels/vulkan/host/functions.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <type_traits>

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <stdexcept>
 
 /* Options of a sanitizer: it cannot attribute memory of the loader and the driver once they are unloaded. faults.h

@@ -10,6 +10,7 @@
 #include <vulkan/vulkan.h>
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 
 namespace cbvh::test {

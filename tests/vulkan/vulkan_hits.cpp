@@ -156,7 +156,9 @@ TEST_F(VulkanHits, CompressedMeshesMatchCpu)
   Agreement sum;
   for (QuadOrder order : allQuadOrders) {
     const DicedMesh quads = meshOf(dicedSheet(3, 16), order, random), ball = meshOf(dicedBall(2, 8), order, random);
-    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2), ball, trianglesOf(ball, 0, 1)}) {
+    const DicedMesh triangles = trianglesOf(ball, 0, 1);
+    const DicedMesh halves = halvesApart(triangles), turned = withTurnedTriangles(triangles, random);
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2), ball, triangles, halves, turned}) {
       Scene scene(embree);
       rtcAttachGeometryByID(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT), 3);
       rtcReleaseGeometry(rtcGetGeometry(scene, 3));

@@ -7,6 +7,7 @@
 
 #include <vulkan/vulkan.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

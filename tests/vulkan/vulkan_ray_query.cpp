@@ -6,7 +6,7 @@
 #include "small_scenes.h"
 #include "vulkan_tracer.h"
 #include "support/diced.h"
-#include "support/diced_mesh.h"
+#include "support/irregular_mesh.h"
 #include "support/moving_surface.h"
 #include "support/odd_rays.h"
 
@@ -106,6 +106,23 @@ TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders)
     rtcCommitScene(scene);
     expectSame(compare(scene, raysAt(random, 4000)));
   }
+}
+
+TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders)
+{
+  Scene inside(embree), scene(embree);
+  for (const NamedMesh& shape : irregularMeshes(random, 0)) {
+    SCOPED_TRACE(shape.name);
+    const MeshScene alone(embree, shape.mesh);
+    expectSame(compare(alone, raysAt(random, 4000)));
+    attach(inside, newMesh(embree, shape.mesh, RTC_COMPRESSION_VERT));
+  }
+  rtcCommitScene(inside);
+  attachMovingInstances(embree, scene, inside, random);
+  rtcCommitScene(scene);
+  std::vector<RTCRayHit> rays = timedRays(random, 10000);
+  for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
+  expectSame(compare(scene, rays));
 }
 
 // Different kinds next to each other with masks, triangles of a mesh, a disabled geometry, and ranges of rays.

@@ -16,6 +16,8 @@
 #include "tracing/trace_hits.h"
 #include "validated_device.h"
 
+#include <stdexcept>
+
 namespace cbvh::test {
 namespace {
 
@@ -34,11 +36,11 @@ TEST_P(VulkanWatertight, RaysThroughRandomSheetsHit)
   Device device;
   SheetSettings settings;
   settings.rays = 200000;
-  settings.raysASheet = 5000;
+  settings.raysPerSheet = 5000;
   settings.seed = 81;
   settings.device = "vulkan";
   const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, 1);
-  EXPECT_GT(found.rays, found.ofGrid*100);
+  EXPECT_GT(found.rays, found.gridMisses*100);
   EXPECT_EQ(found.closest, 0u);
   EXPECT_EQ(found.any, 0u);
   for (const std::string& example : found.examples) ADD_FAILURE() << example;
@@ -89,9 +91,9 @@ TEST_P(VulkanWatertight, RaysOutOfAClosedSurfaceHit)
   settings.thickness = closed.scene.report().distanceFromMesh();
   const LeakCounts counts = countLeaks(closed.grid.handle(), closed.scene.tracer(), points, settings, 1);
   EXPECT_GT(counts.aimed, settings.rays/4);
-  EXPECT_EQ(counts.ofScene.closest, 0u);
-  EXPECT_EQ(counts.ofScene.any, 0u);
-  EXPECT_EQ(counts.ofScene.through, 0u);
+  EXPECT_EQ(counts.sceneLeaks.closest, 0u);
+  EXPECT_EQ(counts.sceneLeaks.any, 0u);
+  EXPECT_EQ(counts.sceneLeaks.through, 0u);
 }
 
 // Not more errors than on the CPU: 1 in 1000 of all rays may differ by rounding.

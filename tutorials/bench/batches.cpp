@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-bool sameButLibrary(const Variant& a, const Variant& b)
+bool differOnlyByLibrary(const Variant& a, const Variant& b)
 {
   return a.representation.label() == b.representation.label() && a.isa == b.isa;
 }
@@ -57,7 +57,7 @@ size_t baselineBytes(const Batches& batches, const BuildSize& size)
 size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size)
 {
   const auto together = std::count_if(batches.tooLarge.begin(), batches.tooLarge.end(),
-                                      [&](const Variant& v) { return sameButLibrary(v, tooLarge); });
+                                      [&](const Variant& v) { return differOnlyByLibrary(v, tooLarge); });
   return baselineBytes(batches, size) + size_t(together) * estimatedPeakBytes(tooLarge.representation.kind, size);
 }
 
@@ -65,7 +65,8 @@ std::string sizeMessage(const std::string& what, size_t quads, size_t needed, si
 {
   char text[200];
   std::snprintf(text, sizeof(text),
-                "not enough memory: %s on %.1f million quads takes about %.1f GiB with GRID, and %.1f are free",
+                "not enough memory: %s on %.1f million quads needs about %.1f GiB together with GRID, but %.1f GiB are "
+                "free",
                 what.c_str(), double(quads) * 1e-6, double(needed) / (1 << 30), double(available) / (1 << 30));
   return text;
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Which variants of a group are in memory, and measured in turns, at a time. */
+/* Divides the variants of a group into batches that are in memory, and measured alternately, at the same time. */
 
 #include "building/memory.h"
 #include "building/representation.h"
@@ -14,38 +14,37 @@
 
 namespace cbvh {
 
-/* A representation on an instruction set, by a library. */
+/* A representation on an instruction set, built by a library. */
 struct Variant
 {
   Representation representation;
   std::string isa;
-  size_t library = 0; // index of it
+  size_t library = 0; // index of the library
 };
 
-/* Whether they differ at most by their libraries. */
-bool sameButLibrary(const Variant& a, const Variant& b);
+/* True if the variants differ at most by their libraries. */
+bool differOnlyByLibrary(const Variant& a, const Variant& b);
 
 struct Batches
 {
-  std::vector<Variant> baselines;         // GRID, one an ISA and library; in memory all the time
-  std::vector<std::vector<Variant>> rest; // at least one, may be empty
+  std::vector<Variant> baselines;         // GRID, one per ISA and library; always in memory
+  std::vector<std::vector<Variant>> rest; // at least one batch, which may be empty
   std::vector<Variant> tooLarge;
-  std::vector<Variant> unknown;           // to their libraries
+  std::vector<Variant> unknown;           // representations that their libraries do not have
 };
 
-/* Fills batches in the order given as long as their upper estimates fit. What differs by the
- * library only is always in one batch.
- * available: bytes. compresses: of each library, whether it has
- * compressed representations. */
+/* Fills batches in order as long as upper estimates of their memory fit into `available` bytes. Variants that differ
+ * only by the library are always in the same batch. `compresses` is true for libraries with compressed
+ * representations. */
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
                     const BuildSize& size, size_t available, const std::vector<bool>& compresses = {true});
 
-/* Upper estimates of what the baselines take, and of what they and one that is too large take,
- * by all libraries. */
+/* Return upper estimates of the memory, in bytes, of the baselines, and of the baselines together with a variant that
+ * is too large, built by all libraries. */
 size_t baselineBytes(const Batches& batches, const BuildSize& size);
 size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size);
 
-/* Says that `what`, a representation, needs more than is available. */
+/* Returns the message that a representation needs more memory than is available. */
 std::string sizeMessage(const std::string& what, size_t quads, size_t needed, size_t available);
 
 } // namespace cbvh

@@ -13,7 +13,7 @@ Model loadModel(const BenchOptions& options, const BenchScene& bench)
 {
   SceneSettings settings = bench.settings;
   settings.threads = options.buildThreads;
-  Model model = loadSceneOf("cbvh_bench", settings);
+  Model model = loadProgramScene("cbvh_bench", settings);
   for (Placement& copy : model.copies)
     copy.origin += options.position;
   return model;
@@ -29,7 +29,7 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     const Model model = loadModel(options, bench);
     const std::vector<ReferenceView> reference = traceReference(options, model);
     std::optional<TrueSurfaces> surfaces;
-    if (options.trueHits && model.poses.empty()) // it is that of the first step
+    if (options.trueHits && model.poses.empty()) // the true surface is known only for the first time step
       surfaces.emplace(model);
     for (int level : options.levels)
       done(runGroup({options, bench.label, model, surfaces ? &*surfaces : nullptr, reference, level}));

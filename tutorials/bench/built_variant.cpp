@@ -9,17 +9,17 @@ namespace cbvh {
 namespace {
 
 /* Sizes in Embree 3.13. */
-constexpr size_t gridQuads = 8;             // a side of a grid, of those that GRID cuts patches into
-constexpr size_t gridVertexBytes = 16;      // x, y, z and (u,v)
-constexpr size_t vertexBytes = 12;          // of a triangle mesh
-constexpr size_t triangleBytes = 12 + 44;   // three indices; the share of a full Triangle4
+constexpr size_t gridQuads = 8;           // per side of the grids into which GRID cuts patches
+constexpr size_t gridVertexBytes = 16;    // x, y, z and (u,v)
+constexpr size_t vertexBytes = 12;        // of a triangle mesh
+constexpr size_t triangleBytes = 12 + 44; // three indices, and the share of a full Triangle4
 
 size_t leafBytesOfTriangles(const PatchLayout& layout)
 {
   return layout.numVertices() * vertexBytes + layout.numQuads() * 2 * triangleBytes;
 }
 
-/* Grids of a patch share no vertices: each has those of its own borders. */
+/* Grids of a patch share no vertices: each grid stores its own borders. */
 size_t leafBytesOfGrids(const PatchLayout& layout)
 {
   size_t vertices = 0;
@@ -31,7 +31,7 @@ size_t leafBytesOfGrids(const PatchLayout& layout)
   return vertices * gridVertexBytes;
 }
 
-/* All that holds vertices: for NAIVE the buffers, too. */
+/* Returns the bytes of everything that holds vertices, including buffers for NAIVE. */
 size_t leafBytes(const BuiltScene& scene)
 {
   switch (scene.representation().kind)
@@ -49,7 +49,7 @@ size_t leafBytes(const BuiltScene& scene)
 
 BuiltVariant::BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
                            Group& group)
-  : scene(nullptr, Removal{&library})
+  : scene(nullptr, Deleter{&library})
 {
   settings.isa = variant.isa;
   library.use();
@@ -64,16 +64,17 @@ BuiltVariant::BuiltVariant(const Model& model, const Variant& variant, BuildSett
   found = &group.results.back();
 }
 
-void BuiltVariant::Removal::operator()(BuiltScene* scene) const
+void BuiltVariant::Deleter::operator()(BuiltScene* scene) const
 {
   library->use();
   delete scene;
 }
 
-std::optional<size_t> sameOfFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i)
+std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i)
 {
   for (size_t first = 0; first < batch.size(); first++)
-    if (first != i && batch[first].variant().library == 0 && sameButLibrary(batch[first].variant(), batch[i].variant()))
+    if (first != i && batch[first].variant().library == 0 &&
+        differOnlyByLibrary(batch[first].variant(), batch[i].variant()))
       return first;
   return std::nullopt;
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A variant in memory, and what its memory is made of. */
+/* A variant in memory, and the parts of its memory. */
 
 #include "library.h"
 #include "results.h"
@@ -18,11 +18,12 @@ namespace cbvh {
 class BuiltVariant
 {
 public:
-  /* Builds, and starts the variant's result at the end of a group's, where it stays. settings:
-   * their ISA is the variant's. library: the variant's, outlives it. Throws Error, Cancelled. */
-  BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library, Group& group);
+  /* Builds the variant, and appends its result to the group, where its address stays valid. The variant's ISA overrides
+   * the settings. The library must outlive the variant. Throws Error, Cancelled. */
+  BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
+               Group& group);
 
-  /* The scene, whose library is in use from now on. */
+  /* Makes the variant's library the current one, and returns the scene. */
   const BuiltScene& use() const
   {
     scene.get_deleter().library->use();
@@ -33,17 +34,17 @@ public:
   const Variant& variant() const { return found->variant; }
 
 private:
-  struct Removal
+  struct Deleter
   {
     const Library* library;
     void operator()(BuiltScene* scene) const;
   };
-  std::unique_ptr<BuiltScene, Removal> scene;
+  std::unique_ptr<BuiltScene, Deleter> scene;
   VariantResult* found;
 };
 
-/* Which variant of a batch is the i-th of the first library; none if that does not have it, or
- * if it is the i-th itself. */
-std::optional<size_t> sameOfFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i);
+/* Returns the index of the variant of the first library that corresponds to the i-th variant of a batch. Returns
+ * nothing if there is none, or if it is the i-th variant itself. */
+std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i);
 
 } // namespace cbvh

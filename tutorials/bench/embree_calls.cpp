@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A function that is missing here would be that of the program's own library, whichever is in
- * use: tests/programs/bench_cli.sh looks for such. */
+/* A function that is missing in this list would be resolved to the program's own library, whichever is current.
+ * tests/programs/bench_cli.sh detects missing functions. */
 
 #include "embree_calls.h"
 #include "basics/error.h"
@@ -12,8 +12,13 @@
 #include <iterator>
 #include <utility>
 
-#if !defined(__x86_64__)
-#error "a jump through a slot is written for x86-64 only"
+/* Instructions that jump to the address in a slot and preserve the registers of arguments. */
+#if defined(__x86_64__)
+#define CBVH_JUMP(slot) "jmp *" slot "(%rip)\n"
+#elif defined(__aarch64__)
+#define CBVH_JUMP(slot) "adrp x16, " slot "\nldr x16, [x16, #:lo12:" slot "]\nbr x16\n"
+#else
+#error "jumping through a slot is implemented for x86-64 and ARM64 only"
 #endif
 
 #define CBVH_EMBREE_FUNCTIONS(EACH) \
@@ -30,15 +35,15 @@
   EACH(rtcIntersect1) EACH(rtcIntersect4) EACH(rtcIntersect8) EACH(rtcIntersect16) EACH(rtcIntersect1M) \
   EACH(rtcOccluded1) EACH(rtcOccluded4) EACH(rtcOccluded8) EACH(rtcOccluded16) EACH(rtcOccluded1M)
 
-/* A slot, and the function that jumps there, whatever its arguments are. */
+/* A slot, and the function that jumps to its contents, with any arguments. */
 #define CVERT_FUNCTION(name)                     \
   extern "C" void* cbvh_slot_##name;            \
   void* cbvh_slot_##name = nullptr;             \
   asm(".pushsection .text\n"                    \
       ".balign 16\n"                            \
       ".globl " #name "\n"                      \
-      ".type " #name ", @function\n"            \
-      #name ": jmp *cbvh_slot_" #name "(%rip)\n" \
+      ".type " #name ", %function\n"            \
+      #name ": " CBVH_JUMP("cbvh_slot_" #name)   \
       ".size " #name ", . - " #name "\n"        \
       ".popsection\n");
 CBVH_EMBREE_FUNCTIONS(CVERT_FUNCTION)
@@ -55,23 +60,23 @@ struct Slot
 #define CBVH_SLOT(name) {#name, &cbvh_slot_##name},
 constexpr Slot slots[] = {CBVH_EMBREE_FUNCTIONS(CBVH_SLOT)};
 
-std::string inUse; // the library
+std::string currentLibrary;
 
-/* In place of a function that the library does not have. */
+/* Stands for a function that the library does not have. */
 template<size_t slot>
-[[noreturn]] void refuse()
+[[noreturn]] void missingFunction()
 {
-  throw Error(inUse + " has no " + slots[slot].name);
+  throw Error(currentLibrary + " has no " + slots[slot].name + ": expected a library with this function");
 }
 
 template<size_t... i>
 void fill(const EmbreeFunctions& functions, std::index_sequence<i...>)
 {
-  const auto valueOf = [&](size_t slot, void (*otherwise)()) {
+  const auto valueOf = [&](size_t slot, void (*fallback)()) {
     void* const function = functions.at(slots[slot].name);
-    return function ? function : reinterpret_cast<void*>(otherwise);
+    return function ? function : reinterpret_cast<void*>(fallback);
   };
-  ((*slots[i].function = valueOf(i, refuse<i>)), ...);
+  ((*slots[i].function = valueOf(i, missingFunction<i>)), ...);
 }
 
 } // namespace
@@ -86,7 +91,7 @@ EmbreeFunctions embreeFunctionsOf(void* opened)
 
 void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library)
 {
-  inUse = library;
+  currentLibrary = library;
   fill(functions, std::make_index_sequence<std::size(slots)>());
 }
 

@@ -3,24 +3,23 @@
 
 #pragma once
 
-/* Embree's functions as this program and what it has of common/ call them: the program has
- * them itself. Each is one jump to where a slot says, as it is in the table that a linker makes
- * for the functions of a shared library, and costs the same, but these slots can be filled
- * again: so several builds of the library can be in one process, one of them in use. */
+/* Embree's functions as this program, including common/, calls them. The program defines them itself: each is one jump
+ * through a slot, like an entry of a linker's table for a shared library, and costs the same. Unlike that table, slots
+ * can be refilled, so several builds of the library can be in one process, one of which is current. */
 
 #include <map>
 #include <string>
 
 namespace cbvh {
 
-/* By name. Null: the library does not have it. */
+/* Addresses by name. Null if the library does not have the function. */
 using EmbreeFunctions = std::map<std::string, void*>;
 
-/* Finds them all in a library that dlopen opened. */
+/* Finds the functions in a library that dlopen opened. */
 EmbreeFunctions embreeFunctionsOf(void* opened);
 
-/* Fills the slots. To call a function that is null throws Error, which says so. No other
- * thread calls Embree meanwhile. library: its name in that Error. */
+/* Fills the slots. Calling a function that is null throws Error that names it and `library`. No other thread may call
+ * Embree during this call. */
 void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library);
 
 } // namespace cbvh

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID of each ISA and library stands in memory all the time, the other variants as many as
- * fit. What a variant is like, errors, pictures and checks, is found right after its build,
- * when nothing is measured: only the speed takes turns. */
+/* GRID of each ISA and library is always in memory; other variants are in batches that fit. Errors, pictures and checks
+ * of a variant are computed right after its build, when nothing is measured. Only speed is measured alternately. */
 
 #include "group_run.h"
 
@@ -60,11 +59,11 @@ std::vector<int> frameLevels(const std::vector<Representation>& representations)
   return levels;
 }
 
-/* All that the variants of a group are compared with: GRID, and what it sees. */
+/* The reference of all variants of a group: GRID and its hits. */
 class Comparisons
 {
 public:
-  /* grid: the first baseline. The settings outlive this. Describes grid and views in the
+  /* `grid` is the first baseline. The settings must outlive this object. Adds descriptions of GRID and views to the
    * group. */
   Comparisons(const GroupSettings& settings, const BuildSettings& build, const BuiltScene& grid, Group& group)
     : errors{settings.model, settings.surfaces, settings.level, threadCount(build.threads)},
@@ -81,7 +80,7 @@ public:
 
   const std::vector<View>& views() const { return all; }
 
-  /* Errors, pictures and checks of a variant. grid: of the same library. */
+  /* Computes errors, pictures and checks of a variant. `grid` must be of the same library. */
   void add(const BuiltVariant& built, const BuiltScene& grid) const
   {
     const BuiltScene& scene = built.use();
@@ -124,14 +123,14 @@ class GroupRun
 public:
   explicit GroupRun(const GroupSettings& settings)
     : settings(settings), build(buildSettings(settings)), group(newGroup(settings)),
-      available(availableMemory() / 10 * 9), // the rest for rays and hits
+      available(availableMemory() / 10 * 9), // leaves memory for rays and hits
       size(settings.model, settings.level),
       plan(planBatches(settings.options.representations, settings.options.isas, size, available,
                        compresses(settings.options.libraries)))
   {
     const size_t needed = baselineBytes(plan, size);
     if (needed > available)
-      throw Error(sizeMessage("GRID", group.quads, needed, available) + "; lower --level");
+      throw Error(sizeMessage("GRID", group.quads, needed, available) + ": expected a lower --level");
   }
 
   Group run()
@@ -153,7 +152,7 @@ public:
       skip(variant, sizeMessage(variant.representation.label(), group.quads, neededBytes(plan, variant, size),
                                 available));
     for (const Variant& variant : plan.unknown)
-      skip(variant, variant.representation.label() + " is not known to " + libraryOf(variant).description());
+      skip(variant, variant.representation.label() + " is not supported by " + libraryOf(variant).description());
     return std::move(group);
   }
 
@@ -192,7 +191,7 @@ private:
   size_t available; // bytes
   const BuildSize size;
   Batches plan;
-  std::vector<BuiltVariant> built; // baselines first, and then a batch
+  std::vector<BuiltVariant> built; // baselines, followed by a batch
   std::unique_ptr<Comparisons> comparisons;
 };
 

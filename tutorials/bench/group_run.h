@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A scene at a level: its variants built batch by batch, compared and measured. */
+/* Builds the variants of a scene at a level batch by batch, compares and measures them. */
 
 #include "options.h"
 #include "results.h"
@@ -15,14 +15,14 @@ namespace cbvh {
 struct GroupSettings
 {
   const BenchOptions& options;
-  std::string scene;                           // its label
+  std::string scene; // its label
   const Model& model;
-  const TrueSurfaces* surfaces;                // of the model, null for no errors against it
+  const TrueSurfaces* surfaces; // of the model; null to skip errors against the true surface
   const std::vector<ReferenceView>& reference; // of the model
   int level;
 };
 
-/* Throws Error, Cancelled. */
+/* Runs a group. Throws Error, Cancelled. */
 Group runGroup(const GroupSettings& settings);
 
 } // namespace cbvh

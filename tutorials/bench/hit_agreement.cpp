@@ -12,7 +12,7 @@ HitAgreement agreementOf(const BuiltVariant& first, const BuiltVariant& other, c
                          const TraceSettings& trace)
 {
   const std::vector<KeptHit> hits = keepHits(first.use(), view.sets[set], trace);
-  return {view.name, set, trace, compareKept(hits, keepHits(other.use(), view.sets[set], trace))};
+  return {view.name, set, trace, compareKeptHits(hits, keepHits(other.use(), view.sets[set], trace))};
 }
 
 } // namespace
@@ -25,15 +25,18 @@ void compareLibraries(const BenchOptions& options, const std::vector<View>& view
   for (size_t i = 0; i < batch.size(); i++)
   {
     phase.update(double(i) / double(batch.size()));
-    const std::optional<size_t> first = sameOfFirstLibrary(batch, i);
+    const std::optional<size_t> first = findInFirstLibrary(batch, i);
     std::vector<HitAgreement>& agreements = batch[i].result().agreements;
-    if (!first || !agreements.empty()) // a baseline is in every batch
+    if (!first || !agreements.empty()) // baselines are in every batch
       continue;
     for (const View& view : views)
       for (RaySet set : options.sets)
         for (Query query : options.queries)
           for (TraceMode mode : options.modes)
-            agreements.push_back(agreementOf(batch[*first], batch[i], view, set, {query, mode, set == Coherent, threads}));
+          {
+            const TraceSettings trace{query, mode, set == Coherent, threads};
+            agreements.push_back(agreementOf(batch[*first], batch[i], view, set, trace));
+          }
   }
 }
 

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Whether libraries hit the same: where one is a change of the other that is to be faster and
- * nothing else, every ray has to. Each entrance of Embree's API is looked at that is measured,
- * for it has code of its own. */
+/* Compares the hits of libraries. If a library differs from another only by optimizations, every ray must have the same
+ * hit. Compares every query of Embree's API that is measured, because each has its own code. */
 
 #include "built_variant.h"
 #include "options.h"
@@ -16,8 +15,8 @@
 
 namespace cbvh {
 
-/* Adds agreements to the results of all variants of other libraries that have none yet. title:
- * of the phase. Throws Cancelled. */
+/* Adds agreements to the results of all variants of other libraries than the first that have none yet. `title` names
+ * the phase. Throws Cancelled. */
 void compareLibraries(const BenchOptions& options, const std::vector<View>& views,
                       const std::vector<BuiltVariant>& batch, const std::string& title);
 

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/* Of the format below; readers refuse others. */
+/* Version of the format below; readers reject other versions. */
 constexpr int formatVersion = 2;
 
 json summary(const std::vector<double>& values)
@@ -34,9 +34,9 @@ json leaksJson(const LeakCounts& c)
 {
   json j = {{"rays", c.rays},
             {"aimed_rays", c.aimed},
-            {"missed", leaksJson(c.ofScene)},
+            {"missed", leaksJson(c.sceneLeaks)},
             {"missed_unaimed", leaksJson(c.random)},
-            {"missed_by_grid", leaksJson(c.ofGrid)},
+            {"missed_by_grid", leaksJson(c.gridLeaks)},
             {"examples", json::array()}};
   for (const Ray& r : c.examples)
     j["examples"].push_back({r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z});
@@ -46,17 +46,17 @@ json leaksJson(const LeakCounts& c)
 json sheetsJson(const SheetCrossings& c)
 {
   return {{"sheets", c.sheets},          {"rays", c.rays},        {"closest", c.closest}, {"any", c.any},
-          {"missed_by_grid", c.ofGrid}, {"examples", c.examples}};
+          {"missed_by_grid", c.gridMisses}, {"examples", c.examples}};
 }
 
 json crossingsJson(const CrossingCheck& c)
 {
   return {{"view", c.view},
           {"rays", c.found.rays},
-          {"crossings", c.found.ofScene},
-          {"grid_crossings", c.found.ofGrid},
-          {"other_number", c.found.otherNumber},
-          {"other_parity", c.found.otherParity}};
+          {"crossings", c.found.sceneCrossings},
+          {"grid_crossings", c.found.gridCrossings},
+          {"other_number", c.found.differentCounts},
+          {"other_parity", c.found.differentParities}};
 }
 
 json shadowJson(const ShadowErrors& e)
@@ -75,10 +75,10 @@ json shadowsJson(const ShadowCheck& c)
           {"rays", c.found.rays},
           {"occluded", c.found.occluded},
           {"errors", shadowJson(c.found.all)},
-          {"same_place_rays", c.found.raysOfSame},
-          {"same_place_errors", shadowJson(c.found.ofSame)},
-          {"turned_rays", c.found.raysOfTurned},
-          {"turned_errors", shadowJson(c.found.ofTurned)},
+          {"same_place_rays", c.found.sameHitRays},
+          {"same_place_errors", shadowJson(c.found.sameHitErrors)},
+          {"turned_rays", c.found.flippedRays},
+          {"turned_errors", shadowJson(c.found.flippedErrors)},
           {"control_errors", shadowJson(c.found.control)}};
 }
 
@@ -241,7 +241,7 @@ json settingsJson(const BenchOptions& options)
           {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}};
 }
 
-/* Who measured, where and how. */
+/* Describes the run: command, machine, build and settings. */
 json runJson(const BenchOptions& options, const Machine& m)
 {
   json run = {{"command", options.command},

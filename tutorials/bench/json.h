@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Measurements as JSON. */
+/* Formats measurements as JSON. */
 
 #include "machine.h"
 #include "options.h"
@@ -14,12 +14,12 @@
 
 namespace cbvh {
 
-/* Everything, with units in the names and what it takes to measure it again.
- * complete: whether all groups that were asked for are there. */
+/* Returns all results, with units in the names, and everything that is necessary to repeat the measurement. `complete`
+ * is true if all groups are included. */
 std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups,
                        bool complete);
 
-/* Commit, instruction sets that library and processor have, and scenes. */
+/* Returns the commit, the instruction sets that library and processor have, and the scenes. */
 std::string formatAbout(const Machine& machine);
 
 } // namespace cbvh

@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A library is opened by its path, so another file is another library, though all have the
- * same name inside. RTLD_LOCAL keeps them apart: each finds its own functions, of which it
- * exports those of the API only and calls none of these itself. Without RTLD_DEEPBIND, by
- * which it would find a std::cout that is not this program's. */
+/* Libraries are opened by path: different files are different libraries, although they have the same soname. RTLD_LOCAL
+ * separates them: each finds its own functions, because it exports only functions of the API and never calls these
+ * itself. RTLD_DEEPBIND is not used, because the library would find a std::cout that is not this program's. */
 
 #include "library.h"
 #include "basics/error.h"
@@ -33,34 +32,34 @@ std::string fileAt(const std::string& given)
   for (const char* name : {libraryFile, "libembree3.so"})
     if (fs::exists(path / name))
       return (path / name).string();
-  throw Error("--library '" + given + "': the folder has no " + libraryFile);
+  throw Error("--library '" + given + "': the folder has no " + libraryFile + ": expected one");
 }
 
-/* What is written on std::cout meanwhile. */
-class Listener
+/* Captures std::cout while it exists. */
+class OutputCapture
 {
 public:
-  Listener() : before(std::cout.rdbuf(heard.rdbuf())) {}
-  ~Listener() { std::cout.rdbuf(before); }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
+  OutputCapture() : before(std::cout.rdbuf(captured.rdbuf())) {}
+  ~OutputCapture() { std::cout.rdbuf(before); }
+  OutputCapture(const OutputCapture&) = delete;
+  OutputCapture& operator=(const OutputCapture&) = delete;
 
-  std::string text() const { return heard.str(); }
+  std::string text() const { return captured.str(); }
 
 private:
-  std::ostringstream heard;
+  std::ostringstream captured;
   std::streambuf* before;
 };
 
-/* From what a device says of itself, "SSE2 AVX2  (compile time enabled)", names as --isa has
- * them: no function returns it. */
-std::vector<std::string> targetsIn(const std::string& said)
+/* Returns the instruction sets, as --isa names them, from a device's verbose output, "SSE2 AVX2  (compile time
+ * enabled)". No function of the API returns them. */
+std::vector<std::string> parseTargets(const std::string& output)
 {
-  const size_t end = said.find("(compile time enabled)");
+  const size_t end = output.find("(compile time enabled)");
   if (end == std::string::npos)
     return {};
-  const size_t begin = said.rfind('\n', end) + 1;
-  std::istringstream line(said.substr(begin, end - begin));
+  const size_t begin = output.rfind('\n', end) + 1;
+  std::istringstream line(output.substr(begin, end - begin));
   std::vector<std::string> targets;
   for (std::string word; line >> word;)
     targets.push_back(lowerCase(word));
@@ -72,13 +71,13 @@ std::vector<std::string> targetsIn(const std::string& said)
 Library::Library()
 {
   open(libraryFile);
-  file = loadedLibrary().path; // the one that was found
+  file = loadedLibrary().path; // where the loader found it
 }
 
 Library::Library(const std::string& name, const std::string& path) : label(name)
 {
   open(path);
-  ask();
+  readProperties();
 }
 
 void Library::open(const std::string& given)
@@ -89,19 +88,20 @@ void Library::open(const std::string& given)
     throw Error((label.empty() ? "" : "--library '" + given + "': ") + std::string(dlerror()));
   functions = embreeFunctionsOf(opened);
   if (!functions.at("rtcNewDevice"))
-    throw Error("--library '" + given + "' is no Embree: it has no rtcNewDevice");
+    throw Error("--library '" + given + "' is not Embree: expected a library with rtcNewDevice");
 }
 
-void Library::ask()
+void Library::readProperties()
 {
   use();
-  const Listener listener;
+  const OutputCapture output;
   const EmbreeDevice device("verbose=1,threads=1");
-  const ssize_t number = rtcGetDeviceProperty(device.handle(), RTC_DEVICE_PROPERTY_VERSION); // 31305
-  release = std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." + std::to_string(number % 100);
+  const ssize_t number = rtcGetDeviceProperty(device.handle(), RTC_DEVICE_PROPERTY_VERSION); // for example 31305
+  release = std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." +
+            std::to_string(number % 100);
   if (number / 10000 != RTC_VERSION_MAJOR)
-    throw Error(description() + " is Embree " + release + ", and not " + std::to_string(RTC_VERSION_MAJOR));
-  targets = targetsIn(listener.text());
+    throw Error(description() + " is Embree " + release + ": expected Embree " + std::to_string(RTC_VERSION_MAJOR));
+  targets = parseTargets(output.text());
 }
 
 void Library::use() const
@@ -117,7 +117,7 @@ std::string Library::description() const
 std::vector<Library> openLibraries(const std::vector<std::string>& paths)
 {
   if (paths.size() > 26)
-    throw Error("--library names " + std::to_string(paths.size()) + " libraries, 26 are the most");
+    throw Error("--library names " + std::to_string(paths.size()) + " libraries: expected at most 26");
   std::vector<Library> libraries;
   for (const std::string& path : paths)
   {
@@ -125,7 +125,7 @@ std::vector<Library> openLibraries(const std::vector<std::string>& paths)
     for (const Library& other : libraries)
       if (library.isSameFile(other))
         throw Error("--library: " + other.path() + " and " + library.path() +
-                    " are the same file; to compare a library with itself, copy it");
+                    " are the same file: expected different files; a library may be compared with a copy of itself");
     libraries.push_back(library);
   }
   return libraries;
@@ -142,7 +142,7 @@ std::vector<std::string> commonIsas(const std::vector<Library>& libraries)
       common.erase(std::remove_if(common.begin(), common.end(), lacks), common.end());
   }
   if (common.empty())
-    throw Error("the libraries of --library have no instruction set in common");
+    throw Error("the libraries of --library have no common instruction set: expected at least one");
   return common;
 }
 

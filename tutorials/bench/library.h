@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A build of Embree's library in this process, of which there may be several. */
+/* A build of Embree's library. There may be several in this process. */
 
 #include "embree_calls.h"
 
@@ -15,21 +15,21 @@ namespace cbvh {
 class Library
 {
 public:
-  /* The program's own, where the loader finds it. It has no name. */
+  /* The program's own library, where the loader finds it. It has no name. */
   Library();
 
-  /* name: in tables and records. path: of libembree3.so.3, or of a folder that has one. Is in
-   * use afterwards. Throws Error for a file that is no Embree 3. */
+  /* `name` is for tables and records. `path` is a libembree3.so.3, or a folder that contains one. The library becomes
+   * the current one. Throws Error if the file is not Embree 3. */
   Library(const std::string& name, const std::string& path);
 
-  /* All that the program calls of Embree is this library's from now on. What a library made
-   * is for its own functions only. No other thread calls Embree meanwhile. */
+  /* Makes this the current library, to which all calls of Embree go. Objects may only be passed to the library that
+   * made them. No other thread may call Embree during this call. */
   void use() const;
 
   const std::string& name() const { return label; }
   const std::string& path() const { return file; }
-  const std::string& version() const { return release; }                // "3.13.5"; "" without a name, as isas
-  const std::vector<std::string>& isas() const { return targets; }      // that it was built for; empty if it does not say
+  const std::string& version() const { return release; }           // "3.13.5"; empty without a name
+  const std::vector<std::string>& isas() const { return targets; } // that it was built for; empty if unknown
   bool compresses() const { return functions.at("rtcSetGeometryCompression"); }
   bool isSameFile(const Library& other) const { return opened == other.opened; }
 
@@ -38,19 +38,19 @@ public:
 
 private:
   void open(const std::string& given);
-  void ask();
+  void readProperties();
 
   std::string label, file, release;
   std::vector<std::string> targets;
-  void* opened = nullptr; // until the process ends: threads may hold what is Embree's
+  void* opened = nullptr; // never closed, because threads may hold objects of Embree
   EmbreeFunctions functions;
 };
 
-/* Libraries called A, B and so on, each another file. Throws Error. */
+/* Opens libraries and names them A, B and so on. Throws Error, also if two paths are the same file. */
 std::vector<Library> openLibraries(const std::vector<std::string>& paths);
 
-/* The instruction sets that none of them says it lacks, narrowest first. Throws Error if there
- * is none. */
+/* Returns the instruction sets that all libraries have, the narrowest first; libraries that report none have all.
+ * Throws Error if there is none. */
 std::vector<std::string> commonIsas(const std::vector<Library>& libraries);
 
 } // namespace cbvh

@@ -28,6 +28,9 @@ std::string processorName()
 
 bool processorHas(const std::string& isa)
 {
+#if !defined(__x86_64__)
+  return isa == "sse2"; // Embree's name for NEON
+#else
   if (isa == "sse2")
     return __builtin_cpu_supports("sse2");
   if (isa == "sse4.2")
@@ -38,6 +41,7 @@ bool processorHas(const std::string& isa)
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
          __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+#endif
 }
 
 std::vector<std::string> split(const std::string& list)
@@ -91,7 +95,8 @@ std::string bestIsa(const Machine& machine)
 {
   const std::vector<std::string> usable = usableIsas(machine);
   if (usable.empty())
-    throw Error("--isa best: this processor has none that the library, or all of --library, were built for");
+    throw Error("--isa best: this processor has none of the instruction sets that the library, or all libraries of "
+                "--library, were built for");
   return usable.back();
 }
 
@@ -99,11 +104,11 @@ void requireIsa(const Machine& machine, const std::string& isa)
 {
   const std::vector<std::string> known{"sse2", "sse4.2", "avx", "avx2", "avx512"};
   if (std::find(known.begin(), known.end(), isa) == known.end())
-    throw Error("unknown --isa '" + isa + "', known are sse2, sse4.2, avx, avx2 and avx512");
+    throw Error("unknown --isa '" + isa + "': expected best, sse2, sse4.2, avx, avx2 or avx512");
   if (std::find(machine.isas.begin(), machine.isas.end(), isa) == machine.isas.end())
-    throw Error("--isa '" + isa + "': the library, or one of --library, was not built for it");
+    throw Error("--isa '" + isa + "': the library, or one of --library, was not built for this instruction set");
   if (!processorHas(isa))
-    throw Error("--isa '" + isa + "': this processor does not have it");
+    throw Error("--isa '" + isa + "': this processor does not have this instruction set");
 }
 
 } // namespace cbvh

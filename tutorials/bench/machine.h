@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What a measurement ran on, and what it was built from. */
+/* The machine and the build of a measurement. */
 
 #include <cstddef>
 #include <string>
@@ -16,28 +16,27 @@ struct Machine
   std::string cpu;
   unsigned threads = 0;         // hardware threads
   size_t memoryBytes = 0;
-  double load = 0;              // runnable threads in the last minute, other programs' included
-  std::string system;           // kernel's name and release
-  std::string commit;           // of what was built; "+changes" for a changed working tree
+  double load = 0;               // mean number of runnable threads in the last minute, including other programs
+  std::string system;            // name and release of the kernel
+  std::string commit;            // of the build; "+changes" is appended for a modified working tree
   std::string compiler, flags, buildType;
   std::vector<std::string> isas; // that the library was built for
-  std::string date;             // as dateNow(), of the start
+  std::string date;              // start of the program, as dateNow()
 };
 
 Machine describeMachine();
 
-/* UTC, ISO 8601. */
+/* Returns the current time in UTC, ISO 8601. */
 std::string dateNow();
 
-/* What both library and processor have, narrowest first. */
+/* Returns the instruction sets that both library and processor have, the narrowest first. */
 std::vector<std::string> usableIsas(const Machine& machine);
 
-/* The instruction set that Embree picks when nothing is asked for, the widest of them. Throws Error
- * if there is none. */
+/* Returns the widest usable instruction set, which Embree selects by default. Throws Error if there is none. */
 std::string bestIsa(const Machine& machine);
 
-/* Throws Error for a name that is unknown, or that the library or the processor
- * does not have: Embree would quietly take another. */
+/* Throws Error if a name is unknown, or if the library or the processor does not have the instruction set: Embree would
+ * silently select another one. */
 void requireIsa(const Machine& machine, const std::string& isa);
 
 } // namespace cbvh

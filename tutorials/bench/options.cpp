@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <system_error>
 
 namespace cbvh {
 namespace {
@@ -28,14 +29,14 @@ std::vector<std::string> split(const std::string& option, const std::string& lis
     words.push_back(list.substr(begin, end - begin));
     begin = end + 1;
     if (words.back().empty())
-      throw Error(option + " '" + list + "' has an empty entry");
+      throw Error(option + " '" + list + "' has an empty entry: expected a comma-separated list");
     if (std::count(words.begin(), words.end(), words.back()) > 1)
-      throw Error(option + " names '" + words.back() + "' twice");
+      throw Error(option + " '" + list + "' contains '" + words.back() + "' twice: expected each entry once");
   }
   return words;
 }
 
-/* A list of numbers from 0 to `most`. */
+/* Parses a list of numbers from 0 to `most`. */
 std::vector<int> parseIntegers(const std::string& option, const std::string& list, int most)
 {
   std::vector<int> numbers;
@@ -45,13 +46,13 @@ std::vector<int> parseIntegers(const std::string& option, const std::string& lis
     const char* const end = word.data() + word.size();
     const auto result = std::from_chars(word.data(), end, value);
     if (result.ec != std::errc() || result.ptr != end || value < 0 || value > most)
-      throw Error(option + " '" + word + "' is not a number from 0 to " + std::to_string(most));
+      throw Error("invalid " + option + " '" + word + "': expected a number from 0 to " + std::to_string(most));
     numbers.push_back(value);
   }
   return numbers;
 }
 
-/* settings: of all scenes on the command line. */
+/* `settings` apply to all scenes of the command line. */
 BenchScene parseScene(const std::string& word, const SceneSettings& settings)
 {
   BenchScene scene{word, settings};
@@ -67,14 +68,14 @@ BenchScene parseScene(const std::string& word, const SceneSettings& settings)
     const char* const end = word.data() + word.size();
     const auto result = std::from_chars(word.data() + mark + 1, end, amplitude);
     if (result.ec != std::errc() || result.ptr != end || !std::isfinite(amplitude))
-      throw Error("--scene '" + word + "': the amplitude after the colon is not a number");
+      throw Error("invalid --scene '" + word + "': expected a number as the amplitude after the colon");
     scene.settings.amplitude = amplitude;
   }
   validateScene(scene.settings);
   return scene;
 }
 
-/* "full,close" are two views, "ex,ey,ez,lx,ly,lz,fov" is one. */
+/* "full,close" are two views, but "ex,ey,ez,lx,ly,lz,fov" is one. */
 std::vector<std::string> parseViews(const std::vector<std::string>& given, ImageSize size)
 {
   std::vector<std::string> views;
@@ -133,64 +134,69 @@ RaySet parseRaySet(const std::string& word)
   for (RaySet set : {Coherent, Incoherent})
     if (word == raySetName(set))
       return set;
-  throw Error("unknown --set '" + word + "', known are coherent and incoherent");
+  throw Error("unknown --set '" + word + "': expected coherent or incoherent");
 }
 
-/* What the command line says in words of its own, with the defaults that --help names. */
+/* Text of the command line that is not yet parsed, with defaults that --help shows. */
 struct Words
 {
   std::vector<std::string> files;
   SceneSettings settings; // of all scenes
   std::string scenes, libraries, levels = "6", representations = defaultRepresentations(), frameLevels = "auto";
-  std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest", modes = "single";
+  std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest";
+  std::string modes = "single";
   std::string size = "768x768", pictureLevels, checks, position;
   std::vector<std::string> views;
   bool about = false;
 };
 
-/* The options, in the order of --help. */
+/* Options in the order of --help. */
 
 void declareLists(CLI::App& app, Words& words)
 {
-  addFiles(app, words.files);
-  app.add_option("--scene", words.scenes, "comma list of " + listOfScenes() + "; an amplitude of its own after a colon")
+  addFileArguments(app, words.files);
+  app.add_option("--scene", words.scenes,
+                 "comma-separated list of " + listOfScenes() + "; an amplitude may follow after a colon")
     ->type_name("LIST");
   addSceneOptions(app, words.settings);
-  app.add_option("--view", words.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be given several times")
+  app.add_option("--view", words.views, "full, close, or ex,ey,ez,lx,ly,lz,fov; may be repeated")
     ->type_name("LIST")->default_str("full");
-  app.add_option("--level", words.levels, "tessellation levels, " + levelRange())->type_name("LIST")->capture_default_str();
-  app.add_option("--representation", words.representations,
-                 "of " + listOfRepresentations(", ") + "; a frame level of its own after ^ or :")
+  app.add_option("--level", words.levels, "tessellation levels, " + levelRange())
     ->type_name("LIST")->capture_default_str();
-  app.add_option("--frame-level", words.frameLevels, "frame levels, at which local frames start: " + levelRange() + ", or auto")
+  app.add_option("--representation", words.representations,
+                 "of " + listOfRepresentations(", ") + "; a frame level may follow after ^ or :")
+    ->type_name("LIST")->capture_default_str();
+  app.add_option("--frame-level", words.frameLevels,
+                 "frame levels, at which local frames start: " + levelRange() + ", or auto")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--library", words.libraries,
-                 "builds of libembree3.so.3, or folders that have one, in place of the program's own: speeds are relative to\n"
-                 "the first, too, and hits are compared with its")
+                 "builds of libembree3.so.3, or folders that contain one, instead of the program's own: speeds are\n"
+                 "also relative to the first, and hits are compared with the hits of the first")
     ->type_name("LIST");
   app.add_option("--isa", words.isas, "widest instruction sets: best, sse2, sse4.2, avx, avx2, avx512")
     ->type_name("LIST")->capture_default_str();
   addDeviceOption(app, words.device);
-  app.add_option("--threads", words.threads, "numbers of threads that trace, 0 for all")
+  app.add_option("--threads", words.threads, "numbers of threads for tracing, 0 for all")
     ->type_name("LIST")->capture_default_str();
   app.add_option("--set", words.sets, "ray sets: coherent, incoherent")->type_name("LIST")->capture_default_str();
-  app.add_option("--query", words.queries, "closest, any")->type_name("LIST")->capture_default_str();
-  app.add_option("--mode", words.modes, "single, packet4, packet8, packet16, stream")
+  app.add_option("--query", words.queries, "queries: closest, any")->type_name("LIST")->capture_default_str();
+  app.add_option("--mode", words.modes, "rays per call: single, packet4, packet8, packet16, stream")
     ->type_name("LIST")->capture_default_str();
 }
 
 void declareMeasurement(CLI::App& app, BenchOptions& o, Words& words)
 {
-  app.add_option("--rays", o.rays, "rays in a measurement, 0 for one a pixel")->type_name("N")->capture_default_str();
-  app.add_option("--repeat", o.repeat, "measurements of each combination, 0 for no speed")
+  app.add_option("--rays", o.rays, "rays per measurement, 0 for one per pixel")
+    ->type_name("N")->capture_default_str();
+  app.add_option("--repeat", o.repeat, "measurements of each combination, 0 to skip speed")
     ->type_name("N")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
   app.add_option("--ray-offset", o.rayOffset,
-                 "distance of bounced rays' origins from the surface, in bounding-box diagonals")
+                 "distance of bounced rays' origins from the surface, in diagonals of the bounding box")
     ->type_name("D")->capture_default_str();
-  app.add_option("--seed", o.seed, "of the bounced rays and of the hits compared with the true surface")
+  app.add_option("--seed", o.seed, "seed of bounced rays and of hits that are compared with the true surface")
     ->type_name("N")->capture_default_str();
-  app.add_option("--build-threads", o.buildThreads, "threads that build, 0 for all")
+  app.add_option("--build-threads", o.buildThreads, "threads for building, 0 for all")
     ->type_name("N")->capture_default_str();
 }
 
@@ -198,38 +204,42 @@ void declareErrorsAndChecks(CLI::App& app, BenchOptions& o, Words& words)
 {
   app.add_option("--check", words.checks,
                  "leaks (rays out of closed surfaces), sheets (rays through random sheets), "
-                 "crossings (that a filter sees which rejects all), shadows (secondary rays from own hits against GRID's),\n"
-                 "offsets (shadows at many offsets)")
+                 "crossings (hits that a filter\nreceives if it rejects all), shadows (secondary rays compared with "
+                 "GRID's), offsets (shadows at many offsets)")
     ->type_name("LIST");
-  app.add_option("--check-rays", o.checks.rays, "rays that look for leaks or cross sheets, a representation")
+  app.add_option("--check-rays", o.checks.rays, "rays per representation for leaks and sheets")
     ->type_name("N")->capture_default_str();
-  app.add_flag("--check-packets", o.checks.packets, "these rays go in packets as wide as the instruction set, and are said to be coherent");
-  app.add_option("--position", words.position, "moves models there: x,y,z")->type_name("P");
-  app.add_option("--max-error", o.maxError, "bound on the thickness of leaves where the frame level is auto, and on cVERT's spacing, in\n"
-                 "bounding-box diagonals of the cage; 0: cVERT stores vertices exactly")->type_name("E");
+  app.add_flag("--check-packets", o.checks.packets,
+               "trace these rays in coherent packets as wide as the instruction set");
+  app.add_option("--position", words.position, "position to which models are moved: x,y,z")->type_name("P");
+  app.add_option("--max-error", o.maxError,
+                 "bound on cVERT's spacing, and on the thickness of leaves if the frame level is auto, in diagonals\n"
+                 "of the cage's bounding box; 0: cVERT stores vertices exactly")
+    ->type_name("E");
   app.add_option("--reference-level", o.referenceLevel,
-                 "measure errors against GRID at this level, too, which also fixes the view for all levels")
+                 "also measure errors against GRID at this level; this also fixes the view for all levels")
     ->type_name("L");
   app.add_option("--true-surface", o.trueHits,
-                 "hits of a view compared with the displaced limit surface itself, drawn at random, 0 for none")
+                 "number of random hits per view that are compared with the displaced limit surface, 0 to skip")
     ->type_name("N")->capture_default_str();
 }
 
 void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
 {
   app.add_option("--pictures", o.pictures, "folder for shaded pictures and error maps")->type_name("DIR");
-  app.add_option("--samples", o.samples, "samples a pixel of shaded pictures; error maps have one")
+  app.add_option("--samples", o.samples, "samples per pixel of shaded pictures; error maps have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
-  app.add_option("--picture-level", words.pictureLevels, "levels that get pictures, else all")->type_name("LIST");
-  app.add_option("--json", o.json, "write the measurements there")->type_name("FILE");
-  app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and end");
+  app.add_option("--picture-level", words.pictureLevels, "levels for which pictures are written [all]")
+    ->type_name("LIST");
+  app.add_option("--json", o.json, "file for the measurements, as JSON")->type_name("FILE");
+  app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and exit");
 }
 
-/* A cage, or scenes by their names. */
+/* Returns the cage, or the scenes by name. */
 std::vector<BenchScene> readScenes(const Words& words)
 {
   SceneSettings settings = words.settings;
-  nameFiles(words.files, settings);
+  applyFileArguments(words.files, settings);
   if (words.scenes.empty() || !settings.cagePath.empty() || !settings.savedPath.empty())
   {
     settings.scene = words.scenes;
@@ -237,14 +247,14 @@ std::vector<BenchScene> readScenes(const Words& words)
     return {{std::filesystem::path(settings.cagePath).stem().string(), settings}};
   }
   if (settings.amplitude)
-    throw Error("--amplitude belongs to --cage; one for a scene comes after a colon, cube:0.45");
+    throw Error("--amplitude needs --cage: expected the amplitude of a scene after a colon, as in cube:0.45");
   std::vector<BenchScene> scenes;
   for (const std::string& word : split("--scene", words.scenes))
     scenes.push_back(parseScene(word, settings));
   return scenes;
 }
 
-/* What is built, and looked at. */
+/* Parses models, views and representations. */
 void readSurfaces(const Words& words, BenchOptions& o)
 {
   o.scenes = readScenes(words);
@@ -258,7 +268,7 @@ void readSurfaces(const Words& words, BenchOptions& o)
       o.checks.add(word);
   const bool moves = !words.settings.motion.empty() || !words.settings.cageEnds.empty();
   if (moves && !words.checks.empty())
-    throw Error("--check is of models that stand still: leave out --motion and --cage-end");
+    throw Error("--check supports only static models: expected no --motion or --cage-end");
   if (!words.position.empty())
     o.position = parsePosition(words.position);
   if (o.maxError)
@@ -266,11 +276,11 @@ void readSurfaces(const Words& words, BenchOptions& o)
   o.representations = parseAll(words.representations, words.frameLevels);
 }
 
-/* What traces. */
+/* Parses the device or the libraries that trace. */
 void readLibraries(const Words& words, BenchOptions& o)
 {
   if (!words.libraries.empty() && words.device != "cpu")
-    throw Error("--library is of the processor: with --device " + words.device + " leave it out");
+    throw Error("--library traces on the CPU: expected no --library with --device " + words.device);
   validateTraceDevice(o.device = words.device);
   if (words.libraries.empty())
     o.libraries.emplace_back();
@@ -278,11 +288,11 @@ void readLibraries(const Words& words, BenchOptions& o)
     o.libraries = openLibraries(split("--library", words.libraries));
 }
 
-/* How it is measured. */
+/* Parses the lists whose combinations are measured. */
 void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 {
-  constexpr int mostThreads = 1024; // more is a slip of the keyboard
-  if (!words.libraries.empty()) // not those of this program's own
+  constexpr int mostThreads = 1024; // a larger number is probably a typing error
+  if (!words.libraries.empty()) // replaces the instruction sets of the program's own library
     machine.isas = commonIsas(o.libraries);
   for (const std::string& word : split("--isa", words.isas))
   {
@@ -290,11 +300,11 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
     requireIsa(machine, o.isas.back());
   }
   if (o.device != "cpu" && (words.threads != "1" || words.modes != "single"))
-    throw Error("--threads and --mode are of the processor: with --device " + o.device + " leave them out");
+    throw Error("--threads and --mode are for the CPU: expected neither with --device " + o.device);
   if (o.device != "cpu" && o.checks.packets)
-    throw Error("--check-packets is of the processor: with --device " + o.device + " leave it out");
+    throw Error("--check-packets is for the CPU: expected no packets with --device " + o.device);
   if (o.device != "cpu" && o.checks.crossings)
-    throw Error("--check crossings calls a filter, which --device " + o.device + " cannot");
+    throw Error("--check crossings needs filter functions, which only the CPU calls: expected no --device " + o.device);
   for (int n : parseIntegers("--threads", words.threads, mostThreads))
     o.threads.push_back(threadCount(n));
   for (const std::string& word : split("--set", words.sets))
@@ -307,14 +317,14 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 
 void validateNumbers(const BenchOptions& o)
 {
-  constexpr int mostRounds = 1000; // as above
+  constexpr int mostRounds = 1000; // a larger number is probably a typing error
   if (o.repeat < 0 || o.repeat > mostRounds)
-    throw Error("--repeat must be 0 to " + std::to_string(mostRounds));
+    throw Error("invalid --repeat " + std::to_string(o.repeat) + ": expected 0 to " + std::to_string(mostRounds));
   requireNotNegative("--ray-offset", o.rayOffset);
   if (o.buildThreads < 0)
-    throw Error("--build-threads must not be negative");
+    throw Error("invalid --build-threads " + std::to_string(o.buildThreads) + ": expected 0 (all) or more");
   if (o.referenceLevel < -1 || o.referenceLevel > maxLevel)
-    throw Error("--reference-level must be " + levelRange());
+    throw Error("invalid --reference-level " + std::to_string(o.referenceLevel) + ": expected " + levelRange());
 }
 
 } // namespace
@@ -323,8 +333,8 @@ std::optional<BenchOptions> parseBenchOptions(int argc, char** argv, const Machi
 {
   BenchOptions o;
   Words words;
-  CLI::App app("Measures representations of displaced subdivision surfaces: memory, build, speed and error of every\n"
-               "combination of what the lists name, interleaved. GRID is always among them: speeds are relative to it.",
+  CLI::App app("Measures representations of displaced subdivision surfaces: memory, build time, speed and error of\n"
+               "all combinations of the listed values, interleaved. Always includes GRID; speeds are relative to it.",
                "cbvh_bench");
   declareLists(app, words);
   declareMeasurement(app, o, words);

@@ -11,7 +11,7 @@
 namespace cbvh {
 namespace {
 
-constexpr size_t pointsOfKind = 100000; // a tenth of the rays that a check takes by default
+constexpr size_t pointsOfKind = 100000; // a tenth of the default number of rays of a check
 
 struct Offset
 {
@@ -41,12 +41,13 @@ void Checks::add(const std::string& name)
   else if (name == "offsets")
     offsets = true;
   else
-    throw Error("unknown --check '" + name + "', known are leaks, sheets, crossings, shadows and offsets");
+    throw Error("unknown --check '" + name + "': expected leaks, sheets, crossings, shadows or offsets");
 }
 
 Robustness::Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
                        const Checks& checks, uint32_t seed)
-  : model(model), settings(settings), checks(checks), seed(seed), level(settings.level), threads(threadCount(settings.threads))
+  : model(model), settings(settings), checks(checks), seed(seed), level(settings.level),
+    threads(threadCount(settings.threads))
 {
   if (!checks.any())
     return;
@@ -58,11 +59,11 @@ Robustness::Robustness(const Model& model, const BuildSettings& settings, const 
         pickAimPoints({layout, level, blockLevel(frameLevel)}, vertices, pointsOfKind, seed);
   double sum = 0;
   for (const AimPoint& point : points.begin()->second[AtVertex])
-    sum += length(point.neighbour - point.position);
+    sum += length(point.neighbor - point.position);
   meanQuadWidth = float(sum / double(std::max<size_t>(1, points.begin()->second[AtVertex].size())));
 }
 
-/* Of GRID and NAIVE, and of automatic frame levels: that of blocks of 16 x 16 quads. */
+/* GRID, NAIVE and automatic frame levels use the frame level of blocks of 16 x 16 quads. */
 int Robustness::blockLevel(int frameLevel) const
 {
   return frameLevel == autoFrameLevel ? std::max(0, level - 4) : frameLevel;
@@ -76,7 +77,7 @@ std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltS
   settings.rays = checks.rays;
   settings.seed = seed;
   settings.thickness = scene.report().distanceFromMesh();
-  /* A GRID that nobody asked for has no blocks: any points are as good. */
+  /* GRID has no blocks. If it is not in the list of representations, any points will do. */
   const auto own = points.find(blockLevel(scene.representation().frameLevel));
   const AimPoints& aims = (own != points.end() ? own : points.begin())->second;
   const PacketTracer packets(scene.handle());
@@ -92,7 +93,7 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   settings.seed = seed;
   settings.device = this->settings.device;
   settings.packets = checks.packets;
-  const EmbreeDevice device(scene.representation().deviceConfig()); // says whether faces are stored exactly
+  const EmbreeDevice device(scene.representation().deviceConfig()); // sets cbvh_exact_faces
   return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
 }
 
@@ -102,7 +103,7 @@ std::vector<CrossingCheck> Robustness::crossings(const Representation& represent
     return {};
   BuildSettings filtered = settings;
   filtered.filters = true;
-  filtered.device = "cpu"; // which alone calls filters
+  filtered.device = "cpu"; // other devices do not call filters
   const BuiltScene grid(model, {RepresentationKind::Grid}, filtered), scene(model, representation, filtered);
   return {{view.name, countCrossings(grid, scene, view.primary, threads)}};
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What --check measures: rays that leak out of closed surfaces or through random sheets, and
- * secondary rays that see another thing than GRID's. */
+/* Measurements of --check: rays that leak out of closed surfaces or through random sheets, and secondary rays with
+ * other results than GRID's. */
 
 #include "building/built_scene.h"
 #include "measure/crossings.h"
@@ -23,15 +23,15 @@ struct Checks
 {
   bool leaks = false;
   bool sheets = false;
-  bool crossings = false;    // that a filter sees which rejects all
-  bool shadows = false;      // at Embree's offset, a fraction of the scene, and half a quad
-  bool offsets = false;      // at many offsets
-  size_t rays = 1000000;     // for leaks and for sheets, a representation
-  bool packets = false;      // these rays go in coherent packets, not one by one
+  bool crossings = false; // hits that a filter receives if it rejects all
+  bool shadows = false;   // at Embree's offset, a fraction of the scene, and half a quad
+  bool offsets = false;   // at many offsets
+  size_t rays = 1000000;  // per representation, for leaks and for sheets
+  bool packets = false;   // trace these rays in coherent packets instead of one by one
 
   bool any() const { return leaks || sheets || crossings || shadows || offsets; }
 
-  /* By its name, as above. Throws Error. */
+  /* Enables a check by its name. Throws Error. */
   void add(const std::string& name);
 };
 
@@ -58,7 +58,7 @@ struct CheckResult
   std::vector<ShadowCheck> shadows;
 };
 
-/* A view as GRID sees it. */
+/* A view and GRID's hits. */
 struct CheckedView
 {
   const std::string& name;
@@ -67,24 +67,25 @@ struct CheckedView
   float footprint;
 };
 
-/* What all representations of a model at a level have in common. */
+/* Checks for all representations of a model at a level. */
 class Robustness
 {
 public:
-  /* frameLevels: of the representations; the model outlives this. Throws Error, Cancelled. */
+  /* `frameLevels` are the frame levels of the representations. The model must outlive this object. Throws Error,
+   * Cancelled. */
   Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
              const Checks& checks, uint32_t seed);
 
   std::optional<LeakCounts> leaks(const BuiltScene& grid, const BuiltScene& scene) const;
 
-  /* Of the representation of a scene, through sheets of its own. None for NAIVE and GRID. */
+  /* Checks the representation of a scene with random sheets. Returns nothing for NAIVE and GRID. */
   std::optional<SheetCrossings> sheets(const BuiltScene& scene) const;
 
-  /* hits: of the view's primary rays in the scene. */
+  /* `hits` are the hits of the view's primary rays in the scene. */
   std::vector<ShadowCheck> shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,
                                    const std::vector<SurfaceHit>& hits) const;
 
-  /* Of the view's primary rays; builds the representation and GRID once more, with filters. */
+  /* Checks the view's primary rays. Builds the representation and GRID once more, with filters. */
   std::vector<CrossingCheck> crossings(const Representation& representation, const CheckedView& view) const;
 
   float quadWidth() const { return meanQuadWidth; }

@@ -33,24 +33,24 @@ std::vector<Combination> combine(const BenchOptions& options, const std::vector<
   return combinations;
 }
 
-/* So many that a measurement of GRID takes 20 ms, beside which the microseconds of clocks
- * and of waking threads do not count; 100 at most, for a set of few rays. */
+/* Returns the number of passes for which a measurement of GRID takes 20 ms, so that the microseconds for reading clocks
+ * and waking threads are negligible; at most 100. */
 unsigned passesFor(double gridSeconds)
 {
   constexpr double sampleSeconds = 0.02, most = 100.0;
-  constexpr double shortest = 1e-6; // a clock may say 0
+  constexpr double shortest = 1e-6; // a clock may return 0
   return unsigned(std::min(most, std::ceil(sampleSeconds / std::max(gridSeconds, shortest))));
 }
 
-/* Which of n variants is the k-th of a round: another one begins each time, and every other
- * round goes backwards. The round that warms up is -1. */
+/* Returns which of n variants is measured as the k-th of a round. Each round begins with another variant, and every
+ * other round runs backwards. The warm-up round is -1. */
 size_t inTurn(size_t k, int round, size_t n)
 {
   const size_t turn = (k + size_t(round + 1)) % n;
   return round % 2 ? n - 1 - turn : turn;
 }
 
-/* Baselines come first, one of each ISA and library. */
+/* Returns the index of the baseline with the same ISA and library. */
 size_t gridOf(const std::vector<BuiltVariant>& batch, const Variant& variant)
 {
   size_t grid = 0;
@@ -69,10 +69,10 @@ Speed recordOf(const Combination& combination)
   return speed;
 }
 
-/* One round of one combination. index: of the combination, and of its record in every
- * result. GRID's begins in the first batch, and goes on in the others. */
-void note(const std::vector<BuiltVariant>& batch, size_t index, const Combination& combination,
-          const std::vector<TraceTiming>& timings)
+/* Records one round of one combination. `index` is the index of the combination, and of its record in every result.
+ * GRID's record grows with every batch. */
+void record(const std::vector<BuiltVariant>& batch, size_t index, const Combination& combination,
+            const std::vector<TraceTiming>& timings)
 {
   for (size_t i = 0; i < batch.size(); i++)
   {
@@ -84,7 +84,7 @@ void note(const std::vector<BuiltVariant>& batch, size_t index, const Combinatio
     speed.hits = timings[i].hits;
     speed.seconds.push_back(timings[i].seconds);
     speed.toGrid.push_back(gridSeconds / timings[i].seconds);
-    if (const std::optional<size_t> first = sameOfFirstLibrary(batch, i))
+    if (const std::optional<size_t> first = findInFirstLibrary(batch, i))
       speed.toFirst.push_back(timings[*first].seconds / timings[i].seconds);
   }
 }
@@ -98,7 +98,7 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
   Phase phase(title);
   const size_t samples = combinations.size() * batch.size() * (size_t(options.repeat) + 1);
   size_t taken = 0;
-  for (int round = -1; round < options.repeat; round++) // the first warms up, and counts passes
+  for (int round = -1; round < options.repeat; round++) // the first round warms up and sets the passes
     for (size_t c = 0; c < combinations.size(); c++)
     {
       Combination& combination = combinations[c];
@@ -112,7 +112,7 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
       if (round < 0)
         combination.trace.passes = passesFor(timings[0].seconds);
       else
-        note(batch, c, combination, timings);
+        record(batch, c, combination, timings);
     }
 }
 

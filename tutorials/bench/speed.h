@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* The speed of variants that are in memory together, measured in turns: each round
- * measures every variant once in every combination of view, ray set, query, mode and
- * threads. Variants follow one another directly, each round in another order, so a machine
- * that gets slower for a while slows all of them, and a ratio to GRID, or to another library,
- * is that of one round. */
+/* Measures the speed of variants that are in memory together. Each round measures every variant once in every
+ * combination of view, ray set, query, mode and threads. Variants are measured directly after one another, in a
+ * different order in each round. So if the machine slows down for some time, all variants are affected, and a ratio to
+ * GRID, or to another library, is computed within one round. */
 
 #include "built_variant.h"
 #include "options.h"
@@ -18,10 +17,8 @@
 
 namespace cbvh {
 
-/* Adds a record for each combination to every variant's result, in the same order.
- *
- * views: that traced the variants. batch: GRID of each ISA and library first. title: of the phase.
- * Throws Cancelled. */
+/* Adds a record for each combination to every variant's result, in the same order. `views` belong to the variants;
+ * `batch` begins with GRID of each ISA and library; `title` names the phase. Throws Cancelled. */
 void measureSpeed(const BenchOptions& options, const std::vector<View>& views, const std::vector<BuiltVariant>& batch,
                   const std::string& title);
 

@@ -26,16 +26,16 @@ std::string checkLines(const CheckResult& checks)
     const LeakCounts& c = *checks.leaks;
     std::snprintf(line, sizeof(line),
                   "    leaks of %zu rays: closest %zu, any %zu, through %zu (GRID %zu, %zu, %zu)\n", c.rays,
-                  c.ofScene.closest, c.ofScene.any, c.ofScene.through, c.ofGrid.closest, c.ofGrid.any,
-                  c.ofGrid.through);
+                  c.sceneLeaks.closest, c.sceneLeaks.any, c.sceneLeaks.through, c.gridLeaks.closest, c.gridLeaks.any,
+                  c.gridLeaks.through);
     out += line;
   }
   if (checks.sheets)
   {
     const SheetCrossings& c = *checks.sheets;
     std::snprintf(line, sizeof(line),
-                  "    through %zu random sheets, of %zu rays: closest %zu, any %zu (GRID, too: %zu)\n", c.sheets,
-                  c.rays, c.closest, c.any, c.ofGrid);
+                  "    random sheets: %zu, rays %zu, missed: closest %zu, any %zu (GRID, too: %zu)\n", c.sheets,
+                  c.rays, c.closest, c.any, c.gridMisses);
     out += line;
     for (const std::string& example : c.examples)
       out += "      " + example + "\n";
@@ -43,26 +43,27 @@ std::string checkLines(const CheckResult& checks)
   for (const CrossingCheck& c : checks.crossings)
   {
     std::snprintf(line, sizeof(line),
-                  "    %s crossings of %zu rays: %zu (GRID %zu), another number %zu, another parity %zu\n", c.view.c_str(),
-                  c.found.rays, c.found.ofScene, c.found.ofGrid, c.found.otherNumber, c.found.otherParity);
+                  "    %s crossings of %zu rays: %zu (GRID %zu), rays with a different number %zu, parity %zu\n",
+                  c.view.c_str(), c.found.rays, c.found.sceneCrossings, c.found.gridCrossings, c.found.differentCounts,
+                  c.found.differentParities);
     out += line;
   }
   for (const ShadowCheck& c : checks.shadows)
   {
     const auto share = [](size_t n, size_t rays) { return rays ? 1000.0 * double(n) / double(rays) : 0.0; };
     std::snprintf(line, sizeof(line),
-                  "    %s shadows, offset %s, %s: %.3f per 1000 (occluded %.3f, passed %.3f); "
-                  "same place %.3f; turned %.3f; control %.3f\n",
+                  "    %s shadows, offset %s, %s: %.3f per 1000 (false occlusions %.3f, false passes %.3f); "
+                  "same hit %.3f; flipped normal %.3f; control %.3f\n",
                   c.view.c_str(), c.offset.c_str(), std::isfinite(c.length) ? "short" : "infinite",
                   share(c.found.all.sum(), c.found.rays), share(c.found.all.falseOcclusions, c.found.rays),
-                  share(c.found.all.falsePasses, c.found.rays), share(c.found.ofSame.sum(), c.found.raysOfSame),
-                  share(c.found.ofTurned.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
+                  share(c.found.all.falsePasses, c.found.rays), share(c.found.sameHitErrors.sum(), c.found.sameHitRays),
+                  share(c.found.flippedErrors.sum(), c.found.rays), share(c.found.control.sum(), c.found.rays));
     out += line;
   }
   return out;
 }
 
-/* One line when all is the same. */
+/* Returns one line if all hits are equal. */
 std::string agreementLines(const std::vector<HitAgreement>& agreements)
 {
   size_t rays = 0, differ = 0;
@@ -75,13 +76,13 @@ std::string agreementLines(const std::vector<HitAgreement>& agreements)
       continue;
     char line[240];
     std::snprintf(line, sizeof(line),
-                  " %s %s %s: %zu of %zu rays hit otherwise than A's: %zu hit or miss, %zu IDs, %zu distances, "
+                  " %s %s %s: %zu of %zu rays differ from library A: %zu hit or miss, %zu IDs, %zu distances, "
                   "%zu u, v or normals\n",
                   raySetName(a.set), queryName(a.trace.query), traceModeName(a.trace.mode), a.found.all(), a.found.rays,
                   a.found.hits, a.found.ids, a.found.distances, a.found.surfaces);
     out += "    " + a.view + line;
   }
-  return rays && !differ ? "    hits of " + std::to_string(rays) + " rays are A's to the bit\n" : out;
+  return rays && !differ ? "    hits of " + std::to_string(rays) + " rays are identical to library A\n" : out;
 }
 
 std::string speedLine(const Speed& s, bool onDevice)
@@ -94,8 +95,8 @@ std::string speedLine(const Speed& s, bool onDevice)
   if (!onDevice)
     std::snprintf(mode, sizeof(mode), " %-8s %2u thr", traceModeName(s.trace.mode), s.trace.threads);
   char line[160];
-  std::snprintf(line, sizeof(line), "%-10s %-7s%s %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%",
-                raySetName(s.set), queryName(s.trace.query), mode, median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
+  std::snprintf(line, sizeof(line), "%-10s %-7s%s %8.3f Mrays/s, %5.2f of GRID, spread %4.1f%%", raySetName(s.set),
+                queryName(s.trace.query), mode, median(mrays), toGrid, 100.0 * interquartileRange(s.toGrid) / toGrid);
   std::string out = "    " + s.view + " " + line;
   if (!s.toFirst.empty())
     out += number(", %.3f of A", median(s.toFirst)) +
@@ -136,11 +137,13 @@ std::string formatHead(const BenchOptions& options, const Machine& m)
     isas += (isas.empty() ? "" : ", ") + isa;
   for (unsigned n : options.threads)
     threads += (threads.empty() ? "" : ", ") + std::to_string(n);
+  const std::string device =
+    options.device != "cpu" ? options.device : threads + (threads == "1" ? " thread" : " threads");
   char text[512];
   std::snprintf(text, sizeof(text),
                 "commit %s, %s build by %s\n%s, %u hardware threads, load %.1f; isa %s; tracing on %s\n",
                 m.commit.c_str(), m.buildType.c_str(), m.compiler.c_str(), m.cpu.c_str(), m.threads, m.load,
-                isas.c_str(), options.device != "cpu" ? options.device.c_str() : (threads + (threads == "1" ? " thread" : " threads")).c_str());
+                isas.c_str(), device.c_str());
   std::string out = text;
   for (const Library& library : options.libraries)
     if (!library.name().empty())

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Measurements as text for a terminal. */
+/* Formats measurements for a terminal. */
 
 #include "machine.h"
 #include "options.h"
@@ -13,10 +13,10 @@
 
 namespace cbvh {
 
-/* A few lines about the machine and the build. */
+/* Returns some lines about the machine and the build. */
 std::string formatHead(const BenchOptions& options, const Machine& machine);
 
-/* One line a variant, and below it one for each check and each combination. */
+/* Returns one line per variant, followed by one line per check and per combination. */
 std::string formatTable(const Group& group);
 
 } // namespace cbvh

@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-std::vector<SurfaceHit> picked(const std::vector<SurfaceHit>& hits, const std::vector<size_t>& rays)
+std::vector<SurfaceHit> selectHits(const std::vector<SurfaceHit>& hits, const std::vector<size_t>& rays)
 {
   std::vector<SurfaceHit> some;
   for (size_t ray : rays)
@@ -16,8 +16,8 @@ std::vector<SurfaceHit> picked(const std::vector<SurfaceHit>& hits, const std::v
   return some;
 }
 
-/* Bins are those of a block's frame: without a given frame level it is not known which. Faces that are
- * stored exactly have none. */
+/* Bins belong to a block's frame, which is unknown if the frame level is automatic. Faces that are stored exactly have
+ * no bins. */
 bool hasBins(const Representation& representation)
 {
   return representation.kind == RepresentationKind::CLeafOnly && representation.frameLevel != autoFrameLevel;
@@ -51,7 +51,7 @@ ViewResult errorsInView(const ErrorSettings& settings, const View& view, const B
   ViewResult result;
   result.view = view.name;
   result.errors = compare(view.gridHits, hits);
-  result.away = compare(picked(view.gridHits, view.away), picked(hits, view.away));
+  result.away = compare(selectHits(view.gridHits, view.away), selectHits(hits, view.away));
   if (view.reference)
     result.toReference = compare(view.reference->gridHits, hits);
   if (settings.surfaces)

@@ -3,24 +3,23 @@
 
 #pragma once
 
-/* How far the hits of a variant in a view lie from those of other surfaces. */
+/* Errors of the hits of a variant in a view, against several references. */
 
 #include "views.h"
 #include "surface/true_surface.h"
 
 namespace cbvh {
 
-/* What all variants of a group have in common. */
+/* Settings for all variants of a group. */
 struct ErrorSettings
 {
   const Model& model;
-  const TrueSurfaces* surfaces; // of the model, null for no errors against it
+  const TrueSurfaces* surfaces; // of the model; null to skip errors against the true surface
   int level;                    // of the group
   unsigned threads;
 };
 
-/* Of primary and bounced rays. hits: those of the primary rays in the scene. Throws
- * Cancelled. */
+/* Compares primary and bounced rays. `hits` are the hits of the primary rays in the scene. Throws Cancelled. */
 ViewResult errorsInView(const ErrorSettings& settings, const View& view, const BuiltScene& scene,
                         const std::vector<SurfaceHit>& hits);
 

@@ -33,7 +33,9 @@ void ViewPictures::write(const View& view, const Variant& variant, const BuiltSc
 
 Image ViewPictures::shaded(const View& view, const BuiltScene& scene, const std::vector<SurfaceHit>& hits) const
 {
-  return sampledPicture(scene, view.camera, view.camera.size(), up, primaryRays(view.camera), hits, options.samples, Shutter(), HitColors::Neutral, threadCount(options.buildThreads)).image();
+  return sampledPicture(scene, view.camera, view.camera.size(), up, primaryRays(view.camera), hits, options.samples,
+                        Shutter(), HitColors::Neutral, threadCount(options.buildThreads))
+    .image();
 }
 
 bool ViewPictures::wanted() const
@@ -48,7 +50,7 @@ std::string ViewPictures::stem(const View& view, const Variant& variant) const
   std::string stem = scene + "_L" + std::to_string(level) + "_" + view.fileName + "_" +
                      variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "") +
                      (options.libraries.size() > 1 ? "_" + options.libraries[variant.library].name() : "");
-  std::replace(stem.begin(), stem.end(), ':', '_'); // of an amplitude, "cube:0.45": not in all file systems
+  std::replace(stem.begin(), stem.end(), ':', '_'); // not all file systems allow colons, as in "cube:0.45"
   return stem;
 }
 

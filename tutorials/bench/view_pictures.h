@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Shaded pictures and error maps of the views of a group. */
+/* Writes shaded pictures and error maps of the views of a group. */
 
 #include "views.h"
 #include "pictures/image.h"
@@ -13,11 +13,11 @@ namespace cbvh {
 class ViewPictures
 {
 public:
-  /* scene: its label. The options outlive the pictures. */
+  /* `scene` is the label of the scene. The options must outlive this object. */
   ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level);
 
-  /* Writes what is wanted of a variant in a view, if anything, and notes the files' names in
-   * the result. hits: of the view's primary rays. Throws Error, Cancelled. */
+  /* Writes the pictures of a variant in a view that the options name, and stores their file names in the result. `hits`
+   * are the hits of the view's primary rays. Throws Error, Cancelled. */
   void write(const View& view, const Variant& variant, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
              ViewResult& result) const;
 

@@ -17,7 +17,7 @@
 namespace cbvh {
 namespace {
 
-/* A view that is given in numbers has no name that a file could have. */
+/* A view that consists of numbers is named by its index. */
 std::string fileNameOf(const std::string& view, size_t index)
 {
   return view.find(',') == std::string::npos ? view : "view" + std::to_string(index + 1);
@@ -30,7 +30,7 @@ View makeView(const BenchOptions& options, const Camera& camera, const BuiltScen
   if (moves)
     setTimes(view.primary, Shutter(), 0, view.camera.size(), view.camera.size().width);
   view.gridHits = traceClosest(grid, view.primary, threads);
-  view.sample = sampleOfHits(view.gridHits, options.trueHits, options.seed);
+  view.sample = sampleHits(view.gridHits, options.trueHits, options.seed);
   view.away = hitsAwayFromSilhouettes(view.primary, view.gridHits, camera);
   std::set_intersection(view.sample.begin(), view.sample.end(), view.away.begin(), view.away.end(),
                         std::back_inserter(view.sampleAway));
@@ -54,7 +54,8 @@ std::vector<ReferenceView> traceReference(const BenchOptions& options, const Mod
   build.level = options.referenceLevel;
   build.threads = options.buildThreads;
   if (estimatedPeakBytes(RepresentationKind::Grid, {model, build.level}) > availableMemory())
-    throw Error("not enough memory for GRID at --reference-level " + std::to_string(build.level) + " of " + model.name);
+    throw Error("not enough memory for GRID of " + model.name + " at --reference-level " +
+                std::to_string(build.level) + ": expected a lower level");
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
   const unsigned threads = threadCount(options.buildThreads);
   std::vector<ReferenceView> views;

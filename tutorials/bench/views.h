@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The views of a group, with the rays that every variant traces and what GRID hits with
- * them. GRID's hits are the reference of all errors: it tests the same triangles as NAIVE,
- * but closes their edges. */
+/* The views of a group, with the rays that every variant traces, and GRID's hits. GRID's hits are the reference of all
+ * errors: GRID tests the same triangles as NAIVE, but its edges are watertight. */
 
 #include "options.h"
 #include "results.h"
@@ -18,7 +17,7 @@
 
 namespace cbvh {
 
-/* What a view shows at the reference level. Its camera is that of all levels. */
+/* A view at the reference level. All levels use its camera. */
 struct ReferenceView
 {
   Camera camera;
@@ -31,21 +30,21 @@ struct View
 
   std::string name, fileName;
   Camera camera;
-  const ReferenceView* reference = nullptr; // none without a reference level
+  const ReferenceView* reference = nullptr; // null without a reference level
   std::vector<Ray> primary, sets[numRaySets];
   std::vector<SurfaceHit> gridHits;        // of the primary rays
   std::vector<SurfaceHit> bouncedGridHits; // of the incoherent set
   std::vector<size_t> sample;              // primary rays that are compared with the true surface
   std::vector<size_t> away;                // primary rays away from silhouettes
-  std::vector<size_t> sampleAway;          // those that are both
+  std::vector<size_t> sampleAway;          // the intersection of both
 };
 
-/* Builds GRID at the reference level for as long as it takes. A view each of the options;
- * none without such a level. Throws Error, Cancelled. */
+/* Builds GRID at the reference level, traces the views, and frees it. Returns one entry per view of the options, or
+ * none without a reference level. Throws Error, Cancelled. */
 std::vector<ReferenceView> traceReference(const BenchOptions& options, const Model& model);
 
-/* A view each of the options. grid: the model as GRID. reference: of the model, outlives
- * the views. Throws Error, Cancelled. */
+/* Returns one entry per view of the options. `grid` is the model as GRID. `reference` belongs to the model and must
+ * outlive the views. Throws Error, Cancelled. */
 std::vector<View> makeViews(const BenchOptions& options, const Model& model, const BuiltScene& grid,
                             const std::vector<ReferenceView>& reference);
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A renderer on Embree 4, or 3.13, that dices its surfaces itself, at both ends of the shutter, and hands the grids to libembree_cbvh: they stay
- * compressed, and the renderer's vertices go before the first ray.
+/* A renderer on Embree 4 or 3.13 that dices its surfaces itself, at both ends of the shutter, and passes the grids to
+ * libembree_cbvh. The grids are stored compressed, and the renderer frees its vertices before the first ray.
  *
  *   c++ -std=c++17 diced_grids.cpp -lembree_cbvh -lembree4 && ./a.out grids.pgm */
 
@@ -20,7 +20,7 @@ static void check(CbvhError error)
   std::exit(1);
 }
 
-// What a renderer's dicer makes: 16 x 8 grids of 65 x 65 vertices each on a ball that turns.
+// Stands for a renderer's dicer: 16 x 8 grids of 65 x 65 vertices each on a ball that rotates.
 struct Diced
 {
   std::vector<std::array<float, 3>> vertices;
@@ -34,14 +34,16 @@ struct Diced
         grids.push_back({unsigned(vertices.size()), n, n, n});
         for (unsigned y = 0; y < n; y++)
           for (unsigned x = 0; x < n; x++) {
-            const unsigned column = (gx*(n - 1) + x)%(16*(n - 1)), row = gy*(n - 1) + y;   // the last column is the first
-            const float phi = 6.2831853f*float(column)/float(16*(n - 1)), theta = 3.1415927f*float(row)/float(8*(n - 1));
+            // the last column equals the first
+            const unsigned column = (gx*(n - 1) + x)%(16*(n - 1)), row = gy*(n - 1) + y;
+            const float phi = 6.2831853f*float(column)/float(16*(n - 1));
+            const float theta = 3.1415927f*float(row)/float(8*(n - 1));
             const float r = 1 + 0.05f*std::sin(17*phi)*std::sin(13*theta), turned = phi + 0.3f*time;
             const float width = row == 0 || row == 8*(n - 1) ? 0 : std::sin(theta);        // poles are points
             vertices.push_back({r*width*std::cos(turned), r*std::cos(theta), r*width*std::sin(turned)});
           }
       }
-    vertices.push_back({0, 0, 0});   // may be read
+    vertices.push_back({0, 0, 0});   // padding that Embree may read
   }
 };
 
@@ -61,7 +63,7 @@ int main(int argc, char** argv)
     grids.vertices = {atOpen.vertices.size() - 1, sizeof(atOpen.vertices[0]), steps, 2, 0, 1};
     check(cbvhSetGrids(surface, &grids));
     check(cbvhCommitSurface(surface, nullptr, nullptr));
-  } // the vertices are gone
+  } // frees the vertices
   check(cbvhNewGroup(context, &surface, 1, &group));
   check(cbvhCommitGroup(group));
   cbvhReleaseSurface(surface);
@@ -76,8 +78,8 @@ int main(int argc, char** argv)
   CbvhStatistics statistics;
   check(cbvhGetGroupStatistics(group, &statistics));
   const double share = writePicture(scene, argc > 1 ? argv[1] : "diced_grids.pgm", 512, 8);
-  std::printf("Embree %s: %.2f million quads that move in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING, double(statistics.numMovingQuads)*1e-6,
-              double(statistics.bytes)/(1 << 20), 100*share);
+  std::printf("Embree %s: %.2f million moving quads in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING,
+              double(statistics.numMovingQuads)*1e-6, double(statistics.bytes)/(1 << 20), 100*share);
 
   rtcReleaseScene(scene);
   rtcReleaseDevice(device);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A renderer on Embree 4, or 3.13, with a displaced subdivision surface of libembree_cbvh in its scene:
+/* A renderer on Embree 4 or 3.13 with a displaced subdivision surface of libembree_cbvh in its scene:
  *
  *   c++ -std=c++17 displaced_cage.cpp -lembree_cbvh -lembree4 && ./a.out cage.pgm */
 
@@ -37,7 +37,7 @@ int main(int argc, char** argv)
   check(cbvhNewContext(nullptr, nullptr, nullptr, &context));
   check(cbvhNewSurface(context, &surface));
 
-  // A cube, whose faces are 512 x 512 quads each.
+  // A cube with 512 x 512 quads per face.
   const float positions[8][3] = {{-1,-1,-1}, {1,-1,-1}, {-1,1,-1}, {1,1,-1}, {-1,-1,1}, {1,-1,1}, {-1,1,1}, {1,1,1}};
   const float* const steps[1] = {positions[0]};
   const unsigned faceVertices[6] = {4, 4, 4, 4, 4, 4};
@@ -56,7 +56,7 @@ int main(int argc, char** argv)
   check(cbvhCommitGroup(group));
   cbvhReleaseSurface(surface);
 
-  // From here on it is a geometry like any other.
+  // The group is a geometry like any other.
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene scene = rtcNewScene(device);
   RTCGeometry geometry = cbvhNewGeometry(device, group, 0);
@@ -67,8 +67,8 @@ int main(int argc, char** argv)
   CbvhStatistics statistics;
   check(cbvhGetGroupStatistics(group, &statistics));
   const double share = writePicture(scene, argc > 1 ? argv[1] : "displaced_cage.pgm", 512, 1);
-  std::printf("Embree %s: %.2f million quads in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING, double(statistics.numQuads)*1e-6,
-              double(statistics.bytes)/(1 << 20), 100*share);
+  std::printf("Embree %s: %.2f million quads in %.2f MiB; %.0f%% of the rays hit\n", RTC_VERSION_STRING,
+              double(statistics.numQuads)*1e-6, double(statistics.bytes)/(1 << 20), 100*share);
 
   rtcReleaseScene(scene);
   rtcReleaseDevice(device);

@@ -1,12 +1,12 @@
 /* Copyright 2026 The Embree CBVH authors
  * SPDX-License-Identifier: Apache-2.0 */
 
-/* A subdivision surface displaced by a height map, in C, without Embree: the displacement function looks up the texture coordinates of
- * its points, and the map there. Writes a picture.
+/* A subdivision surface displaced by a height map, in C, without Embree. The displacement function interpolates the
+ * texture coordinates of its points and reads the map there. Writes a picture.
  *
  *   cc -std=c99 displacement_map.c -lembree_cbvh -lm && ./a.out picture.pgm heights.pgm
  *
- * heights.pgm: a binary PGM of 8 bits; without it, waves. */
+ * heights.pgm is a binary 8-bit PGM; without it, the heights are waves. */
 
 #include <cbvh/cbvh.h>
 
@@ -30,7 +30,7 @@ struct HeightMap
   int width, height;
   float* heights;      /* 0 to 1, row by row */
   float amplitude;     /* of the displacement, in world units */
-  CbvhSurface surface; /* whose attribute 0 are texture coordinates */
+  CbvhSurface surface; /* its attribute 0 holds texture coordinates */
 };
 
 static void loadMap(struct HeightMap* map, const char* path)
@@ -39,15 +39,16 @@ static void loadMap(struct HeightMap* map, const char* path)
   if (path) {
     FILE* file = fopen(path, "rb");
     unsigned char* bytes;
-    if (!file || fscanf(file, "P5 %d %d 255", &map->width, &map->height) != 2 || map->width < 1 || map->height < 1 || map->width > 32768 || map->height > 32768 || fgetc(file) == EOF) {
-      fprintf(stderr, "displacement_map: %s is no binary PGM of 8 bits\n", path);
+    if (!file || fscanf(file, "P5 %d %d 255", &map->width, &map->height) != 2 || map->width < 1 || map->height < 1 ||
+        map->width > 32768 || map->height > 32768 || fgetc(file) == EOF) {
+      fprintf(stderr, "displacement_map: cannot read %s: expected a binary 8-bit PGM\n", path);
       exit(1);
     }
     size = map->width*map->height;
     bytes = malloc((size_t)size);
     map->heights = malloc(sizeof(float)*(size_t)size);
     if (!bytes || !map->heights || fread(bytes, 1, (size_t)size, file) != (size_t)size) {
-      fprintf(stderr, "displacement_map: %s ends early\n", path);
+      fprintf(stderr, "displacement_map: %s ends early: expected %d bytes of heights\n", path, size);
       exit(1);
     }
     for (i = 0; i < size; i++) map->heights[i] = (float)bytes[i]/255;
@@ -59,22 +60,26 @@ static void loadMap(struct HeightMap* map, const char* path)
   size = map->width*map->height;
   map->heights = malloc(sizeof(float)*(size_t)size);
   if (!map->heights) exit(1);
-  /* the same along all edges, so that faces beside each other agree */
-  for (i = 0; i < size; i++) map->heights[i] = 0.5f + 0.25f*cosf(((float)(i%256) + 0.5f)*0.196350f) + 0.25f*cosf(((float)(i/256) + 0.5f)*0.196350f);
+  /* the same along all edges, so that neighboring faces agree */
+  for (i = 0; i < size; i++) {
+    const float x = ((float)(i%256) + 0.5f)*0.196350f, y = ((float)(i/256) + 0.5f)*0.196350f;
+    map->heights[i] = 0.5f + 0.25f*cosf(x) + 0.25f*cosf(y);
+  }
 }
 
-/* Bilinear, and repeated outside of 0 to 1. */
+/* Bilinear; the map repeats outside of 0 to 1. */
 static float heightAt(const struct HeightMap* map, float u, float v)
 {
   const float x = (u - floorf(u))*(float)map->width - 0.5f, y = (v - floorf(v))*(float)map->height - 0.5f;
   const float fx = x - floorf(x), fy = y - floorf(y);
   const int x0 = ((int)floorf(x) + map->width)%map->width, y0 = ((int)floorf(y) + map->height)%map->height;
   const int x1 = (x0 + 1)%map->width, y1 = (y0 + 1)%map->height;
-  const float *row0 = map->heights + (size_t)y0*(size_t)map->width, *row1 = map->heights + (size_t)y1*(size_t)map->width;
+  const float* const row0 = map->heights + (size_t)y0*(size_t)map->width;
+  const float* const row1 = map->heights + (size_t)y1*(size_t)map->width;
   return (1 - fy)*((1 - fx)*row0[x0] + fx*row0[x1]) + fy*((1 - fx)*row1[x0] + fx*row1[x1]);
 }
 
-/* Called by several threads at a time. The points of a call are all on one face. */
+/* Called by several threads. All points of a call are on one face. */
 static void displace(const struct CbvhDisplacementArguments* args)
 {
   const struct HeightMap* const map = args->userPtr;
@@ -101,14 +106,14 @@ static void displace(const struct CbvhDisplacementArguments* args)
 
 /* --- the surface and its picture ---------------------------------------------------------- */
 
-/* Shades by the normal, from a corner of the cube; returns how many rays hit. */
+/* Shades by the normal, seen from a corner of the cube. Returns the number of rays that hit. */
 static unsigned int writePicture(CbvhGroup group, const char* path, int size)
 {
   FILE* const file = fopen(path, "wb");
   unsigned int hits = 0;
   int x, y;
   if (!file) {
-    fprintf(stderr, "displacement_map: %s cannot be written\n", path);
+    fprintf(stderr, "displacement_map: cannot write %s\n", path);
     exit(1);
   }
   fprintf(file, "P5 %d %d 255\n", size, size);
@@ -116,7 +121,7 @@ static unsigned int writePicture(CbvhGroup group, const char* path, int size)
     for (x = 0; x < size; x++) {
       const float a = 2*((float)x + 0.5f)/(float)size - 1, b = 1 - 2*((float)y + 0.5f)/(float)size;
       struct CbvhRayHit ray;
-      int grey = 0;
+      int gray = 0;
       memset(&ray, 0, sizeof(ray));
       ray.ray.org_x = 2; ray.ray.org_y = -3; ray.ray.org_z = 2;
       ray.ray.dir_x = -2 + 1.25f*a - 0.40f*b;
@@ -125,12 +130,12 @@ static unsigned int writePicture(CbvhGroup group, const char* path, int size)
       ray.ray.tfar = INFINITY;
       ray.ray.mask = ~0u;
       if (cbvhIntersect1(group, &ray, NULL)) {
-        const float length = sqrtf(ray.hit.Ng_x*ray.hit.Ng_x + ray.hit.Ng_y*ray.hit.Ng_y + ray.hit.Ng_z*ray.hit.Ng_z);
-        grey = 55 + (int)(200*fabsf(0.4f*ray.hit.Ng_x - 0.5f*ray.hit.Ng_y + 0.77f*ray.hit.Ng_z)/length);
-        if (grey > 255) grey = 255;
+        const float nx = ray.hit.Ng_x, ny = ray.hit.Ng_y, nz = ray.hit.Ng_z;
+        gray = 55 + (int)(200*fabsf(0.4f*nx - 0.5f*ny + 0.77f*nz)/sqrtf(nx*nx + ny*ny + nz*nz));
+        if (gray > 255) gray = 255;
         hits++;
       }
-      fputc(grey, file);
+      fputc(gray, file);
     }
   fclose(file);
   return hits;
@@ -138,8 +143,9 @@ static unsigned int writePicture(CbvhGroup group, const char* path, int size)
 
 int main(int argc, char** argv)
 {
-  /* a cube; each face has all of the map */
-  static const float positions[8][3] = {{-1,-1,-1}, {1,-1,-1}, {-1,1,-1}, {1,1,-1}, {-1,-1,1}, {1,-1,1}, {-1,1,1}, {1,1,1}};
+  /* a cube; each face shows the whole map */
+  static const float positions[8][3] = {{-1,-1,-1}, {1,-1,-1}, {-1,1,-1}, {1,1,-1},
+                                        {-1,-1,1}, {1,-1,1}, {-1,1,1}, {1,1,1}};
   static const float corners[4][2] = {{0,0}, {1,0}, {1,1}, {0,1}};
   static const unsigned int faceVertices[6] = {4, 4, 4, 4, 4, 4};
   static const unsigned int indices[24] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
@@ -189,7 +195,8 @@ int main(int argc, char** argv)
   statistics.structSize = sizeof(statistics);
   check(cbvhGetGroupStatistics(group, &statistics));
   hits = writePicture(group, argc > 1 ? argv[1] : "displacement_map.pgm", 512);
-  printf("%.2f million quads in %.2f MiB; %u rays hit\n", (double)statistics.numQuads*1e-6, (double)statistics.bytes/(1 << 20), hits);
+  printf("%.2f million quads in %.2f MiB; %u rays hit\n", (double)statistics.numQuads*1e-6,
+         (double)statistics.bytes/(1 << 20), hits);
 
   cbvhReleaseGroup(group);
   cbvhReleaseSurface(map.surface);

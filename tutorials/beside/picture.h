@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What both examples need of a renderer: rays of a camera through a scene of Embree 3 or 4, and a picture of its normals as PPM. */
+/* Renderer of both examples: camera rays through a scene of Embree 3 or 4, and a picture of its normals as PGM. */
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -28,7 +28,8 @@ inline void intersect(RTCScene scene, RTCRayHit& ray)
 #endif
 }
 
-/* Of an object around the origin that is 2 wide. samples: a pixel, at times of their own. Returns the share of rays that hit. */
+/* Renders an object of width 2 around the origin, with `samples` samples per pixel at different times. Returns the
+ * fraction of rays that hit. */
 inline double writePicture(RTCScene scene, const char* path, int size, int samples)
 {
   std::vector<unsigned char> pixels;
@@ -40,8 +41,11 @@ inline double writePicture(RTCScene scene, const char* path, int size, int sampl
         RTCRayHit r;
         std::memset(&r, 0, sizeof(r));
         r.ray.org_x = 3.2f; r.ray.org_y = 2.4f; r.ray.org_z = 4;
-        const float u = 0.3f*(2*(float(x) + 0.5f)/float(size) - 1), v = 0.3f*(1 - 2*(float(y) + 0.5f)/float(size));
-        r.ray.dir_x = -0.566f + 0.781f*u - 0.265f*v; r.ray.dir_y = -0.424f + 0.906f*v; r.ray.dir_z = -0.707f - 0.625f*u - 0.331f*v;
+        const float u = 0.3f*(2*(float(x) + 0.5f)/float(size) - 1);
+        const float v = 0.3f*(1 - 2*(float(y) + 0.5f)/float(size));
+        r.ray.dir_x = -0.566f + 0.781f*u - 0.265f*v;
+        r.ray.dir_y = -0.424f + 0.906f*v;
+        r.ray.dir_z = -0.707f - 0.625f*u - 0.331f*v;
         r.ray.time = (float(s) + 0.5f)/float(samples);
         r.ray.tfar = INFINITY;
         r.ray.mask = ~0u;

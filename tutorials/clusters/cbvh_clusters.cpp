@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures what surfaces take as clusters of formats for GPUs, and how many clusters these cannot hold. See --help. */
+/* Measures the size of surfaces as clusters of formats for GPUs, and counts clusters that do not fit these formats. */
 
 #include "basics/seconds.h"
 #include "building/built_scene.h"
@@ -27,18 +27,22 @@ namespace {
 struct Options
 {
   std::vector<std::string> scenes{"cube", "trex", "frog", "scythe", "knee"};
-  SceneSettings cage; // in their place, if it has a path
+  SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
-  float maxError = -1; // negative: the library's
+  float maxError = -1; // negative: the library's default
   Vec3f away{0, 0, 0};
   float scale = 1;
   bool check = false;
 };
 
-const struct { RTCClusterFormat format; const char* name; } formats[] = {{RTC_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"}, {RTC_CLUSTER_FORMAT_DGF1, "DGF1"}};
+const struct
+{
+  RTCClusterFormat format;
+  const char* name;
+} formats[] = {{RTC_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"}, {RTC_CLUSTER_FORMAT_DGF1, "DGF1"}};
 
-/* "3 raw, 2 range", of clusters that are floats. */
-std::string floatsOf(const RTCCompressedClusterReport& report)
+/* Returns the numbers of clusters that are stored as floats, by reason: "3 raw, 2 range". */
+std::string describeFloatClusters(const RTCCompressedClusterReport& report)
 {
   const char* const names[] = {"", "raw", "moving", "range"};
   std::string text;
@@ -48,7 +52,7 @@ std::string floatsOf(const RTCCompressedClusterReport& report)
   return text.empty() ? "0" : text;
 }
 
-/* Returns how many vertices were decoded, each as often as clusters have it. */
+/* Prints a row per format. Returns the number of decoded vertices; a vertex is counted once per cluster. */
 size_t measure(const Options& options, Model& model)
 {
   for (Vec3f& p : model.cage.positions)
@@ -75,11 +79,14 @@ size_t measure(const Options& options, Model& model)
   for (const auto& format : formats)
   {
     RTCCompressedClusterReport report;
-    const double seconds = secondsOf([&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &report); });
-    device.check("cutting clusters");
+    const double seconds = secondsOf(
+      [&] { rtcForEachCompressedCluster(geometry.get(), 0, format.format, nullptr, nullptr, &report); });
+    device.check("making clusters");
     const double triangles = double(report.numTriangles);
-    std::printf("| %s | %.2f | %.2f | %s | %zu | %.1f | %.2f | %.2f | %s | %.1f |", model.name.c_str(), triangles * 1e-6, bytes / triangles, format.name, report.numClusters,
-                triangles / double(report.numClusters), double(report.bytes) / triangles, double(report.indexBytes) / triangles, floatsOf(report).c_str(), seconds);
+    std::printf("| %s | %.2f | %.2f | %s | %zu | %.1f | %.2f | %.2f | %s | %.1f |", model.name.c_str(),
+                triangles * 1e-6, bytes / triangles, format.name, report.numClusters,
+                triangles / double(report.numClusters), double(report.bytes) / triangles,
+                double(report.indexBytes) / triangles, describeFloatClusters(report).c_str(), seconds);
     if (options.check)
     {
       const test::ClusterJudge judge(geometry.get(), 0, format.format);
@@ -95,32 +102,40 @@ size_t measure(const Options& options, Model& model)
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Stores scenes as cVERT and cuts them into clusters of formats for GPUs: bytes a triangle, of vertices and of indices that are not those of a whole grid, and clusters that come as floats because the format cannot hold them.", "cbvh_clusters");
-  app.add_option("--scene", options.scenes, "comma list of " + listOfScenes())->delimiter(',')->capture_default_str();
-  app.add_option("--level", options.level, "of tessellation: faces have 2^L x 2^L quads")->capture_default_str();
-  app.add_option("--max-error", options.maxError, "spacing of the lattice, 0: none, vertices stay [the library's]");
-  app.add_option("--away", options.away.x, "moves scenes so far along x, and half of that along y");
-  app.add_option("--scale", options.scale, "of the cage, before that; its displacement stays as it is")->capture_default_str();
-  app.add_flag("--check", options.check, "decodes all clusters, as their specifications say, and compares triangles and vertices with those that rays hit");
+  CLI::App app("Stores scenes as cVERT and converts them to clusters of formats for GPUs. Prints bytes per triangle, "
+               "bytes of indices per triangle (whole grids need none), and the number of clusters that are stored as "
+               "floats because the format cannot hold them.", "cbvh_clusters");
+  app.add_option("--scene", options.scenes, "comma-separated list of " + listOfScenes())
+    ->delimiter(',')->capture_default_str();
+  app.add_option("--level", options.level, "tessellation level L: each face has 2^L x 2^L quads")
+    ->capture_default_str();
+  app.add_option("--max-error", options.maxError, "spacing of the lattice, 0 for lossless [the library's default]");
+  app.add_option("--away", options.away.x, "distance by which scenes are moved along x; half of it along y");
+  app.add_option("--scale", options.scale, "factor of the cage before it is moved; the displacement is not scaled")
+    ->capture_default_str();
+  app.add_flag("--check", options.check,
+               "decode all clusters by their specifications, and compare triangles and vertices with hits of rays");
   addMapOptions(app, options.cage);
-  app.add_option("--cage", options.cage.cagePath, "a cage in place of scenes, OBJ")->type_name("FILE");
+  app.add_option("--cage", options.cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
   if (!parseCommandLine(app, argc, argv))
     return 0;
   options.away.y = 0.5f * options.away.x;
-  std::printf("| scene | million triangles | cVERT, bytes a triangle | as | clusters | triangles a cluster | bytes a triangle | and of indices | clusters that are floats | s |%s\n|:--|--:|--:|:--|--:|--:|--:|--:|--:|--:|%s\n",
-              options.check ? " the same to the bit |" : "", options.check ? "--:|" : "");
+  std::printf("| scene | million triangles | cVERT, bytes per triangle | format | clusters | triangles per cluster | "
+              "bytes per triangle | of indices | clusters as floats | s |%s\n"
+              "|:--|--:|--:|:--|--:|--:|--:|--:|--:|--:|%s\n",
+              options.check ? " identical |" : "", options.check ? "--:|" : "");
   size_t decoded = 0;
   for (const std::string& scene : options.cage.cagePath.empty() ? options.scenes : std::vector<std::string>{""})
   {
-    SceneSettings of = options.cage;
-    of.scene = scene;
+    SceneSettings settings = options.cage;
+    settings.scene = scene;
     std::string warnings;
-    Model model = loadScene(withStrength(of), warnings);
+    Model model = loadScene(withDefaultAmplitude(settings), warnings);
     std::fputs(warnings.c_str(), stderr);
     decoded += measure(options, model);
   }
   if (options.check)
-    std::printf("\n%zu vertices were decoded: each is the same to the bit, and so is each triangle.\n", decoded);
+    std::printf("\nAll %zu decoded vertices and all triangles are identical to the bit.\n", decoded);
   return 0;
 }
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Encodes a grid of vertices with the codec alone, decodes it again, and writes it into a file that Embree CBVH traces.
+// Encodes a grid of vertices with the codec alone, decodes it, and writes it to a file that Embree CBVH can trace.
 //
 //   encode_grid FILE.cbvh
 
@@ -18,9 +18,9 @@
 
 namespace {
 
-const unsigned quads = 64;              // along each side of the grid
+const unsigned quads = 64;              // per side of the grid
 const unsigned side = cvert::vertBlockQuads;
-const cvert::WorldLattice lattice(-10); // vertices are moved to multiples of 1/1024
+const cvert::WorldLattice lattice(-10); // rounds vertices to multiples of 1/1024
 
 void vertexOf(unsigned x, unsigned y, float* p)
 {
@@ -29,7 +29,8 @@ void vertexOf(unsigned x, unsigned y, float* p)
     p[k] = lattice.snap(at[k]);
 }
 
-// Encodes the block whose first quad is x, y, and appends it to the surface. Returns its bytes, or 0 if the decoded vertices differ.
+// Encodes the block whose first quad is (x,y), and appends it to the surface, which refers to `block`. Returns the size
+// in bytes, or 0 if the decoded vertices differ.
 size_t encodeBlock(unsigned x, unsigned y, std::vector<uint64_t>& block, cvert::FileSurface& surface)
 {
   const auto encoder = std::make_unique<cvert::VertEncoder>();
@@ -68,12 +69,12 @@ int main(int argc, char** argv)
     surface.record.compression = cvert::FILE_COMPRESSION_VERT;
     surface.record.numPrimitives = 1;
     surface.record.numTimeSteps = 1;
-    std::vector<std::vector<uint64_t>> blocks((quads/side)*(quads/side)); // until the surface is written
+    std::vector<std::vector<uint64_t>> blocks((quads/side)*(quads/side)); // needed until the surface is written
     size_t total = 0;
     for (unsigned i = 0; i < blocks.size(); i++) {
       const size_t bytes = encodeBlock(side*(i % (quads/side)), side*(i/(quads/side)), blocks[i], surface);
       if (bytes == 0) {
-        std::fprintf(stderr, "block %u: the decoded vertices differ\n", i);
+        std::fprintf(stderr, "block %u: the decoded vertices differ from the encoded ones\n", i);
         return 1;
       }
       total += bytes;
@@ -81,7 +82,7 @@ int main(int argc, char** argv)
     cvert::FileWriter writer(argv[1]);
     writer.add(surface);
     writer.commit();
-    std::printf("%.2f bytes per quad, all vertices are the same\n", double(total)/(quads*quads));
+    std::printf("%.2f bytes per quad, all decoded vertices are identical\n", double(total)/(quads*quads));
   }
   catch (const cvert::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Writes the quads of a file of compressed surfaces as an OBJ, with the codec alone: no Embree is needed.
+// Writes the quads of a file of compressed surfaces as an OBJ, with the codec alone and without Embree.
 //
 //   file_to_obj FILE.cbvh > FILE.obj
 
@@ -17,7 +17,8 @@ namespace {
 
 bool isFinite(const float* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
-// Appends the block's quads; a quad with a vertex that is not finite is a hole. Returns the number of vertices so far.
+// Writes the quads of a block, except quads with a vertex that is not finite, which are holes. Returns the number of
+// vertices so far.
 unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
 {
   const auto decoded = std::make_unique<cvert::DecodedBlock>(block); // at its first time step
@@ -32,10 +33,10 @@ unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
   for (unsigned y = 0; y < decoded->quadsY; y++)
     for (unsigned x = 0; x < decoded->quadsX; x++) {
       const unsigned corners[4] = {y*width + x, y*width + x + 1, (y + 1)*width + x + 1, (y + 1)*width + x};
-      bool isThere = true;
+      bool isFiniteQuad = true;
       for (unsigned corner : corners)
-        isThere &= isFinite(decoded->vertices[corner]);
-      if (isThere) {
+        isFiniteQuad &= isFinite(decoded->vertices[corner]);
+      if (isFiniteQuad) {
         const unsigned first = numVertices + 1; // OBJ counts from 1
         std::printf("f %u %u %u %u\n", first + corners[0], first + corners[1], first + corners[2], first + corners[3]);
       }
@@ -59,7 +60,8 @@ int main(int argc, char** argv)
       std::printf("o geometry%zu\n", i);
       cvert::forEachBlock(file.geometry(i), file.tree(i), [&](cvert::FileChild type, uint64_t offset) {
         if (type == cvert::FILE_FRAMED)
-          throw cvert::Error(cvert::ErrorCode::UNSUPPORTED, file.path + ": has blocks that are not cVERT's");
+          throw cvert::Error(cvert::ErrorCode::UNSUPPORTED,
+                             file.path + ": the file contains blocks of another representation: expected cVERT");
         numVertices = writeBlock((const cvert::VertHeader*)(file.blocks(i) + offset), numVertices);
       });
     }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures what commits cost in scenes of many geometries: all of them, one that was edited, one that was hidden, and a second scene
- * of the same; their memory; and rays. See --help. */
+/* Measures the cost of commits of scenes with many geometries: all geometries, one edited geometry, one masked
+ * geometry, and a second scene of the same geometries; memory; and rays. */
 
 #include "basics/seconds.h"
 #include "basics/vec.h"
@@ -46,14 +46,15 @@ void displace(const RTCDisplacementFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++)
   {
-    const float h = 0.05f * std::sin(9.0f * args->P_x[i]) * std::sin(9.0f * args->P_y[i]) * std::sin(9.0f * args->P_z[i]);
+    const float x = args->P_x[i], y = args->P_y[i], z = args->P_z[i];
+    const float h = 0.05f * std::sin(9.0f * x) * std::sin(9.0f * y) * std::sin(9.0f * z);
     args->P_x[i] += h * args->Ng_x[i];
     args->P_y[i] += h * args->Ng_y[i];
     args->P_z[i] += h * args->Ng_z[i];
   }
 }
 
-/* A cage: vertices, and quadrilaterals of them. */
+/* A cage of quads. */
 struct Shape
 {
   std::vector<Vec3f> vertices;
@@ -64,9 +65,10 @@ struct Shape
   explicit Shape(const std::string& name)
   {
     if (name == "sheet") {
-      const unsigned n = 64; // faces along a side
+      const unsigned n = 64; // faces per side
       for (unsigned y = 0; y <= n; y++)
-        for (unsigned x = 0; x <= n; x++) vertices.push_back({2.0f * float(x) / n - 1.0f, 2.0f * float(y) / n - 1.0f, 0.0f});
+        for (unsigned x = 0; x <= n; x++)
+          vertices.push_back({2.0f * float(x) / n - 1.0f, 2.0f * float(y) / n - 1.0f, 0.0f});
       for (unsigned y = 0; y < n; y++)
         for (unsigned x = 0; x < n; x++)
           for (unsigned i : {0u, 1u, n + 2, n + 1}) indices.push_back(y * (n + 1) + x + i);
@@ -78,7 +80,7 @@ struct Shape
   }
 };
 
-/* Geometries of one shape, in a cube of them. */
+/* Geometries of one shape, arranged in a cube. */
 class Shapes
 {
 public:
@@ -89,11 +91,15 @@ public:
     for (size_t i = 0; i < count; i++)
     {
       RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_SUBDIVISION);
-      Vec3f* p = (Vec3f*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), shape.vertices.size());
-      for (const Vec3f& v : shape.vertices) *p++ = v + centre(i);
+      const auto newBuffer = [&](RTCBufferType type, RTCFormat format, size_t bytes, size_t count) {
+        return rtcSetNewGeometryBuffer(geometry, type, 0, format, bytes, count);
+      };
+      const size_t numVertices = shape.vertices.size(), numFaces = shape.numFaces();
+      Vec3f* p = (Vec3f*)newBuffer(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(Vec3f), numVertices);
+      for (const Vec3f& v : shape.vertices) *p++ = v + center(i);
       std::copy(shape.indices.begin(), shape.indices.end(),
-                (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, shape.indices.size()));
-      std::fill_n((unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, shape.numFaces()), shape.numFaces(), 4u);
+                (unsigned*)newBuffer(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, 4, shape.indices.size()));
+      std::fill_n((unsigned*)newBuffer(RTC_BUFFER_TYPE_FACE, RTC_FORMAT_UINT, 4, numFaces), numFaces, 4u);
       if (options.release) {
         RTCCompressionArguments args;
         rtcInitCompressionArguments(&args);
@@ -133,7 +139,7 @@ public:
     rtcCommitGeometry(geometries[i]);
   }
 
-  /* From outside, at shapes, one after the other. */
+  /* Returns rays from outside at random shapes. */
   std::vector<RTCRayHit> rays(size_t count) const
   {
     std::mt19937 random(1);
@@ -141,9 +147,10 @@ public:
     std::vector<RTCRayHit> rays(count);
     for (size_t i = 0; i < count; i++)
     {
-      const Vec3f target = centre(random() % geometries.size()) + Vec3f{uniform(random), uniform(random), uniform(random)};
+      const auto randomVector = [&] { return Vec3f{uniform(random), uniform(random), uniform(random)}; };
+      const Vec3f target = center(random() % geometries.size()) + randomVector();
       const float far = 4.0f * float(side);
-      const Vec3f origin = Vec3f{far, far, far} + float(side) * Vec3f{uniform(random), uniform(random), uniform(random)};
+      const Vec3f origin = Vec3f{far, far, far} + float(side) * randomVector();
       const Vec3f direction = target - origin;
       RTCRayHit& r = rays[i];
       std::memset(&r, 0, sizeof(r));
@@ -159,7 +166,7 @@ public:
   size_t count() const { return geometries.size(); }
 
 private:
-  Vec3f centre(size_t i) const { return 3.0f * Vec3f{float(i % side), float(i / side % side), float(i / side / side)}; }
+  Vec3f center(size_t i) const { return 3.0f * Vec3f{float(i % side), float(i / side % side), float(i / side / side)}; }
 
   EmbreeDevice& device;
   size_t side;
@@ -186,7 +193,8 @@ double traced(RTCScene scene, const std::vector<RTCRayHit>& rays, unsigned repea
 
 void measure(const Options& options, const std::string& accel, size_t count)
 {
-  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / double(Shape(options.shape).numFaces() * count)))));
+  const double numFaces = double(Shape(options.shape).numFaces() * count);
+  const float rate = std::max(1.0f, std::round(float(std::sqrt(double(options.quads) / numFaces))));
   EmbreeDevice device("subdiv_accel=" + accel);
   const size_t none = device.memory().live();
   device.memory().resetPeak();
@@ -227,8 +235,9 @@ void measure(const Options& options, const std::string& accel, size_t count)
     return std::string(text);
   };
   const double MiB = 1 << 20;
-  std::printf("| %zu | %s | %.0f | %.4f | %.4f | %s | %s | %.5f | %.1f | %.1f | %.1f | %.1f | %.1f | %.3f |\n", count, accel.c_str(), double(rate), made, all,
-              share(edits).c_str(), share(masks).c_str(), second, double(input) / MiB, double(bytes) / MiB, double(peak) / MiB, double(more[0]) / MiB,
+  std::printf("| %zu | %s | %.0f | %.4f | %.4f | %s | %s | %.5f | %.1f | %.1f | %.1f | %.1f | %.1f | %.3f |\n", count,
+              accel.c_str(), double(rate), made, all, share(edits).c_str(), share(masks).c_str(), second,
+              double(input) / MiB, double(bytes) / MiB, double(peak) / MiB, double(more[0]) / MiB,
               double(more[1]) / MiB, speed);
   std::fflush(stdout);
 }
@@ -236,14 +245,20 @@ void measure(const Options& options, const std::string& accel, size_t count)
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Measures commits of scenes of many geometries: seconds, and MiB that the device holds.");
-  app.add_option("--geometries", options.counts, "comma list of how many")->delimiter(',')->capture_default_str();
-  app.add_option("--accel", options.accels, "comma list of values of subdiv_accel")->delimiter(',')->capture_default_str();
-  app.add_option("--shape", options.shape, "of a geometry: ball, of six faces, face, or sheet, of 64 x 64")->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
-  app.add_option("--quads", options.quads, "of all geometries together, about")->capture_default_str();
-  app.add_flag("--release", options.release, "geometries let their input go as soon as they are committed; only compressed ones can");
-  app.add_option("--repeat", options.repeat, "edits, of which the median is shown")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--rays", options.rays, "that are traced, at random geometries")->capture_default_str();
+  CLI::App app("Measures commits of scenes with many geometries: seconds, and MiB that the device holds.");
+  app.add_option("--geometries", options.counts, "comma-separated list of numbers of geometries")
+    ->delimiter(',')->capture_default_str();
+  app.add_option("--accel", options.accels, "comma-separated list of values of subdiv_accel")
+    ->delimiter(',')->capture_default_str();
+  app.add_option("--shape", options.shape, "shape of a geometry: ball (6 faces), face, or sheet (64 x 64 faces)")
+    ->check(CLI::IsMember({"ball", "face", "sheet"}))->capture_default_str();
+  app.add_option("--quads", options.quads, "approximate number of quads of all geometries together")
+    ->capture_default_str();
+  app.add_flag("--release", options.release,
+               "release input buffers when a geometry is committed (compressed geometries only)");
+  app.add_option("--repeat", options.repeat, "number of edits, whose median is reported")
+    ->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--rays", options.rays, "number of rays at random geometries")->capture_default_str();
   try
   {
     app.parse(argc, argv);
@@ -252,8 +267,9 @@ int run(int argc, char** argv)
   {
     return app.exit(error);
   }
-  std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) | one masked (of the scene) | a second scene, s "
-              "| MiB of geometries | and scene | peak | second scene | nine more | Mrays/s |\n"
+  std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) "
+              "| one masked (of the scene) | a second scene, s | MiB of geometries | and scene | peak | second scene "
+              "| nine more | Mrays/s |\n"
               "|--:|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   for (size_t count : options.counts)
     for (const std::string& accel : options.accels) measure(options, accel, count);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures what geometry costs that an application has diced, compressed and in Embree's own kernel of its type: bytes, commits, and
- * rays, which both trace in turns. See --help. */
+/* Measures the cost of diced geometry, compressed and in Embree's own kernel of its type: memory, commits, and rays,
+ * which both trace alternately. */
 
 #include "building/diced_surface.h"
 #include "measure/quantiles.h"
@@ -26,16 +26,18 @@ namespace {
 struct Options
 {
   ComparedScenes compared;
-  std::vector<std::string> inputs{"grids:4", "grids:8", "grids:16", "grids:64", "quads", "quads:rows", "quads:shuffled", "triangles"};
+  std::vector<std::string> inputs{"grids:4", "grids:8", "grids:16", "grids:64", "quads", "quads:rows",
+                                  "quads:shuffled", "triangles"};
 };
 
-/* The same geometry in one of the two ways. */
+/* A geometry and its scene, compressed or not. */
 class Built
 {
 public:
   using MakeGeometry = std::function<GeometryHandle(EmbreeDevice&)>;
 
-  Built(const MakeGeometry& makeGeometry, const ComparedScenes& compared, bool compressed) : device(compared.deviceConfig())
+  Built(const MakeGeometry& makeGeometry, const ComparedScenes& compared, bool compressed)
+    : device(compared.deviceConfig())
   {
     for (unsigned i = 0; i < compared.repeat; i++)
     {
@@ -60,7 +62,7 @@ public:
       peak = device.memory().peak() - before;
     }
     rtcGetSceneCompressionStatistics(scene.get(), &statistics);
-    device.check("asking for statistics");
+    device.check("reading statistics");
   }
 
   RTCScene handle() const { return scene.get(); }
@@ -72,14 +74,15 @@ private:
 public:
   std::vector<double> seconds; // of commits
   size_t inputBytes = 0;       // the application's buffers
-  size_t bytes = 0, peak = 0;  // besides these
+  size_t bytes = 0, peak = 0;  // without these buffers
   RTCCompressionStatistics statistics{};
 };
 
-/* Whether two say the same of a ray, but for rounding and what the lattice moves. */
+/* True if both rays miss, or both hit and the distances differ by at most `distance`. */
 bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance)
 {
-  return a.hit.geomID == b.hit.geomID && (a.hit.geomID == RTC_INVALID_GEOMETRY_ID || std::abs(a.ray.tfar - b.ray.tfar) <= distance);
+  return a.hit.geomID == b.hit.geomID &&
+         (a.hit.geomID == RTC_INVALID_GEOMETRY_ID || std::abs(a.ray.tfar - b.ray.tfar) <= distance);
 }
 
 void measure(const Options& options, const Model& model, const DicedSurface& surface, const DicedInput& input)
@@ -87,7 +90,8 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   const bool isIndexed = input.shape != DicedInput::Grids;
   const QuadMesh mesh = isIndexed ? surface.mesh(input.order) : QuadMesh();
   const auto makeGeometry = [&](EmbreeDevice& device) {
-    return isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles) : surface.makeGrids(device, input.gridQuads);
+    return isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles)
+                     : surface.makeGrids(device, input.gridQuads);
   };
   const Built embree(makeGeometry, options.compared, false), ours(makeGeometry, options.compared, true);
   const PictureRays picture(model, embree.handle(), options.compared.side, false);
@@ -98,34 +102,44 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
   const FastDenormals fast;
   for (int set = 0; set < 3; set++)
   {
-    speed[set] = speedInTurns(embree.handle(), ours.handle(), *sets[set], set == 1 ? TimedQuery::Packets : TimedQuery::Single, options.compared.repeat, hits);
-    for (size_t i = 0; i < sets[set]->size(); i++) disagreements += !agree(hits[0][i], hits[1][i], 1e-3f * model.cage.bounds().diagonal());
+    const TimedQuery query = set == 1 ? TimedQuery::Packets : TimedQuery::Single;
+    speed[set] = medianSpeedup(embree.handle(), ours.handle(), *sets[set], query, options.compared.repeat, hits);
+    const float tolerance = 1e-3f * model.cage.bounds().diagonal();
+    for (size_t i = 0; i < sets[set]->size(); i++) disagreements += !agree(hits[0][i], hits[1][i], tolerance);
     rays += sets[set]->size();
   }
   const double quads = double(surface.numQuads()), inputBytes = double(ours.inputBytes) / quads;
   const RTCCompressionStatistics& s = ours.statistics;
-  std::printf("| %s | %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.4f |\n", model.name.c_str(), input.name.c_str(), quads * 1e-6,
-              double(embree.bytes) / quads, double(ours.bytes) / quads, double(ours.peak) / quads, inputBytes, median(embree.seconds), median(ours.seconds),
-              median(ours.seconds) / median(embree.seconds), speed[0], speed[1], speed[2], 100.0 * double(disagreements) / double(rays));
+  std::printf("| %s | %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.4f |\n",
+              model.name.c_str(), input.name.c_str(), quads * 1e-6, double(embree.bytes) / quads,
+              double(ours.bytes) / quads, double(ours.peak) / quads, inputBytes, median(embree.seconds),
+              median(ours.seconds), median(ours.seconds) / median(embree.seconds), speed[0], speed[1], speed[2],
+              100.0 * double(disagreements) / double(rays));
   if (s.numRawBlocks || s.numQuads != surface.numQuads() || s.numLooseQuads)
-    std::printf("  (%zu of %zu blocks are raw, %zu quads in blocks, %zu of them loose)\n", s.numRawBlocks, s.numBlocks, s.numQuads, s.numLooseQuads);
+    std::printf("  (%zu of %zu blocks are raw, %zu quads are in blocks, %zu of them loose)\n", s.numRawBlocks,
+                s.numBlocks, s.numQuads, s.numLooseQuads);
   std::fflush(stdout);
 }
 
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Compares diced geometry, compressed, with Embree's own kernels of its type: bytes a quad besides the application's buffers, "
-               "seconds of commits, how many times as fast rays are, and how many of 100 hit elsewhere, by a thousandth of the cage's diagonal.",
+  CLI::App app("Compares compressed diced geometry with Embree's own kernel of its type. Prints bytes per quad without "
+               "the application's buffers, seconds of commits, the relative speed of rays, and the percentage of rays "
+               "whose hits differ by more than a thousandth of the cage's diagonal.",
                "cbvh_diced");
   options.compared.addOptions(app, "--cage,--mesh");
-  app.add_option("--input", options.inputs, "comma list of how they are handed over: grids of a patch each, grids:N of N x N quads, quads and triangles as OpenSubdiv refines them, and these with :rows or :shuffled")->delimiter(',')->capture_default_str();
+  app.add_option("--input", options.inputs,
+                 "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads and triangles in "
+                 "the order of OpenSubdiv's refinement, the last two also with :rows or :shuffled")
+    ->delimiter(',')->capture_default_str();
   if (!parseCommandLine(app, argc, argv))
     return 0;
   std::vector<DicedInput> inputs;
   for (const std::string& word : options.inputs)
     inputs.push_back(DicedInput::parse(word));
-  std::printf("| scene | input | million quads | Embree, bytes | cVERT | peak | input | Embree, s | cVERT | ratio | rays: single | packets | bounces | others, %% |\n"
+  std::printf("| scene | input | million quads | Embree, bytes | cVERT | peak | input | Embree, s | cVERT | ratio | "
+              "rays: single | packets | bounces | different, %% |\n"
               "|:--|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   BuildSettings settings;
   settings.level = options.compared.level;

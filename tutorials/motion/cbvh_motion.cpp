@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures what surfaces that move cost, compressed and by GRID with motion blur: bytes, commits, rays at random times, which both
- * trace in turns, and how far hits are apart. See --help. */
+/* Measures the cost of moving surfaces, compressed and as GRID with motion blur: memory, commits, rays at random times,
+ * which both trace alternately, and distances between hits. */
 
 #include "building/built_scene.h"
 #include "building/subdivision_geometry.h"
@@ -34,7 +34,7 @@ struct Options
   bool still = false;
 };
 
-/* The same surface in one of the two ways. */
+/* A surface and its scene, compressed or as GRID. */
 class Built
 {
 public:
@@ -62,7 +62,7 @@ public:
       peak = device.memory().peak() - before;
     }
     rtcGetSceneCompressionStatistics(scene.get(), &statistics);
-    device.check("asking for statistics");
+    device.check("reading statistics");
   }
 
   RTCScene handle() const { return scene.get(); }
@@ -79,29 +79,36 @@ public:
   RTCCompressionStatistics statistics{};
 };
 
-constexpr int numQueries = 4; // single rays, bounces, any hit of these, packets
+constexpr int numQueries = 4; // single rays, bounces, any hit of bounces, packets
 
-/* How many times as fast rays are in `ours` as in `theirs`, each query. */
+/* Writes the speed of `ours` relative to `theirs` for each query. */
 void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsigned repeat, double speed[numQueries])
 {
-  const struct { const std::vector<RTCRayHit>& rays; TimedQuery query; } sets[numQueries] =
-    {{rays.primary, TimedQuery::Single}, {rays.bounces, TimedQuery::Single}, {rays.bounces, TimedQuery::AnyHit}, {rays.tiles, TimedQuery::Packets}};
+  const struct
+  {
+    const std::vector<RTCRayHit>& rays;
+    TimedQuery query;
+  } sets[numQueries] = {{rays.primary, TimedQuery::Single},
+                        {rays.bounces, TimedQuery::Single},
+                        {rays.bounces, TimedQuery::AnyHit},
+                        {rays.tiles, TimedQuery::Packets}};
   const FastDenormals fast;
   std::vector<RTCRayHit> hits[2];
   for (int set = 0; set < numQueries; set++)
-    speed[set] = speedInTurns(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);
+    speed[set] = medianSpeedup(theirs, ours, sets[set].rays, sets[set].query, repeat, hits);
 }
 
 void measure(const Options& options, const Model& model)
 {
-  const Built grid(model, options, false, options.compared.repeat), ours(model, options, true, options.compared.repeat);
+  const unsigned repeat = options.compared.repeat;
+  const Built grid(model, options, false, repeat), ours(model, options, true, repeat);
   const double quads = double(model.layout(options.compared.level).numQuads());
   const PictureRays rays(model, grid.handle(), options.compared.side, true);
   const std::vector<RTCRayHit>& timed = rays.primary;
   double speed[numQueries];
-  compareSpeeds(rays, grid.handle(), ours.handle(), options.compared.repeat, speed);
+  compareSpeeds(rays, grid.handle(), ours.handle(), repeat, speed);
   std::vector<RTCRayHit> hits[2];
-  /* errors in pixels of the picture */
+  /* errors in pixels */
   traceTimed(grid.handle(), timed, hits[0], TimedQuery::Single);
   traceTimed(ours.handle(), timed, hits[1], TimedQuery::Single);
   size_t lost = 0, both = 0, far = 0;
@@ -113,27 +120,34 @@ void measure(const Options& options, const Model& model)
     if (isHit(hits[0][i]) != isHit(hits[1][i])) { lost++; continue; }
     if (!isHit(hits[0][i])) continue;
     both++;
-    const double error = std::abs(double(hits[0][i].ray.tfar) - hits[1][i].ray.tfar) / (footprint * hits[0][i].ray.tfar);
+    const double distance = std::abs(double(hits[0][i].ray.tfar) - hits[1][i].ray.tfar);
+    const double error = distance / (footprint * hits[0][i].ray.tfar);
     if (error > 5) { far++; continue; }
     squares += error * error;
     errors.push_back(float(error));
   }
   const RTCCompressionStatistics& s = ours.statistics;
-  std::printf("| %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.3f | %.1f |\n", model.name.c_str(), quads * 1e-6,
-              double(grid.bytes) / quads, double(ours.bytes) / quads, double(s.motionBytes) / quads / double(model.poses.size()), double(ours.peak) / double(ours.bytes), median(grid.seconds), median(ours.seconds),
-              median(ours.seconds) / median(grid.seconds), speed[0], speed[1], speed[2], speed[3], std::sqrt(squares / double(std::max<size_t>(1, errors.size()))),
+  std::printf("| %s | %.2f | %.1f | %.2f | %.2f | %.2f | %.3f | %.3f | %.2f | %.2f | %.2f | %.2f | %.2f | %.4f | %.3f "
+              "| %.1f |\n",
+              model.name.c_str(), quads * 1e-6, double(grid.bytes) / quads, double(ours.bytes) / quads,
+              double(s.motionBytes) / quads / double(model.poses.size()), double(ours.peak) / double(ours.bytes),
+              median(grid.seconds), median(ours.seconds), median(ours.seconds) / median(grid.seconds), speed[0],
+              speed[1], speed[2], speed[3], std::sqrt(squares / double(std::max<size_t>(1, errors.size()))),
               quantile(errors, 0.99), 1e4 * double(lost + far) / double(both));
-  std::printf("  (top level %.2f, frames %.2f, nodes %.2f, leaves %.2f; %zu of %zu blocks are raw)\n", double(s.topLevelBytes) / quads, double(s.frameBytes) / quads, double(s.nodeBytes) / quads, double(s.leafBytes) / quads, s.numRawBlocks, s.numBlocks);
+  std::printf("  (top level %.2f, frames %.2f, nodes %.2f, leaves %.2f; %zu of %zu blocks are raw)\n",
+              double(s.topLevelBytes) / quads, double(s.frameBytes) / quads, double(s.nodeBytes) / quads,
+              double(s.leafBytes) / quads, s.numRawBlocks, s.numBlocks);
   std::fflush(stdout);
 }
 
-/* One quad, small, beside all that stands in a box; it moves away from it. */
+/* Returns a small quad next to a box, which moves away from it. */
 Model smallMovingModel(const Box3f& box)
 {
   const float size = 0.02f * box.diagonal();
   const Vec3f corner = box.upper;
   Model model;
-  model.cage.positions = {corner, corner + Vec3f{size, 0, 0}, corner + Vec3f{size, size, 0}, corner + Vec3f{0, size, 0}};
+  model.cage.positions = {corner, corner + Vec3f{size, 0, 0}, corner + Vec3f{size, size, 0},
+                          corner + Vec3f{0, size, 0}};
   model.cage.faceSizes = {4};
   model.cage.faceIndices = {0, 1, 2, 3};
   model.poses.resize(1);
@@ -142,7 +156,7 @@ Model smallMovingModel(const Box3f& box)
   return model;
 }
 
-/* What a surface that stands still loses where its scene has another that moves. */
+/* Measures how much slower rays of a static surface are if something else in its scene moves. */
 void measureStill(const Options& options, Model model)
 {
   model.poses.clear();
@@ -154,8 +168,9 @@ void measureStill(const Options& options, Model model)
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = RTC_COMPRESSION_VERT;
-  const GeometryHandle still = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args),
-                       moving = SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);
+  const GeometryHandle still = SharedTopology(device, model.cage).makeGeometry(Placement(), contexts[0], &args);
+  const GeometryHandle moving =
+    SharedTopology(device, other.cage, other.poses).makeGeometry(Placement(), contexts[1], &args);
   const SceneHandle alone(rtcNewScene(device.handle())), both(rtcNewScene(device.handle()));
   rtcAttachGeometry(alone.get(), still.get());
   rtcAttachGeometry(both.get(), still.get());
@@ -164,7 +179,8 @@ void measureStill(const Options& options, Model model)
   rtcCommitScene(both.get());
   device.check("committing");
   double speed[numQueries];
-  compareSpeeds(PictureRays(model, alone.get(), options.compared.side, true), alone.get(), both.get(), 3 * options.compared.repeat, speed);
+  const PictureRays rays(model, alone.get(), options.compared.side, true);
+  compareSpeeds(rays, alone.get(), both.get(), 3 * options.compared.repeat, speed);
   std::printf("| %s | %.3f | %.3f | %.3f | %.3f |\n", model.name.c_str(), speed[0], speed[1], speed[2], speed[3]);
   std::fflush(stdout);
 }
@@ -172,21 +188,25 @@ void measureStill(const Options& options, Model model)
 int run(int argc, char** argv)
 {
   Options options;
-  CLI::App app("Compares surfaces that move, compressed, with GRID's motion blur: bytes a quad, seconds of commits, how many times as fast rays at random times are, and, "
-               "along primary rays, RMSE and p99 of distances within 5 pixels, and false hits, misses and farther ones of 10,000.",
+  CLI::App app("Compares compressed moving surfaces with GRID's motion blur. Prints bytes per quad, seconds of "
+               "commits, the relative speed of rays at random times, and errors along primary rays: RMSE and p99 of "
+               "distances up to 5 pixels, and the number of false hits, misses and larger distances per 10,000 rays.",
                "cbvh_motion");
   options.compared.addOptions(app, "--cage");
-  app.add_option("--motion", options.motions, "comma list of how they move: turn, bend, twist, walk")->delimiter(',')->capture_default_str();
-  app.add_option("--steps", options.steps, "in time")->capture_default_str();
-  app.add_option("--degrees", options.degrees, "from the first step to the last")->capture_default_str();
-  app.add_flag("--still", options.still, "measure instead how many times as fast rays that meet a surface which stands still are where something else in its scene moves");
+  app.add_option("--motion", options.motions, "comma-separated list of motions: turn, bend, twist, walk")
+    ->delimiter(',')->capture_default_str();
+  app.add_option("--steps", options.steps, "number of time steps")->capture_default_str();
+  app.add_option("--degrees", options.degrees, "angle from the first time step to the last")->capture_default_str();
+  app.add_flag("--still", options.still,
+               "measure instead the relative speed of rays of a static surface if something else in its scene moves");
   if (!parseCommandLine(app, argc, argv))
     return 0;
   if (options.still)
-    std::printf("| a still surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
+    std::printf("| static surface | rays: single | bounces | any hit | packets |\n|:--|--:|--:|--:|--:|\n");
   else
-    std::printf("| scene | million quads | GRID, bytes | cVERT | a further step | peak | GRID, s | cVERT | ratio | rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
-              "|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    std::printf("| scene | million quads | GRID, bytes | cVERT | per further step | peak | GRID, s | cVERT | ratio | "
+                "rays: single | bounces | any hit | packets | RMSE, px | p99 | others of 10,000 |\n"
+                "|:--|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
   options.compared.forEach([&](Model& model) {
     if (options.still)
       return measureStill(options, model);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Renders a displaced subdivision surface by path tracing on a Vulkan device. See --help. */
+/* Renders a displaced subdivision surface by path tracing on a Vulkan device or on the CPU. */
 
 #include "options.h"
 #include "path_tracer.h"
@@ -21,7 +21,7 @@
 namespace cbvh {
 namespace {
 
-/* The views are fitted to GRID. A coarse one is quick to build and does. */
+/* Views are fitted to GRID. A coarse one is sufficient and fast to build. */
 Camera findCamera(const PathTracerOptions& options, const Model& model)
 {
   constexpr int coarse = 3;
@@ -39,11 +39,12 @@ BuildSettings settingsFor(const PathTracerOptions& options, const Model& model, 
   return settingsForView(options.build, model, camera, dicing, options.maxPixelError);
 }
 
-std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, const BuiltScene& scene, const PathView& view)
+std::unique_ptr<PathTracer> makePathTracer(const PathTracerOptions& options, const BuiltScene& scene,
+                                           const PathView& view)
 {
   if (options.onCpu())
     return makeCpuPathTracer(scene.handle(), view, threadCount(options.build.threads));
-  Phase phase("scene and shader to the device");
+  Phase phase("upload of scene and shader to the device");
   return makeVulkanPathTracer(scene.handle(), view, options.device, options.byRayQuery);
 }
 
@@ -52,7 +53,7 @@ double secondsNow()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/* The first sample has a time of its own: drivers compile what is left to compile when a shader first runs. */
+/* The first sample is timed separately, because drivers may compile the shader when it first runs. */
 void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
 {
   Phase phase("picture");
@@ -70,7 +71,7 @@ void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
   std::printf("%s\n%u samples of %d x %d pixels: the first in %.2f s", tracer.deviceName().c_str(), options.samples,
               options.size.width, options.size.height, first);
   if (options.samples > 1)
-    std::printf(", the others in %.2f s, %.3f million paths a second", others,
+    std::printf(", the others in %.2f s, %.3f million paths per second", others,
                 1e-6 * double(options.samples - 1) * options.size.width * options.size.height / others);
   std::printf("\n");
 }
@@ -83,7 +84,7 @@ int run(int argc, char** argv)
   if (options->window)
     requireWindows();
   installCancelHandler();
-  const Model model = loadSceneOf("cbvh_pathtracer", options->scene);
+  const Model model = loadProgramScene("cbvh_pathtracer", options->scene);
   const Camera camera = findCamera(*options, model);
   const BuiltScene scene(model, options->representation, settingsFor(*options, model, camera));
   const std::unique_ptr<PathTracer> tracer =

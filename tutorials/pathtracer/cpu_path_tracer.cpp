@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The paths of path.h through Embree, a ray at a time: what the other device's picture is compared with. */
+/* Traces the paths of path.h with Embree, one ray at a time. The reference for pictures of Vulkan devices. */
 
 #include "path_tracer.h"
 #include "basics/parallel.h"
@@ -62,7 +62,7 @@ public:
 
   std::string deviceName() const override
   {
-    return std::to_string(threads) + (threads == 1 ? " thread" : " threads") + " of the processor";
+    return std::to_string(threads) + (threads == 1 ? " thread" : " threads") + " of the CPU";
   }
 
 private:

@@ -1,23 +1,23 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What lets random_numbers.h, lights.h and path.h compile as C++ and as GLSL, so that the path tracer is
- * written once and the picture of one device is the reference of the other's.
+/* Definitions with which random_numbers.h, lights.h and path.h compile as C++ and as GLSL. So the path tracer is
+ * written once, and the CPU's picture is the reference of the Vulkan device's.
  *
- * Shared code is free functions on plain values: no references, no member functions, and no
- * braces around values. */
+ * Shared code consists of free functions on plain values: no references, no member functions, and no braces around
+ * values. */
 
 #ifndef PATH_LANGUAGE_H
 #define PATH_LANGUAGE_H
 
-#ifdef VULKAN // as glslc defines it
+#ifdef VULKAN // defined by glslc
 
 #define PATH_BEGIN
 #define PATH_END
 #define PATH_FUNCTION
 #define PATH_CONSTANT const
 #define uint32_t uint
-#define TracedScene uvec2 // an address, as cbvhIntersect takes it
+#define TracedScene uvec2 // an address, the argument of cbvhIntersect
 
 vec3 vector (float x, float y, float z) { return vec3(x,y,z); }
 

@@ -8,7 +8,7 @@ namespace cbvh {
 
 void requireWindows()
 {
-  throw Error("--window: this build has no windows, which need GLFW and OpenGL; --output needs none");
+  throw Error("--window: this build has no windows, which need GLFW and OpenGL: expected --output");
 }
 
 void showWindow(PathTracer&, ImageSize, unsigned)

@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-/* The library's name of a device: other programs write "vulkan:" before it, and "vulkan" for the first. */
+/* Converts a device's name to the library's. Other programs use the prefix "vulkan:", and "vulkan" for the first. */
 std::string libraryName(const std::string& device)
 {
   const std::string prefix = "vulkan:";
@@ -25,7 +25,7 @@ std::string libraryName(const std::string& device)
   return device.compare(0, prefix.size(), prefix) == 0 ? device.substr(prefix.size()) : device;
 }
 
-/* The first GPU, else the processor: Mesa's llvmpipe is the processor, by a longer way. */
+/* Returns the first GPU, or the CPU if there is none. Mesa's llvmpipe is skipped, because it runs on the CPU. */
 std::string chooseDevice()
 {
   RTCVulkanDeviceInfo infos[16];
@@ -44,54 +44,58 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   std::vector<std::string> files;
   std::string representation = wordOf(RepresentationKind::CVert), size = "512x512", device = "auto", shutter = "0,1";
 
-  CLI::App app("Renders a displaced subdivision surface by path tracing, all of it in a shader on a Vulkan device, or\n"
-               "with the same random numbers on the processor: into a file, or in a window, sample by sample.",
+  CLI::App app("Renders a displaced subdivision surface by path tracing, entirely in a shader on a Vulkan device, or\n"
+               "with the same random numbers on the CPU. Writes a picture, or shows it in a window sample by sample.",
                "cbvh_pathtracer");
-  addFiles(app, files);
+  addFileArguments(app, files);
   app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representation,
-                 listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :")
+                 listOfRepresentations(", ", " or ") + "; a frame level may follow after ^ or :")
     ->type_name("NAME")->capture_default_str();
-  LevelWords levels;
+  LevelOptions levels;
   addViewLevelOptions(app, levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", size, "picture size")->type_name("WxH")->capture_default_str();
-  app.add_option("--samples", o.samples, "paths a pixel")->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
-  app.add_option("--bounces", o.bounces, "hits of a path behind its first")
+  app.add_option("--samples", o.samples, "paths per pixel")
+    ->type_name("N")->check(CLI::Range(1, 1 << 24))->capture_default_str();
+  app.add_option("--bounces", o.bounces, "number of hits of a path after the first")
     ->type_name("N")->check(CLI::Range(0, 64))->capture_default_str();
   addShutterOption(app, shutter);
-  app.add_option("--device", device, "vulkan for the first device, a device's index, a part of its name, or cpu; auto for a GPU if there is one, else cpu")
+  app.add_option("--device", device,
+                 "vulkan for the first Vulkan device, a device's index, a part of its name, or cpu; auto for a GPU if "
+                 "there is one, else cpu")
     ->type_name("NAME")->capture_default_str();
-  app.add_flag("--ray-query", o.byRayQuery, "on a Vulkan device: find blocks by the driver's ray queries");
-  app.add_flag("--window", o.window, "show the picture while it is made");
-  app.add_option("--output", o.output, "write the picture there: linear as .exr, sRGB as .png; "
-                                       "cbvh_pathtracer.png unless there is a window")->type_name("FILE");
+  app.add_flag("--ray-query", o.byRayQuery, "use the ray queries of a Vulkan device's driver to find blocks");
+  app.add_flag("--window", o.window, "show the picture during rendering");
+  app.add_option("--output", o.output,
+                 "file for the picture: linear as .exr, sRGB as .png [cbvh_pathtracer.png, or none with --window]")
+    ->type_name("FILE");
   app.add_option("--threads", o.build.threads, "threads for building and for --device cpu, 0 for all")
     ->type_name("N")->capture_default_str();
-  app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
+  addIsaOption(app, o.build.isa);
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
-  nameFiles(files, o.scene);
+  applyFileArguments(files, o.scene);
   validateScene(o.scene);
-  o.autoLevel = readLevel(levels, o.build.level);
+  o.autoLevel = parseLevel(levels, o.build.level);
   validateBuild(o.build);
   o.scene.threads = o.build.threads;
   o.size = parseImageSize(size);
   o.shutter = parseShutter(shutter);
   o.device = device == "auto" ? chooseDevice() : libraryName(device);
   if (o.byRayQuery && o.onCpu())
-    throw Error("--ray-query needs a Vulkan device, --device is cpu");
+    throw Error("--ray-query needs a Vulkan device: expected another --device than cpu");
   const std::vector<Representation> representations = parseRepresentationOptions(representation, levels.frameLevel);
   if (representations.size() != 1)
-    throw Error("--representation '" + representation + "' names more than one");
+    throw Error("--representation '" + representation + "' names more than one: expected one");
   o.representation = representations[0];
   if (!o.scene.meshPath.empty() || (o.representation.kind == RepresentationKind::Naive && app.count("--level") == 0))
-    o.autoLevel = false; // they have none
+    o.autoLevel = false; // not supported for meshes and NAIVE
   if (o.autoLevel && o.representation.kind == RepresentationKind::Naive)
-    throw Error("--level auto has no naive, whose triangles have one level for all edges");
+    throw Error("--level auto does not support naive, which has one level for all edges: expected " + levelRange());
   o.quadSize = levels.quadSize;
   o.maxPixelError = levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
   if (o.view != "full" && o.view != "close")

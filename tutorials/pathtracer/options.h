@@ -21,24 +21,23 @@ struct PathTracerOptions
   SceneSettings scene;
   Representation representation;
   BuildSettings build;
-  bool autoLevel = false;     // rates by the view, in place of build.level
-  float quadSize = 1;         // in pixels, then
-  float maxPixelError = 0;    // bound on the spacing of cVERT, in pixels of the view, 0 for none
+  bool autoLevel = false;     // use rates by the view instead of build.level
+  float quadSize = 1;         // of rates by the view, in pixels
+  float maxPixelError = 0;    // largest spacing of cVERT, in pixels of the view, 0 for no bound
   std::string view = "full";  // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
-  unsigned samples = 64;      // a pixel
-  unsigned bounces = 3;       // hits of a path behind its first
-  Shutter shutter;            // of models that move
-  std::string device;         // "cpu", or as rtcNewVulkanDevice takes it
-  bool byRayQuery = false;    // of the device's driver, and not the library's own tree
+  unsigned samples = 64;      // per pixel
+  unsigned bounces = 3;       // hits of a path after the first
+  Shutter shutter;            // for models that move
+  std::string device;         // "cpu", or an argument of rtcNewVulkanDevice
+  bool byRayQuery = false;    // use the driver's ray queries instead of the library's traversal
   bool window = false;
-  std::string output;         // empty: none
+  std::string output;         // empty for none
 
   bool onCpu() const { return device == "cpu"; }
 };
 
-/* Reads a command line. Returns nothing when it asked for help, which is printed.
- * Throws Error, one line, for anything wrong. */
+/* Parses a command line. Returns nothing after printing help. Throws Error, one line, for anything invalid. */
 std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv);
 
 } // namespace cbvh

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Light along the paths of a pixel. A path starts at the eye and goes on from a hit in a random direction, more
- * often the more a diffuse surface reflects of it, which is what the hit sees of the sky and of other surfaces. The
- * sun is too small to be found so: from every hit a shadow ray goes to a point of it. */
+/* Light along the paths of a pixel. A path starts at the eye and continues from each hit in a random direction, with
+ * the distribution of diffuse reflection. This finds light from the sky and from other surfaces. The sun is too small
+ * for this, so each hit also traces a shadow ray to a random point of the sun. */
 
 #ifndef PATH_H
 #define PATH_H
@@ -12,20 +12,20 @@
 
 PATH_BEGIN
 
-/* What a picture shows. */
+/* Camera, sun and shutter of a picture. */
 struct PathView
 {
   vec3 eye;
-  vec3 corner;      // from the eye to the upper left corner of the picture, which has a distance of 1
-  vec3 right, down; // from pixel to pixel
-  vec3 up;          // of the sky, of length 1
-  vec3 sun;         // towards its middle, of length 1
+  vec3 corner;      // from the eye to the upper left corner of the picture, whose plane has a distance of 1
+  vec3 right, down; // between pixels
+  vec3 up;          // of the sky, unit length
+  vec3 sun;         // direction to the center of the sun, unit length
   uint32_t width, height;
-  uint32_t bounces; // hits of a path behind its first
+  uint32_t bounces; // hits of a path after the first
   float shutterBegin, shutterEnd; // times of paths, 0 to 1
 };
 
-/* What the shader is called with. Addresses are two words to it. */
+/* Arguments of the shader. Addresses are two words there. */
 struct PathArguments
 {
 #ifdef VULKAN
@@ -35,11 +35,12 @@ struct PathArguments
 #endif
   PathView view;
   uint32_t sampleIndex;
-  uint32_t firstRow; // of the picture
+  uint32_t firstRow;
 };
 
 #ifndef VULKAN
-/* Every device has 128 bytes of push constants. Those of the shader end with the last member, these with a multiple of 8. */
+/* Every device has at least 128 bytes of push constants. The shader's struct ends with the last member, this one is
+ * padded to a multiple of 8. */
 static_assert(offsetof(PathArguments,firstRow) == 112 && sizeof(PathArguments) == 120, "layout of push constants");
 #endif
 
@@ -50,17 +51,17 @@ struct ClosestHit
   vec3 Ng;
 };
 
-/* Each device has its own. direction: of length 1, so that t is a distance. time: 0 to 1. */
+/* Implemented for each device. `direction` has unit length, so that t is a distance; `time` is in [0,1]. */
 ClosestHit closestHit (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
 bool isOccluded (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
 
-/* Where rays that leave a hit begin, as in Embree's own path tracer: behind all that rounding did to the hit. */
+/* Returns tnear of rays that leave a hit, as in Embree's own path tracer: larger than the rounding error of the hit. */
 PATH_FUNCTION float nearEnd (vec3 p, float t)
 {
   return 32.0f*1.1920929e-7f*max(max(abs(p.x),abs(p.y)),max(abs(p.z),t));
 }
 
-/* Normal on the side that a ray comes from; against the ray where a hit has none. */
+/* Returns the unit normal on the side of the ray, or the reversed ray if the hit has no normal. */
 PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
 {
   float square = dot(Ng,Ng);
@@ -68,13 +69,13 @@ PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
   return Ng*((dot(Ng,direction) > 0.0f ? -1.0f : 1.0f)/sqrt(square));
 }
 
-/* When a path is traced. Its random number is none of those that the path counts. */
+/* Returns the time of a path. Its random number is not one of the dimensions that lightOfPath counts. */
 PATH_FUNCTION float timeOfPath (PathView view, uint32_t pixel, uint32_t sampleIndex)
 {
   return view.shutterBegin + (view.shutterEnd - view.shutterBegin)*randomNumber(pixel,sampleIndex,0xFFFFFFFFu);
 }
 
-/* Light that one path brings to a pixel. */
+/* Returns the light of one path through a pixel. */
 PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, uint32_t y, uint32_t sampleIndex)
 {
   uint32_t pixel = y*view.width + x, dimension = 0u;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Renders a picture sample by sample, on the processor or on a Vulkan device: the same paths with the same
- * random numbers, so that the pictures are equal but for rounding. */
+/* Renders a picture sample by sample, on the CPU or on a Vulkan device. Both trace the same paths with the same random
+ * numbers, so their pictures differ only by rounding. */
 
 #include "path.h"
 #include "tracing/camera.h"
@@ -18,7 +18,7 @@ namespace cbvh {
 
 using path::PathView;
 
-/* up: of the scene. bounces: hits of a path behind its first. shutter: of models that move. */
+/* `up` is the scene's up direction, `bounces` the number of hits after the first, `shutter` for models that move. */
 PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter);
 
 class PathTracer
@@ -26,15 +26,15 @@ class PathTracer
 public:
   virtual ~PathTracer() = default;
 
-  /* Traces one more path a pixel. Throws Error, Cancelled; the picture is none then. */
+  /* Traces one more path per pixel. Throws Error, Cancelled; the picture is invalid afterwards. */
   void addSample() { addSample(count++); }
 
   unsigned samples() const { return count; }
 
-  /* Mean of the samples so far, a value a pixel, linear, rows from the top. */
+  /* Returns the mean of the samples so far, linear, one value per pixel, rows from the top. */
   std::vector<Vec3f> picture() const;
 
-  /* What traces, in words. */
+  /* Describes the device that traces. */
   virtual std::string deviceName() const = 0;
 
 private:
@@ -44,10 +44,12 @@ private:
   uint32_t count = 0;
 };
 
-/* On threads of the processor. scene: committed, outlives the tracer. */
+/* Traces on CPU threads. The scene must be committed and must outlive the tracer. */
 std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& view, unsigned threads);
 
-/* On a Vulkan device. which: as rtcNewVulkanDevice takes it. Throws Error. */
-std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which, bool byRayQuery = false);
+/* Traces on a Vulkan device. `which` is an argument of rtcNewVulkanDevice. The scene must be committed. Throws
+ * Error. */
+std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which,
+                                                 bool byRayQuery = false);
 
 } // namespace cbvh

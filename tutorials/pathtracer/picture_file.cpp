@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfHeader.h>
 
 #include <filesystem>
+#include <system_error>
 
 namespace cbvh {
 namespace {
@@ -25,12 +26,13 @@ void writeExr(const std::string& path, ImageSize size, const std::vector<Vec3f>&
   static const char* const names[3] = {"R", "G", "B"};
   Imf::Header header(size.width, size.height);
   Imf::FrameBuffer frame;
-  std::vector<Vec3f> copy = pixels; // OpenEXR's slices are not const
+  std::vector<Vec3f> copy = pixels; // because slices of OpenEXR are not const
   for (size_t i = 0; i < 3; i++)
   {
+    char* const first = reinterpret_cast<char*>(copy.data()) + i * sizeof(float);
     header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
-    frame.insert(names[i], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(copy.data()) + i * sizeof(float), sizeof(Vec3f),
-                                      sizeof(Vec3f) * size_t(size.width)));
+    frame.insert(names[i],
+                 Imf::Slice(Imf::FLOAT, first, sizeof(Vec3f), sizeof(Vec3f) * size_t(size.width)));
   }
   writeExrFile(path, header, frame, size.height);
 }
@@ -40,11 +42,11 @@ void writeExr(const std::string& path, ImageSize size, const std::vector<Vec3f>&
 void validatePicturePath(const std::string& path)
 {
   if (!isExr(path) && std::filesystem::path(path).extension() != ".png")
-    throw Error("--output '" + path + "' ends neither in .exr nor in .png");
+    throw Error("invalid --output '" + path + "': expected a name that ends in .exr or .png");
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;
   if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    throw Error("--output '" + path + "': there is no folder " + folder.string());
+    throw Error("--output '" + path + "': there is no folder " + folder.string() + ": expected an existing folder");
 }
 
 Image toImage(ImageSize size, const std::vector<Vec3f>& pixels)

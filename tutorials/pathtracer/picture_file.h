@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Linear colours as files: EXR as they are, PNG clamped and in sRGB. */
+/* Writes linear colors to files: unchanged as EXR, clamped and in sRGB as PNG. */
 
 #include "pictures/image.h"
 
@@ -12,14 +12,14 @@
 
 namespace cbvh {
 
-/* Throws Error that names the option unless a picture can be written there, by the path's extension and folder. */
+/* Throws Error that names the option unless the extension is .exr or .png and the folder exists. */
 void validatePicturePath(const std::string& path);
 
-/* Clamps. pixels: linear, rows from the top. */
+/* Converts linear pixels, rows from the top, to sRGB. Clamps. */
 Image toImage(ImageSize size, const std::vector<Vec3f>& pixels);
 
-/* Writes channels R, G and B of 32 bits as EXR, else what toImage makes of them as PNG; whole or not at all.
- * Throws Error with the path. */
+/* Writes linear pixels: as EXR with 32-bit channels R, G and B, or as PNG in sRGB. The file appears complete or not at
+ * all. Throws Error with the path. */
 void writePicture(const std::string& path, ImageSize size, const std::vector<Vec3f>& pixels);
 
 } // namespace cbvh

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random numbers that depend on nothing but a pixel, a sample of it, and what they are for, so that
- * every device draws the same, and directions made of them.
+/* Random numbers that depend only on a pixel, a sample, and a dimension, so that every device uses the same, and
+ * directions computed from them.
  *
- * Sines and cosines are polynomials of our own: those of a Vulkan device need be good to 2^-11 only. */
+ * Sines and cosines are our own polynomials, because those of a Vulkan device may have an error of 2^-11. */
 
 #ifndef PATH_RANDOM_NUMBERS_H
 #define PATH_RANDOM_NUMBERS_H
@@ -13,7 +13,7 @@
 
 PATH_BEGIN
 
-/* Well mixed bits of an integer (finaliser of MurmurHash3). */
+/* Returns the well-mixed bits of an integer (finalizer of MurmurHash3). */
 PATH_FUNCTION uint32_t mixedBits (uint32_t x)
 {
   x = (x ^ (x >> 16u))*0x85EBCA6Bu;
@@ -21,22 +21,22 @@ PATH_FUNCTION uint32_t mixedBits (uint32_t x)
   return x ^ (x >> 16u);
 }
 
-/* In [0,1), a multiple of 2^-24. dimension: which number of the sample. */
+/* Returns a multiple of 2^-24 in [0,1). `dimension` counts the numbers of a sample. */
 PATH_FUNCTION float randomNumber (uint32_t pixel, uint32_t sampleIndex, uint32_t dimension)
 {
   uint32_t bits = mixedBits(mixedBits(mixedBits(pixel + 1u) + sampleIndex) + dimension);
   return float(bits >> 8u)*5.9604644775390625e-8f;
 }
 
-/* A point of the upper half of the unit sphere for a point of the unit square: cosine distribution about
- * the z axis, and an even one over the disc that is its x and y. Areas next to each other stay so.
+/* Maps a point of the unit square to the upper unit hemisphere: cosine-distributed about the z axis, so x and y are
+ * uniform on the disk. Preserves neighborhoods.
  * Based on: Shirley and Chiu, A Low Distortion Map Between Disk and Square, 1997. */
 PATH_FUNCTION vec3 pointOfHemisphere (float u, float v)
 {
   float a = 2.0f*u - 1.0f, b = 2.0f*v - 1.0f;
   bool isWide = abs(a) > abs(b);
   float radius = isWide ? a : b;
-  float angle = radius == 0.0f ? 0.0f : 0.785398163f*(isWide ? b : a)/radius; // at most pi/4 to either side of an axis
+  float angle = radius == 0.0f ? 0.0f : 0.785398163f*(isWide ? b : a)/radius; // at most pi/4 from an axis
   float q = angle*angle;
   float sine = angle*(1.0f + q*(-1.0f/6.0f + q*(1.0f/120.0f - q*(1.0f/5040.0f))));
   float cosine = 1.0f + q*(-0.5f + q*(1.0f/24.0f + q*(-1.0f/720.0f + q*(1.0f/40320.0f))));
@@ -44,10 +44,10 @@ PATH_FUNCTION vec3 pointOfHemisphere (float u, float v)
   return vector(x,y,sqrt(max(0.0f,1.0f - x*x - y*y)));
 }
 
-/* Of length 1. v: not zero. */
+/* Returns a vector of unit length; v must not be zero. */
 PATH_FUNCTION vec3 unitVector (vec3 v) { return v*(1.0f/sqrt(dot(v,v))); }
 
-/* A vector given in axes of which z is the unit vector n.
+/* Rotates a vector from a frame whose z axis is the unit vector n.
  * Based on: Duff et al., Building an Orthonormal Basis, Revisited, 2017. */
 PATH_FUNCTION vec3 turned (vec3 p, vec3 n)
 {

@@ -5,6 +5,8 @@
 #include "vulkan_device.h"
 #include "basics/error.h"
 
+#include <cstdint>
+
 namespace cbvh {
 namespace {
 
@@ -12,23 +14,24 @@ std::string nameOf(VkResult result)
 {
   switch (result)
   {
-  case VK_ERROR_OUT_OF_HOST_MEMORY: return "the host has no memory for it";
-  case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "the device has no memory for it";
+  case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
+  case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
   case VK_ERROR_DEVICE_LOST: return "the device is lost";
   default: return "VkResult " + std::to_string(result);
   }
 }
 
-/* The first type of memory that has the properties, and those that are liked, too, if there is one. */
-uint32_t memoryType(VkPhysicalDevice device, uint32_t allowed, VkMemoryPropertyFlags needed, VkMemoryPropertyFlags liked)
+/* Returns the first type of memory with the needed properties, preferably also with the preferred ones. */
+uint32_t memoryType(VkPhysicalDevice device, uint32_t allowed, VkMemoryPropertyFlags needed,
+                    VkMemoryPropertyFlags preferred)
 {
   VkPhysicalDeviceMemoryProperties properties;
   vkGetPhysicalDeviceMemoryProperties(device, &properties);
-  for (VkMemoryPropertyFlags flags : {needed | liked, needed})
+  for (VkMemoryPropertyFlags flags : {needed | preferred, needed})
     for (uint32_t i = 0; i < properties.memoryTypeCount; i++)
       if ((allowed & (1u << i)) && (properties.memoryTypes[i].propertyFlags & flags) == flags)
         return i;
-  throw Error("the Vulkan device has no memory for a picture");
+  throw Error("allocating a picture: the Vulkan device has no memory of the required type");
 }
 
 } // namespace
@@ -140,7 +143,8 @@ void VulkanBuffer::allocate(Kind kind)
                  VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
   else
   {
-    info.memoryTypeIndex = memoryType(device.vk.physicalDevice, requirements.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    info.memoryTypeIndex = memoryType(device.vk.physicalDevice, requirements.memoryTypeBits, 0,
+                                      VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     info.pNext = &flags;
   }
   checkVulkan(vkAllocateMemory(device.vk.device, &info, nullptr, &memory),
@@ -148,9 +152,9 @@ void VulkanBuffer::allocate(Kind kind)
   checkVulkan(vkBindBufferMemory(device.vk.device, handle, memory, 0), "binding memory");
   if (kind == OnDevice)
   {
-    VkBufferDeviceAddressInfo of = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
-    of.buffer = handle;
-    address = vkGetBufferDeviceAddress(device.vk.device, &of);
+    VkBufferDeviceAddressInfo addressInfo = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+    addressInfo.buffer = handle;
+    address = vkGetBufferDeviceAddress(device.vk.device, &addressInfo);
     return;
   }
   void* data = nullptr;
@@ -161,7 +165,7 @@ void VulkanBuffer::allocate(Kind kind)
 void VulkanBuffer::destroy()
 {
   vkDestroyBuffer(device.vk.device, handle, nullptr);
-  vkFreeMemory(device.vk.device, memory, nullptr); // which ends the mapping
+  vkFreeMemory(device.vk.device, memory, nullptr); // also unmaps
 }
 
 } // namespace cbvh

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A Vulkan device that libembree3_vulkan opened, for commands and buffers of our own beside its: here
- * as a renderer would have it, which calls Vulkan through volk. */
+/* A Vulkan device that libembree3_vulkan opened, with our own commands and buffers, as in a renderer that calls Vulkan
+ * through volk. */
 
 #include "building/embree_device.h"
 
@@ -17,13 +17,13 @@
 
 namespace cbvh {
 
-/* Throws Error that says what was done unless it went well. */
+/* Throws Error that names the operation `doing` if the result is an error. */
 void checkVulkan(VkResult result, const std::string& doing);
 
 class VulkanDevice
 {
 public:
-  /* which: as rtcNewVulkanDevice takes it. One at a time: volk's functions are of one device. Throws Error. */
+  /* `which` is an argument of rtcNewVulkanDevice. At most one may exist, because volk supports one. Throws Error. */
   explicit VulkanDevice(const std::string& which);
   ~VulkanDevice();
   VulkanDevice(const VulkanDevice&) = delete;
@@ -33,15 +33,15 @@ public:
   void check(const char* doing) { errors.check(doing); }
 
   RTCVulkanDevice handle() const { return device; }
-  std::string name() const; // the device's and its driver's
+  std::string name() const; // names of the device and its driver
 
-  /* Records commands with the closure, submits them, and waits. Throws Error. */
+  /* Records commands with `record`, submits them, and waits. Throws Error. */
   void run(const std::function<void(VkCommandBuffer)>& record) const;
 
   RTCVulkanHandles vk{};
 
 private:
-  EmbreeDevice errors; // gets those of the library; goes last
+  EmbreeDevice errors; // receives errors of the library; destroyed last
   RTCVulkanDevice device = nullptr;
   VkCommandPool pool = VK_NULL_HANDLE;
 };
@@ -52,19 +52,19 @@ class VulkanBuffer
 public:
   enum Kind
   {
-    OnDevice, // has an address for shaders
-    ToRead    // by the host, coherently
+    OnDevice, // with an address for shaders
+    ToRead    // readable and coherent for the host
   };
 
-  /* Throws Error. */
+  /* Allocates the buffer. Throws Error. */
   VulkanBuffer(const VulkanDevice& device, VkDeviceSize bytes, Kind kind);
   ~VulkanBuffer() { destroy(); }
   VulkanBuffer(const VulkanBuffer&) = delete;
   VulkanBuffer& operator=(const VulkanBuffer&) = delete;
 
   VkBuffer handle = VK_NULL_HANDLE;
-  VkDeviceAddress address = 0;  // of OnDevice
-  const void* mapped = nullptr; // of ToRead
+  VkDeviceAddress address = 0;  // for OnDevice
+  const void* mapped = nullptr; // for ToRead
   const VkDeviceSize bytes;
 
 private:

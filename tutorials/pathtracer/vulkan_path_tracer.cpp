@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The paths of path.h in a compute shader of our own, path.comp, which includes the library's cbvh.glsl and
- * gets a scene as an address: nothing of the library is called while it runs. */
+/* Traces the paths of path.h in our own compute shader, path.comp. It includes the library's cbvh.glsl and receives the
+ * scene as an address, so no function of the library is called while it runs. */
 
 #include "vulkan_device.h"
 #include "path_tracer.h"
@@ -16,7 +16,7 @@ namespace {
 
 using path::PathArguments;
 
-/* SPIR-V of path.comp, as glslc writes it. Devices without 64-bit floats have no use for cVERT's part. */
+/* SPIR-V of path.comp, written by glslc. The variants without 64-bit floats cannot trace cVERT. */
 const uint32_t code[] =
 #include "path.inc"
 ;
@@ -45,7 +45,7 @@ Code codeFor(bool byRayQuery, bool hasFloat64)
 
 constexpr uint32_t groupSize = 8; // local_size_x and local_size_y of path.comp
 
-/* Paths of one submission, about: drivers may end what takes seconds, and Ctrl-C waits for it. */
+/* Approximate number of paths per submission: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
 constexpr uint32_t pathsAtOnce = 1u << 18;
 
 /* A scene on a device. */
@@ -54,7 +54,7 @@ class UploadedScene
 public:
   UploadedScene(VulkanDevice& device, RTCScene scene, bool byRayQuery) : handle(create(device, scene, byRayQuery))
   {
-    device.check("putting the scene on the Vulkan device");
+    device.check("uploading the scene to the Vulkan device");
   }
   ~UploadedScene() { rtcReleaseVulkanScene(handle); }
   UploadedScene(const UploadedScene&) = delete;
@@ -71,7 +71,7 @@ private:
   }
 };
 
-/* The shader, specialized to what a scene has. */
+/* The shader, specialized for a scene. */
 class PathPipeline
 {
 public:
@@ -91,7 +91,7 @@ public:
   PathPipeline(const PathPipeline&) = delete;
   PathPipeline& operator=(const PathPipeline&) = delete;
 
-  /* rows: of the picture, from the first one of the arguments. */
+  /* Records rows of the picture, beginning with the first row in the arguments. */
   void record(VkCommandBuffer commands, const PathArguments& arguments, uint32_t rows) const
   {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
@@ -141,8 +141,9 @@ private:
   VkPipeline pipeline = VK_NULL_HANDLE;
 };
 
-/* What is written is there for what comes behind. */
-void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to, VkAccessFlags used)
+/* Makes writes visible to later commands. */
+void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
+             VkAccessFlags used)
 {
   VkMemoryBarrier info = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   info.srcAccessMask = written;
@@ -175,9 +176,10 @@ private:
     {
       throwIfCancelled();
       device.run([&](VkCommandBuffer commands) {
-        constexpr VkPipelineStageFlags compute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, transfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
+        constexpr VkPipelineStageFlags compute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+        constexpr VkPipelineStageFlags transfer = VK_PIPELINE_STAGE_TRANSFER_BIT;
         constexpr VkAccessFlags readAndWrite = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
-        barrier(commands, compute | transfer, VK_ACCESS_SHADER_WRITE_BIT, compute, readAndWrite); // of the sample before
+        barrier(commands, compute | transfer, VK_ACCESS_SHADER_WRITE_BIT, compute, readAndWrite); // previous sample
         pipeline.record(commands, arguments, std::min(rows, view.height - arguments.firstRow));
       });
     }
@@ -186,17 +188,19 @@ private:
   std::vector<Vec3f> sums() const override
   {
     device.run([&](VkCommandBuffer commands) {
-      barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+      barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+              VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
       const VkBufferCopy all = {0, 0, light.bytes};
       vkCmdCopyBuffer(commands, light.handle, readable.handle, 1, &all);
-      barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+      barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
+              VK_ACCESS_HOST_READ_BIT);
     });
     std::vector<Vec3f> out(size_t(view.width) * view.height);
     std::memcpy(out.data(), readable.mapped, light.bytes);
     return out;
   }
 
-  VulkanDevice device; // goes last
+  VulkanDevice device; // destroyed last
   const UploadedScene scene;
   const PathPipeline pipeline;
   const PathView view;
@@ -205,7 +209,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which, bool byRayQuery)
+std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which,
+                                                 bool byRayQuery)
 {
   return std::make_unique<VulkanPathTracer>(scene, view, which, byRayQuery);
 }

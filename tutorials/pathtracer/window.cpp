@@ -13,7 +13,7 @@ namespace {
 
 std::string glfwMessage;
 
-/* GLFW itself, and one window of it. */
+/* Owns GLFW and one window. */
 class Window
 {
 public:
@@ -25,7 +25,7 @@ public:
     if (!window)
     {
       glfwTerminate();
-      throw Error("no window can be opened (" + glfwMessage + "); --output needs none");
+      throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --output without --window");
     }
     glfwMakeContextCurrent(window);
     glfwSetKeyCallback(window, onKey);
@@ -39,7 +39,7 @@ public:
 
   void draw(const Image& image)
   {
-    int width, height; // more than the image's where the screen is scaled
+    int width, height; // larger than the image if the screen is scaled
     glfwGetFramebufferSize(window, &width, &height);
     glViewport(0, 0, width, height);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -64,13 +64,13 @@ private:
 void requireWindows()
 {
   glfwSetErrorCallback([](int, const char* text) { glfwMessage = text; });
-  if (!glfwInit()) // again: nothing happens
-    throw Error("no window can be opened (" + glfwMessage + "); --output needs none");
+  if (!glfwInit()) // may be called repeatedly
+    throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --output without --window");
 }
 
 void showWindow(PathTracer& tracer, ImageSize size, unsigned samples)
 {
-  constexpr double pause = 0.1; // seconds, once the picture is complete
+  constexpr double pause = 0.1; // seconds between updates after the last sample
   Window window(size);
   Image image(size);
   while (window.isOpen())
@@ -80,7 +80,8 @@ void showWindow(PathTracer& tracer, ImageSize size, unsigned samples)
     {
       tracer.addSample();
       image = toImage(size, tracer.picture());
-      window.setTitle("cbvh_pathtracer: " + std::to_string(tracer.samples()) + " of " + std::to_string(samples) + " samples, Q ends");
+      window.setTitle("cbvh_pathtracer: " + std::to_string(tracer.samples()) + " of " + std::to_string(samples) +
+                      " samples, Q quits");
       glfwPollEvents();
     }
     else

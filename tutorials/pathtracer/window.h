@@ -3,18 +3,18 @@
 
 #pragma once
 
-/* A window that shows a picture while it is made. Builds without GLFW and OpenGL have
- * no_window.cpp in place of window.cpp. */
+/* A window that shows a picture during rendering. Builds without GLFW and OpenGL use no_window.cpp instead of
+ * window.cpp. */
 
 #include "path_tracer.h"
 
 namespace cbvh {
 
-/* Throws Error if this build or this machine has no windows. */
+/* Throws Error if this build or this machine does not support windows. */
 void requireWindows();
 
-/* Opens a window of a size, has so many samples traced, and shows each as it comes; returns when
- * the window is closed, which may be before. Throws Error, Cancelled. */
+/* Opens a window of a size and shows the picture after each of `samples` samples. Returns when the window is closed,
+ * which may be before the last sample. Throws Error, Cancelled. */
 void showWindow(PathTracer& tracer, ImageSize size, unsigned samples);
 
 } // namespace cbvh

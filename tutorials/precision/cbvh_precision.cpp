@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures the cost of each precision of cVERT: memory, commits and rays, compared with Embree's own kernel for the
- * same geometry, and how far vertices move. See --help. */
+/* Measures the cost of each precision of cVERT, compared with Embree's own kernel for the same geometry: memory,
+ * commits and rays, and how far vertices move. */
 
 #include "building/diced_surface.h"
 #include "building/subdivision_geometry.h"
@@ -36,8 +36,8 @@ struct Options
   std::vector<std::string> inputs{"grids", "triangles"};
   std::string motion = "bend"; // of models
   std::vector<int> steps{1, 2};
-  int sheetQuads = 1536;       // along a side
-  int gridQuads = 512;         // likewise
+  int sheetQuads = 1536;       // per side of a sheet
+  int gridQuads = 512;         // per side of a grid
 };
 
 // --- sources --------------------------------------------------------------------------------------
@@ -55,11 +55,11 @@ struct Source
   std::function<Commit(EmbreeDevice&)> prepare;
 };
 
-/* Vertices and their order, as an application passes them. */
+/* Vertices and faces, as an application passes them. */
 struct Diced
 {
   std::vector<std::vector<Vec3f>> steps; // vertices
-  std::vector<RTCGrid> grids;            // if there are any, else a mesh
+  std::vector<RTCGrid> grids;            // empty for a mesh
   std::vector<std::array<unsigned, 4>> quads;
 };
 
@@ -72,7 +72,7 @@ void fill(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFor
   std::copy(values.begin(), values.end(), static_cast<T*>(data));
 }
 
-/* input: grids, quads or triangles. */
+/* `input` is "grids", "quads" or "triangles". */
 GeometryHandle makeGeometry(EmbreeDevice& device, const Diced& diced, const std::string& input)
 {
   const RTCGeometryType type = input == "grids" ? RTC_GEOMETRY_TYPE_GRID
@@ -100,7 +100,7 @@ GeometryHandle makeGeometry(EmbreeDevice& device, const Diced& diced, const std:
 
 std::string motionLabel(unsigned steps) { return steps > 1 ? ", " + std::to_string(steps) + " time steps" : ""; }
 
-/* diced outlives the source. */
+/* `diced` must outlive the source. */
 Source sourceOf(const std::string& name, const Diced& diced, const std::string& input, size_t numQuads)
 {
   Source source;
@@ -119,7 +119,7 @@ Source sourceOf(const std::string& name, const Diced& diced, const std::string& 
   return source;
 }
 
-/* side x side quads in grids, and as a mesh. */
+/* Returns side x side quads, both as grids and as a mesh. */
 template<typename Place>
 Diced dicedSheet(const Options& options, unsigned steps, const Place& place)
 {
@@ -147,7 +147,7 @@ Diced dicedSheet(const Options& options, unsigned steps, const Place& place)
   return diced;
 }
 
-/* Octaves from `wave` quads down to 4, each half as high as the one before it. */
+/* Sum of octaves from `wave` quads down to 4, each half as high as the previous one. */
 double fractalNoise(double x, double y, double z, double wave)
 {
   double sum = 0, amplitude = 1;
@@ -156,7 +156,7 @@ double fractalNoise(double x, double y, double z, double wave)
   return sum;
 }
 
-/* Hills of up to about 100 m, well above sea level: floats close to 0 are finer, and cost more bytes if lossless. */
+/* Hills of up to about 100 m, well above sea level: floats near 0 have finer steps and cost more bytes if lossless. */
 Vec3f terrainAt(Vec3d corner, double cell, int x, int y)
 {
   return {float(corner.x + cell * x), float(corner.y + cell * y), float(corner.z + 100 * fractalNoise(x, y, 0.5, 256))};
@@ -168,7 +168,7 @@ Vec3f terrainAt(Vec3d corner, double cell, int x, int y)
 Vec3f scannedAt(int side, int x, int y, unsigned step)
 {
   const double pixel = 1.0 / side, edge = 2 * pixel, u = (x - 0.5 * side) * pixel, v = (y - 0.5 * side) * pixel;
-  double sum = 0; // of 4, uniform from 0 to 1: nearly normal
+  double sum = 0; // of 4 uniform numbers in [0,1): almost normally distributed
   for (uint32_t i = 0; i < 4; i++)
     sum += double(hashCell(x, y, int(step), 7 + i) >> 8) * 0x1p-24;
   const double noise = (sum - 2) * std::sqrt(3.0) * 0.1 * edge;
@@ -176,7 +176,7 @@ Vec3f scannedAt(int side, int x, int y, unsigned step)
   return {float(u * depth), float(v * depth), float(depth)};
 }
 
-/* Model of every 64th vertex at all time steps, to which a camera can be fitted. */
+/* Returns a model of every 64th vertex at all time steps, for fitting a camera. */
 Model outlineOf(const std::string& name, const Diced& diced, ViewHints view)
 {
   Model model;
@@ -217,7 +217,7 @@ void forEachSheet(const Options& options, const std::string& name, unsigned step
   }
 }
 
-/* Dices and welds the model at each time step. */
+/* Dices the model at each time step and merges shared vertices. */
 template<typename Measure>
 void forEachDicedModel(const Options& options, const Model& model, const Measure& measure)
 {
@@ -237,7 +237,7 @@ void forEachDicedModel(const Options& options, const Model& model, const Measure
   for (const std::string& input : options.inputs)
   {
     if (input == "grids")
-      continue; // models are welded
+      continue; // meshes of models share vertices between patches
     Source source = sourceOf(model.name, diced, input, diced.quads.size());
     source.model = model;
     measure(source);
@@ -290,15 +290,16 @@ public:
       bytes = double(device.memory().live() - before);
     }
     rtcGetSceneCompressionStatistics(scene.get(), &statistics);
-    device.check("asking for statistics");
+    device.check("reading statistics");
     if ((compression == RTC_COMPRESSION_VERT) != (statistics.numQuads == source.numQuads))
-      throw Error(source.name + ": " + std::to_string(statistics.numQuads) + " of " + std::to_string(source.numQuads)
-                  + " quads are compressed");
+      throw Error(source.name + ": " + std::to_string(statistics.numQuads) + " of " +
+                  std::to_string(source.numQuads) + " quads are compressed: expected " +
+                  (compression == RTC_COMPRESSION_VERT ? "all" : "none"));
   }
 
   RTCScene handle() const { return scene.get(); }
 
-  /* All stored vertices at all time steps, in an order that does not depend on the precision. */
+  /* Returns all stored vertices at all time steps, in an order that does not depend on the precision. */
   std::vector<Vec3f> vertices(unsigned steps)
   {
     std::vector<Vec3f> all;
@@ -327,7 +328,8 @@ private:
   {
     const bool isMesh = part->primitivesPerQuad > 0;
     Part copy;
-    copy.name = isMesh ? PartName{part->primIDs[0], 0, 0} : PartName{part->primID, part->parameters[0], part->parameters[1]};
+    copy.name = isMesh ? PartName{part->primIDs[0], 0, 0}
+                       : PartName{part->primID, part->parameters[0], part->parameters[1]};
     const float* p = part->vertices;
     for (unsigned i = 0; i < part->width * part->height; i++, p += 3)
       copy.vertices.push_back({p[0], p[1], p[2]});
@@ -342,11 +344,11 @@ private:
 
 public:
   std::vector<double> seconds; // of commits, processor time of all threads
-  double bytes = 0;            // besides the application's buffers
+  double bytes = 0;            // without the application's buffers
   RTCCompressionStatistics statistics{};
 };
 
-/* Median length of edges along u. Includes the distances from the end of each row to the next, which are few. */
+/* Returns the median length of edges along u. The distances between ends of rows are included, but are few. */
 double medianEdge(Built& built)
 {
   std::vector<float> edges;
@@ -384,7 +386,7 @@ void measure(const Options& options, const Source& source)
       const FastDenormals fast;
       std::vector<RTCRayHit> hits[2];
       for (const auto& set : sets)
-        printSpread(speedsInTurns(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));
+        printSpread(interleavedSpeedups(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));
     }
     std::vector<double> times;
     for (double seconds : built.seconds)
@@ -392,7 +394,8 @@ void measure(const Options& options, const Source& source)
     printSpread(times);
     const std::vector<Vec3f> found = built.vertices(source.steps);
     if (found.size() != expected.size())
-      throw Error(source.name + ": precisions have other blocks");
+      throw Error(source.name + ": " + std::to_string(found.size()) + " vertices: expected " +
+                  std::to_string(expected.size()) + ", as with lossless precision");
     std::vector<float> moved;
     for (size_t i = 0; i < found.size(); i++)
       moved.push_back(float(double(length(found[i] - expected[i])) / edge));
@@ -412,16 +415,18 @@ int run(int argc, char** argv)
   options.compared.scenes = {"trex"};
   options.compared.level = 5;
   options.compared.addOptions(app, "--cage,--mesh");
-  app.add_option("--source", options.sources, "comma list: terrain, a raster with cells of 2 m; national, a raster "
-      "with cells of 1 m at (4.5e6, 5.4e6); scan, a noisy depth image; model, a diced --scene; cage, a --scene")
+  app.add_option("--source", options.sources,
+      "comma-separated list: terrain, a raster with cells of 2 m; national, a raster with cells of 1 m at "
+      "(4.5e6, 5.4e6); scan, a noisy depth image; model, a diced --scene; cage, a --scene")
       ->delimiter(',')->check(CLI::IsMember({"terrain", "national", "scan", "model", "cage"}))->capture_default_str();
-  app.add_option("--input", options.inputs, "comma list of geometry types for diced sources: grids, quads, triangles; "
+  app.add_option("--input", options.inputs,
+      "comma-separated list of geometry types for diced sources: grids, quads, triangles; "
       "models have no grids")
       ->delimiter(',')->check(CLI::IsMember({"grids", "quads", "triangles"}))->capture_default_str();
-  app.add_option("--steps", options.steps, "comma list of numbers of time steps; terrains do not move")
+  app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
       ->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
   app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")->capture_default_str();
-  app.add_option("--quads", options.sheetQuads, "quads along a side of terrains and scans")
+  app.add_option("--quads", options.sheetQuads, "quads per side of terrains and scans")
       ->check(CLI::Range(16, 30000))->capture_default_str();
   if (!parseCommandLine(app, argc, argv))
     return 0;

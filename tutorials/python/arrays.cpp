@@ -5,15 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 namespace cbvh::python {
 namespace {
 
 using Integers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
 
-/* kinds: letters of NumPy that are taken. wanted: what they are called. */
+/* `kinds` are NumPy's letters of the accepted types, `expected` names them in messages. */
 py::array numbers(const py::object& value, const std::string& argument, const std::string& kinds,
-                  const std::string& wanted)
+                  const std::string& expected)
 {
   py::array array;
   try
@@ -24,11 +26,12 @@ py::array numbers(const py::object& value, const std::string& argument, const st
   {
     if (!e.matches(PyExc_ValueError) && !e.matches(PyExc_TypeError))
       throw;
-    throw py::type_error(argument + ": is not an array of " + wanted + ": " + std::string(py::str(e.value())));
+    throw py::type_error(argument + ": is not an array of " + expected + ": " + std::string(py::str(e.value())));
   }
-  /* An empty list is an array of floats. */
+  /* NumPy converts an empty list to an array of floats. */
   if (kinds.find(array.dtype().kind()) == std::string::npos && array.size() > 0)
-    throw py::type_error(argument + ": is an array of " + std::string(py::str(array.dtype())) + ", not of " + wanted);
+    throw py::type_error(argument + ": is an array of " + std::string(py::str(array.dtype())) + ": expected " +
+                         expected);
   return array;
 }
 
@@ -38,8 +41,8 @@ void requireShape(const py::array& array, const std::string& argument, py::ssize
   if (array.size() == 0 && array.ndim() == 1)
     return; // an empty list
   if (array.ndim() != (rows ? 2 : 1) || (rows && array.shape(1) != width))
-    refuse(argument, "has shape " + textOf(shapeOf(array)) + ", not " +
-                       (rows ? "(n, " + std::to_string(width) + ")" : std::string("(n,)")));
+    throwValueError(argument, "has shape " + shapeText(shapeOf(array)) + ": expected " +
+                                (rows ? "(n, " + std::to_string(width) + ")" : std::string("(n,)")));
 }
 
 template<typename Vector>
@@ -50,7 +53,7 @@ std::vector<Vector> vectors(const py::object& value, const std::string& argument
   requireShape(array, argument, width);
   for (py::ssize_t i = 0; i < array.size(); i++)
     if (!std::isfinite(array.data()[i]))
-      refuse(argument, "row " + std::to_string(i / width) + " is not finite");
+      throwValueError(argument, "row " + std::to_string(i / width) + " is not finite: expected finite numbers");
   std::vector<Vector> result(size_t(array.size() / width));
   if (!result.empty())
     std::copy(array.data(), array.data() + array.size(), &result[0].x);
@@ -59,7 +62,7 @@ std::vector<Vector> vectors(const py::object& value, const std::string& argument
 
 } // namespace
 
-std::string textOf(const Shape& shape)
+std::string shapeText(const Shape& shape)
 {
   return std::string(py::str(py::tuple(py::cast(shape))));
 }
@@ -69,7 +72,7 @@ Shape shapeOf(const py::array& array)
   return Shape(array.shape(), array.shape() + array.ndim());
 }
 
-void refuse(const std::string& argument, const std::string& why)
+void throwValueError(const std::string& argument, const std::string& why)
 {
   throw py::value_error(argument + ": " + why);
 }
@@ -100,10 +103,10 @@ Vec3f vec3(const py::object& value, const std::string& argument)
 {
   const Floats array = floats(value, argument);
   if (shapeOf(array) != Shape{3})
-    refuse(argument, "has shape " + textOf(shapeOf(array)) + ", not (3,)");
+    throwValueError(argument, "has shape " + shapeText(shapeOf(array)) + ": expected (3,)");
   const Vec3f v{array.data()[0], array.data()[1], array.data()[2]};
   if (!isFinite(v))
-    refuse(argument, "is not finite");
+    throwValueError(argument, "is not finite: expected finite numbers");
   return v;
 }
 
@@ -117,8 +120,8 @@ std::vector<unsigned> indices(const py::object& value, const std::string& argume
   {
     const int64_t index = array.data()[i];
     if ((index < 0 || uint64_t(index) >= limit) && !(none && index == *none))
-      refuse(argument, "holds " + std::to_string(index) + ", which is not from 0 to " +
-                         std::to_string(int64_t(limit) - 1));
+      throwValueError(argument, "contains " + std::to_string(index) + ": expected 0 to " +
+                                  std::to_string(int64_t(limit) - 1));
     result[i] = unsigned(index);
   }
   return result;
@@ -129,7 +132,7 @@ std::vector<unsigned> indexVector(const py::object& value, const std::string& ar
   Shape shape;
   const std::vector<unsigned> result = indices(value, argument, limit, shape);
   if (shape.size() != 1)
-    refuse(argument, "has shape " + textOf(shape) + ", not (n,)");
+    throwValueError(argument, "has shape " + shapeText(shape) + ": expected (n,)");
   return result;
 }
 
@@ -139,7 +142,7 @@ std::vector<std::pair<unsigned, unsigned>> indexPairs(const py::object& value, c
   Shape shape;
   const std::vector<unsigned> all = indices(value, argument, limit, shape);
   if (!all.empty() && (shape.size() != 2 || shape[1] != 2))
-    refuse(argument, "has shape " + textOf(shape) + ", not (n, 2)");
+    throwValueError(argument, "has shape " + shapeText(shape) + ": expected (n, 2)");
   std::vector<std::pair<unsigned, unsigned>> result;
   for (size_t i = 0; i < all.size(); i += 2)
     result.emplace_back(all[i], all[i + 1]);
@@ -151,10 +154,10 @@ size_t choice(const std::string& word, const std::string& argument, const std::v
   const auto found = std::find(words.begin(), words.end(), word);
   if (found != words.end())
     return size_t(found - words.begin());
-  std::string known;
+  std::string expected;
   for (size_t i = 0; i < words.size(); i++)
-    known += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + ("'" + words[i] + "'");
-  refuse(argument, "is '" + word + "', not " + known);
+    expected += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + ("'" + words[i] + "'");
+  throwValueError(argument, "is '" + word + "': expected " + expected);
 }
 
 py::array_t<float> arrayOf(Vec3f v)

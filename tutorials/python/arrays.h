@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* NumPy arrays into the vectors of common/ and out of them. What comes in may be anything that NumPy makes
- * an array of numbers of; what does not fit is a TypeError or a ValueError that names the argument. */
+/* Converts NumPy arrays to vectors of common/ and back. Arguments may be anything that NumPy converts to an array of
+ * numbers. Invalid arguments raise TypeError or ValueError that names the argument. */
 
 #include "basics/vec.h"
 
@@ -14,6 +14,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cbvh::python {
@@ -23,40 +24,41 @@ namespace py = pybind11;
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Shape = std::vector<py::ssize_t>;
 
-/* "(4, 3)". */
-std::string textOf(const Shape& shape);
+/* Formats a shape, "(4, 3)". */
+std::string shapeText(const Shape& shape);
 Shape shapeOf(const py::array& array);
 
-[[noreturn]] void refuse(const std::string& argument, const std::string& why); // ValueError
+/* Raises ValueError with the argument and the reason. */
+[[noreturn]] void throwValueError(const std::string& argument, const std::string& why);
 
-/* --- in ----------------------------------------------------------------------- */
+/* --- arguments ---------------------------------------------------------------- */
 
-/* Real numbers of any shape. */
+/* Converts real numbers of any shape. */
 Floats floats(const py::object& value, const std::string& argument);
 
-/* Of shape (n,), and of (n, 2) and (n, 3). finite: whether all must be. */
+/* Convert arrays of shape (n,), (n, 2) and (n, 3). The last two require finite numbers. */
 std::vector<float> floatVector(const py::object& value, const std::string& argument);
 std::vector<Vec2f> vec2Vector(const py::object& value, const std::string& argument);
 std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argument);
 
-/* Of shape (3,), finite. */
+/* Converts an array of shape (3,); requires finite numbers. */
 Vec3f vec3(const py::object& value, const std::string& argument);
 
-/* Integers from 0 to limit - 1, or `none`; shape: set to that of the argument. */
+/* Converts integers from 0 to limit - 1, or `none`. Writes the shape of the argument to `shape`. */
 std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
                               std::optional<unsigned> none = {});
 
-/* The same of shape (n,), and of (n, 2). */
+/* The same for arrays of shape (n,) and (n, 2). */
 std::vector<unsigned> indexVector(const py::object& value, const std::string& argument, size_t limit);
 std::vector<std::pair<unsigned, unsigned>> indexPairs(const py::object& value, const std::string& argument,
                                                       size_t limit);
 
-/* One of some words. Returns its place among them. */
+/* Returns the index of `word` in `words`, all of which the error names. */
 size_t choice(const std::string& word, const std::string& argument, const std::vector<std::string>& words);
 
-/* --- out ---------------------------------------------------------------------- */
+/* --- results ------------------------------------------------------------------ */
 
-/* What an object of Python holds, as a read-only array that keeps the object. */
+/* Returns a read-only array of data that a Python object owns. The array keeps the object alive. */
 template<typename T>
 py::array view(const T* data, const Shape& shape, const Shape& strides, const py::handle& owner)
 {
@@ -65,7 +67,7 @@ py::array view(const T* data, const Shape& shape, const Shape& strides, const py
   return array;
 }
 
-/* The same of a vector whose elements are made of T only: (n,), or (n, width). */
+/* The same for a vector whose elements consist of T only: shape (n,) or (n, width). */
 template<typename T, typename Element>
 py::array view(const std::vector<Element>& elements, const py::handle& owner)
 {
@@ -76,7 +78,7 @@ py::array view(const std::vector<Element>& elements, const py::handle& owner)
                     : view(data, {n, width}, {py::ssize_t(sizeof(Element)), sizeof(T)}, owner);
 }
 
-/* A new array of this shape, of what function(i) says of element i. */
+/* Returns a new array whose element i is function(i). */
 template<typename T, typename Function>
 py::array_t<T> arrayOf(const Shape& shape, const Function& function)
 {
@@ -87,7 +89,7 @@ py::array_t<T> arrayOf(const Shape& shape, const Function& function)
   return array;
 }
 
-/* A new array of shape (3,), and of (2, 3): lower and upper corner. */
+/* Return new arrays of shape (3,), and of shape (2, 3) with the lower and upper corner. */
 py::array_t<float> arrayOf(Vec3f v);
 py::array_t<float> arrayOf(const Box3f& box);
 

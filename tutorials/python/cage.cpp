@@ -22,7 +22,7 @@ namespace {
 
 const std::vector<std::string> boundaryRules{"none", "edge_and_corner", "edge_only"}; // in order of BoundaryRule
 
-/* Without a size a face: rows of equal faces. */
+/* Without faceSizes, all faces have the same size and `indices` has one row per face. */
 void readFaces(const py::object& indices, const py::object& faceSizes, Cage& cage)
 {
   Shape shape;
@@ -30,25 +30,26 @@ void readFaces(const py::object& indices, const py::object& faceSizes, Cage& cag
   if (faceSizes.is_none())
   {
     if (shape.size() != 2 || shape[1] < 3)
-      refuse("indices", "has shape " + textOf(shape) + ", not (n, 3) or wider; give face_sizes with faces of several sizes");
+      throwValueError("indices", "has shape " + shapeText(shape) +
+                                   ": expected (n, k) with k >= 3, or face_sizes for faces of several sizes");
     cage.faceSizes.assign(size_t(shape[0]), unsigned(shape[1]));
   }
   else
   {
     if (shape.size() != 1)
-      refuse("indices", "has shape " + textOf(shape) + ", not (n,) as face_sizes needs it");
+      throwValueError("indices", "has shape " + shapeText(shape) + ": expected (n,) together with face_sizes");
     cage.faceSizes = indexVector(faceSizes, "face_sizes", UINT32_MAX);
     for (size_t i = 0; i < cage.faceSizes.size(); i++)
       if (cage.faceSizes[i] < 3)
-        refuse("face_sizes", "face " + std::to_string(i) + " has " + std::to_string(cage.faceSizes[i]) +
-                               " vertices, and needs 3");
+        throwValueError("face_sizes", "face " + std::to_string(i) + " has " + std::to_string(cage.faceSizes[i]) +
+                                        " vertices: expected at least 3");
     const size_t sum = std::accumulate(cage.faceSizes.begin(), cage.faceSizes.end(), size_t(0));
     if (sum != cage.faceIndices.size())
-      refuse("face_sizes", "adds up to " + std::to_string(sum) + ", indices are " +
-                             std::to_string(cage.faceIndices.size()));
+      throwValueError("face_sizes", "adds up to " + std::to_string(sum) + ": expected the number of indices, " +
+                                      std::to_string(cage.faceIndices.size()));
   }
   if (cage.faceSizes.empty())
-    refuse("indices", "has no faces");
+    throwValueError("indices", "has no faces: expected at least one");
 }
 
 void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
@@ -56,28 +57,30 @@ void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
   if (uvs.is_none())
   {
     if (!uvIndices.is_none())
-      refuse("uv_indices", "needs uvs");
+      throwValueError("uv_indices", "needs uvs");
     return;
   }
   cage.uvs = vec2Vector(uvs, "uvs");
   if (uvIndices.is_none())
   {
     if (cage.uvs.size() != cage.positions.size())
-      refuse("uvs", "are " + std::to_string(cage.uvs.size()) + ", not one a vertex, which is " +
-                      std::to_string(cage.positions.size()) + "; give uv_indices with any other number");
+      throwValueError("uvs", "has " + std::to_string(cage.uvs.size()) + " rows: expected one per vertex, " +
+                               std::to_string(cage.positions.size()) + ", or uv_indices");
     cage.uvIndices = cage.faceIndices;
     return;
   }
   Shape shape;
   cage.uvIndices = indices(uvIndices, "uv_indices", cage.uvs.size(), shape, Cage::noUV);
   if (cage.uvIndices.size() != cage.faceIndices.size())
-    refuse("uv_indices", "are " + std::to_string(cage.uvIndices.size()) + ", indices are " +
-                           std::to_string(cage.faceIndices.size()));
+    throwValueError("uv_indices", "has " + std::to_string(cage.uvIndices.size()) +
+                                    " elements: expected the number of indices, " +
+                                    std::to_string(cage.faceIndices.size()));
   size_t first = 0;
   for (size_t face = 0; face < cage.numFaces(); first += cage.faceSizes[face++])
     for (size_t corner = first; corner < first + cage.faceSizes[face]; corner++)
       if ((cage.uvIndices[corner] == Cage::noUV) != (cage.uvIndices[first] == Cage::noUV))
-        refuse("uv_indices", "face " + std::to_string(face) + " has texture coordinates on some corners only");
+        throwValueError("uv_indices", "face " + std::to_string(face) + " has texture coordinates at some corners: "
+                                        "expected all corners or none");
   if (cage.numFacesWithoutUVs() == cage.numFaces())
   {
     cage.uvs.clear();
@@ -85,7 +88,7 @@ void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
   }
 }
 
-/* One for each of n edges or corners, or one for all; none: hard. */
+/* Reads one value for each of n edges or corners, or one for all. None means infinitely sharp. */
 std::vector<float> readSharpness(const py::object& value, const std::string& argument, size_t n)
 {
   if (value.is_none())
@@ -94,14 +97,14 @@ std::vector<float> readSharpness(const py::object& value, const std::string& arg
   const std::vector<float> sharpness =
     given.ndim() == 0 ? std::vector<float>(n, *given.data()) : floatVector(value, argument);
   if (sharpness.size() != n)
-    refuse(argument, "are " + std::to_string(sharpness.size()) + ", needed are " + std::to_string(n));
+    throwValueError(argument, "has " + std::to_string(sharpness.size()) + " elements: expected " + std::to_string(n));
   for (float s : sharpness)
     if (!(s >= 0.0f))
-      refuse(argument, "holds " + std::to_string(s) + ", which is not 0 or more");
+      throwValueError(argument, "contains " + std::to_string(s) + ": expected 0 or more");
   return sharpness;
 }
 
-/* What Embree does not take becomes a hole, with a warning. */
+/* Turns faces that Embree does not support into holes, with a warning. */
 std::shared_ptr<Cage> checked(std::shared_ptr<Cage> cage)
 {
   std::string warnings;
@@ -140,7 +143,7 @@ std::shared_ptr<Cage> loadCage(const std::filesystem::path& path)
   return checked(std::move(cage));
 }
 
-/* A read-only array of a member. */
+/* Returns a read-only array of a member. */
 template<typename T, typename Element>
 auto array(std::vector<Element> Cage::*member)
 {
@@ -149,27 +152,27 @@ auto array(std::vector<Element> Cage::*member)
 
 constexpr const char* cageText = R"(Control cage of a Catmull-Clark subdivision surface, checked by OpenSubdiv.
 
-Its arrays are read-only. Corners of faces are counterclockwise for who sees the front.)";
+The arrays are read-only. Corners of faces are counterclockwise as seen from the front.)";
 
-constexpr const char* makeText = R"(Makes a cage of arrays.
+constexpr const char* makeText = R"(Creates a cage from arrays.
 
-vertices: (n, 3), finite, any unit.
-indices: (f, k) integers, the vertices of f faces of k corners; or, with face_sizes, (sum(face_sizes),), the vertices of
-  all faces one after the other. Up to 16 corners a face, 64 faces around a vertex.
-face_sizes: (f,) integers, corners of each face, 3 or more.
-uvs: (m, 2), texture coordinates, (0, 0) at the lower left of an image, (1, 1) at the upper right.
-uv_indices: like indices, the texture coordinates of corners, 4294967295 at all corners of a face without; without it
-  uvs is one a vertex.
+vertices: (n, 3), finite, in any unit.
+indices: (f, k) integers, the vertices of f faces with k corners each; or, with face_sizes, (sum(face_sizes),), the
+  vertices of all faces one after the other. Embree supports up to 16 corners per face and 64 faces around a vertex.
+face_sizes: (f,) integers, the number of corners of each face, at least 3.
+uvs: (m, 2), texture coordinates; (0, 0) is the lower left corner of an image, (1, 1) the upper right.
+uv_indices: parallel to indices, indices of the corners' texture coordinates, or 4294967295 at all corners of a face
+  without coordinates. If omitted, uvs has one row per vertex.
 crease_edges: (c, 2) integers, the vertices of edges.
-crease_sharpness: (c,) or one number, 0 or more, inf for hard ones, which all are without it.
+crease_sharpness: (c,) or one number, at least 0; inf for a hard edge, which is the default.
 corner_vertices, corner_sharpness: (c,) each, the same for vertices.
 holes: (h,) integers, faces without surface.
-boundary: what becomes of borders: "edge_only", a smooth curve; "edge_and_corner", with sharp corners; "none", faces at
-  the border vanish.
-name: of the cage in messages.
+boundary: the shape at boundary edges: "edge_only", a smooth curve; "edge_and_corner", the same with sharp corners;
+  "none", faces at the boundary have no surface.
+name: name of the cage in messages.
 
-ValueError or TypeError names the argument that does not fit; Error is raised for a topology that Embree does not take,
-with faces and vertices counted from 1 as in OBJ files.)";
+Raises ValueError or TypeError that names an invalid argument, and Error if OpenSubdiv rejects the topology. Messages
+about the topology count faces and vertices from 1, as OBJ files do.)";
 
 } // namespace
 
@@ -177,32 +180,33 @@ void defineCage(py::module_& module)
 {
   const py::tuple none;
   py::class_<Cage, std::shared_ptr<Cage>>(module, "Cage", cageText)
-    .def(py::init(&makeCage), py::arg("vertices"), py::arg("indices"), py::arg("face_sizes") = py::none(), py::kw_only(),
+    .def(py::init(&makeCage), py::arg("vertices"), py::arg("indices"), py::arg("face_sizes") = py::none(),
+         py::kw_only(),
          py::arg("uvs") = py::none(), py::arg("uv_indices") = py::none(), py::arg("crease_edges") = none,
          py::arg("crease_sharpness") = py::none(), py::arg("corner_vertices") = none,
          py::arg("corner_sharpness") = py::none(), py::arg("holes") = none, py::arg("boundary") = "edge_only",
          py::arg("name") = "cage", makeText)
-    .def_static("load", &loadCage, py::arg("path"), R"(Reads a Wavefront OBJ file, with OpenSubdiv's `t` tags for creases, corners, holes and borders.
+    .def_static("load", &loadCage, py::arg("path"),
+                R"(Reads a Wavefront OBJ file, with OpenSubdiv's `t` tags for creases, corners, holes and boundaries.
 
-Error is raised for a file that cannot be read, with the line that is at fault, and for a topology that Embree does not
-take.)")
+Raises Error with the line for a file that cannot be read, and Error if OpenSubdiv rejects the topology.)")
     .def_readonly("name", &Cage::name, "Name in messages.")
     .def_property_readonly("vertices", array<float>(&Cage::positions), "(n, 3) float32: control points.")
     .def_property_readonly("face_sizes", array<unsigned>(&Cage::faceSizes), "(f,) uint32: corners of each face.")
     .def_property_readonly("indices", array<unsigned>(&Cage::faceIndices),
                            "(sum(face_sizes),) uint32: vertices of the faces, one after the other.")
-    .def_property_readonly("uvs", array<float>(&Cage::uvs), "(m, 2) float32: texture coordinates; (0, 2) without.")
+    .def_property_readonly("uvs", array<float>(&Cage::uvs), "(m, 2) float32: texture coordinates; (0, 2) if none.")
     .def_property_readonly("uv_indices", array<unsigned>(&Cage::uvIndices),
-                           "Parallel to indices, uint32: into uvs, 4294967295 on faces without; (0,) without.")
+                           "Parallel to indices, uint32: indices into uvs, 4294967295 on faces without; (0,) if none.")
     .def_property_readonly("crease_edges", array<unsigned>(&Cage::creaseEdges), "(c, 2) uint32: vertices of creases.")
-    .def_property_readonly("crease_sharpness", array<float>(&Cage::creaseSharpness), "(c,) float32: inf for hard ones.")
+    .def_property_readonly("crease_sharpness", array<float>(&Cage::creaseSharpness), "(c,) float32: inf if hard.")
     .def_property_readonly("corner_vertices", array<unsigned>(&Cage::cornerVertices), "(c,) uint32: sharp vertices.")
-    .def_property_readonly("corner_sharpness", array<float>(&Cage::cornerSharpness), "(c,) float32: inf for hard ones.")
+    .def_property_readonly("corner_sharpness", array<float>(&Cage::cornerSharpness), "(c,) float32: inf if hard.")
     .def_property_readonly("holes", array<unsigned>(&Cage::holes), "(h,) uint32: faces without surface.")
     .def_property_readonly("boundary", [](const Cage& c) { return boundaryRules[size_t(c.boundary)]; },
-                           "What becomes of borders, a word.")
+                           "The shape at boundary edges, see the constructor.")
     .def_property_readonly("bounds", [](const Cage& c) { return arrayOf(c.bounds()); },
-                           "(2, 3) float32: lower and upper corner of the box of the vertices.")
+                           "(2, 3) float32: lower and upper corner of the vertices' bounding box.")
     .def("__repr__", [](const Cage& c) {
       return "<Cage '" + c.name + "' of " + std::to_string(c.numFaces()) + " faces and " +
              std::to_string(c.positions.size()) + " vertices>";

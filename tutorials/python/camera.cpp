@@ -11,10 +11,10 @@ namespace cbvh::python {
 
 ImageSize imageSize(std::pair<int, int> size)
 {
-  constexpr int most = 16384; // as --size of the programs
+  constexpr int most = 16384; // as for --size of the programs
   if (size.first < 1 || size.second < 1 || size.first > most || size.second > most)
-    refuse("size", "is (" + std::to_string(size.first) + ", " + std::to_string(size.second) +
-                     "), not width and height from 1 to " + std::to_string(most));
+    throwValueError("size", "is (" + std::to_string(size.first) + ", " + std::to_string(size.second) +
+                              "): expected width and height from 1 to " + std::to_string(most));
   return {size.first, size.second};
 }
 
@@ -25,15 +25,15 @@ Camera makeCamera(const py::object& eye, const py::object& lookAt, const py::obj
 {
   const Vec3f from = vec3(eye, "eye"), to = vec3(lookAt, "look_at"), upwards = vec3(up, "up");
   if (!(length(to - from) > 0.0f))
-    refuse("look_at", "is where the eye is");
+    throwValueError("look_at", "equals eye: expected another point");
   if (!(length(upwards) > 0.0f))
-    refuse("up", "has no length");
+    throwValueError("up", "has length 0: expected a direction");
   if (!(fov > 0.0f && fov < 180.0f))
-    refuse("fov", "is " + std::to_string(fov) + ", not between 0 and 180 degrees");
+    throwValueError("fov", "is " + std::to_string(fov) + ": expected more than 0 and less than 180 degrees");
   return Camera(from, to, upwards, fov, imageSize(size));
 }
 
-/* (origins, directions), in the arguments' order of Scene.intersect. */
+/* Returns (origins, directions), in the order of Scene.intersect's arguments. */
 py::tuple arraysOf(const std::vector<Ray>& rays, Shape shape)
 {
   shape.push_back(3);
@@ -61,8 +61,9 @@ void defineCamera(py::module_& module)
 {
   py::class_<Camera>(module, "Camera", "A pinhole camera with square pixels.")
     .def(py::init(&makeCamera), py::arg("eye"), py::arg("look_at"), py::arg("up") = py::make_tuple(0.0, 1.0, 0.0),
-         py::arg("fov") = 35.0f, py::arg("size") = std::pair<int, int>(1024, 1024), R"(eye, look_at: (3,) each, world units.
-up: (3,), what is up in the picture.
+         py::arg("fov") = 35.0f, py::arg("size") = std::pair<int, int>(1024, 1024),
+         R"(eye, look_at: (3,) each, world units.
+up: (3,), the up direction of the picture.
 fov: vertical field of view, degrees.
 size: width and height of the picture in pixels, 1 to 16384 each.)")
     .def_property_readonly("eye", [](const Camera& c) { return arrayOf(c.eye()); }, "(3,) float32, world units.")
@@ -71,27 +72,34 @@ size: width and height of the picture in pixels, 1 to 16384 each.)")
     .def_property_readonly("size", [](const Camera& c) { return py::make_tuple(c.size().width, c.size().height); },
                            "Width and height of the picture in pixels.")
     .def_property_readonly("footprint", &Camera::footprint,
-                           "Width of a pixel at a distance of 1, which is what errors are measured in; that at distance t is t times this.")
+                           "Width of a pixel at a distance of 1, the unit of errors. At distance t it is t times this.")
     .def("__repr__", [](const Camera& c) { return "<Camera " + c.description() + ">"; });
 
   module.def("primary_rays", [](const Camera& c) {
       return arraysOf(primaryRays(c), {c.size().height, c.size().width});
-    }, py::arg("camera"), R"(One ray through the centre of each pixel: origins and directions, (height, width, 3) float32 each, row 0 the upper one.
+    }, py::arg("camera"),
+    R"(Returns one ray through the center of each pixel: origins and directions, (height, width, 3) float32 each.
 
-Directions are of length 1, so distances of hits are in world units.)");
+Row 0 is the upper row. Directions have unit length, so distances of hits are in world units.)");
   module.def("coherent_rays", [](const Camera& c, size_t count) {
       return arraysOf(coherentRays(primaryRays(c), c.size(), count));
-    }, py::arg("camera"), py::arg("count") = 0, R"(Primary rays in the order in which renderers trace them, tiles of 8 x 8 pixels: origins and directions, (n, 3) float32.
+    }, py::arg("camera"), py::arg("count") = 0,
+    R"(Returns primary rays in the order in which renderers trace them, tiles of 8 x 8 pixels.
 
-count: how many, as whole tiles spread evenly over the picture; 0 for all.)");
+count: approximate number of rays, as whole tiles that are spread evenly over the picture; 0 for all.
+
+Returns origins and directions, (n, 3) float32 each.)");
   module.def("bounce_rays", &bounce, py::arg("hits"), py::arg("origins"), py::arg("directions"), py::kw_only(),
-             py::arg("offset"), py::arg("count") = 0, py::arg("seed") = 1, R"(Incoherent rays: from each hit one with cosine distribution about the geometric normal on the side that is seen,
-shuffled; origins and directions, (n, 3) float32 each.
+             py::arg("offset"), py::arg("count") = 0, py::arg("seed") = 1,
+             R"(Returns incoherent rays: one per hit, with a cosine distribution about the geometric normal, shuffled.
 
-hits: of the rays origins and directions, which are as of Scene.intersect.
-offset: of origins from the surface along the normal, world units. cbvh_render takes 1e-4 of the scene's diagonal.
-count: at most that many, 0 for one a hit.
-seed: the same one gives the same rays.)");
+hits: hits of the rays origins and directions, which are as in Scene.intersect.
+offset: distance of the origins from the surface along the normal, world units. cbvh_render uses 1e-4 of the scene's
+  diagonal.
+count: largest number of rays, 0 for one per hit.
+seed: the same seed returns the same rays.
+
+Returns origins and directions, (n, 3) float32 each. Rays start on the visible side of the surface.)");
 }
 
 } // namespace cbvh::python

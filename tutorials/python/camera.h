@@ -9,7 +9,7 @@
 
 namespace cbvh::python {
 
-/* Width and height of a picture; refuses what is out of range. */
+/* Converts width and height of a picture. Raises ValueError if they are out of range. */
 ImageSize imageSize(std::pair<int, int> size);
 
 } // namespace cbvh::python

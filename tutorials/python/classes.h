@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What each file adds to the module. Hits are in hits.h. */
+/* Functions that add classes to the module. Hits are defined in hits.h. */
 
 #include <pybind11/pybind11.h>
 

@@ -4,11 +4,11 @@
 # %% [markdown]
 # # Speed against error
 #
-# How fast is a representation, and how far are its hits from the true surface? This builds one model at several
-# levels in several representations, traces the same rays through all of them, and plots one against the other.
+# How fast is a representation, and how far are its hits from the true surface? This example builds one model at several
+# levels in several representations, traces the same rays through all of them, and plots speed against error.
 #
-# The cells are those of a notebook (Visual Studio Code, Spyder and Jupytext read them); as a program it writes the
-# pictures beside where it is started. The scene's height map, 134 MB, is made once and kept in your cache directory.
+# The cells are notebook cells (Visual Studio Code, Spyder and Jupytext read them). As a program it writes the pictures
+# to the current folder. The scene's height map, 134 MB, is generated once and kept in your cache folder.
 
 # %%
 import statistics
@@ -37,9 +37,9 @@ def show(phase, fraction):
 # %% [markdown]
 # ## The model and its rays
 #
-# A model of your own is `cbvh.Model(cbvh.Cage.load("body.obj"), "skin.exr", amplitude=0.006)`, or a cage and a height
-# map out of arrays. All representations trace the same rays: those of a camera, in tiles as renderers trace them, and
-# those that bounce off what it sees.
+# Your own model is `cbvh.Model(cbvh.Cage.load("body.obj"), "skin.exr", amplitude=0.006)`, or a cage and a height map
+# from arrays. All representations trace the same rays: rays of a camera, in tiles as in renderers, and rays that bounce
+# off the visible surface.
 
 # %%
 model = cbvh.Model.scene(SCENE, progress=show)
@@ -51,14 +51,14 @@ rays = {
     "coherent": cbvh.coherent_rays(camera),
     "incoherent": cbvh.bounce_rays(grid.intersect(*pixels), *pixels, offset=1e-4 * diagonal),
 }
-del grid  # it is built again below
+del grid  # it is rebuilt below
 
 # %% [markdown]
 # ## Building and measuring
 #
-# One level at a time is in memory. Representations are timed in turns on one core, and the median counts, so that
-# what else the machine does meets them all. Errors are distances from the displaced limit surface in pixels: those
-# of the tessellation, which GRID has too, and those of the compression together.
+# Only one level is in memory at a time. Representations are timed alternately on one core, and the median is used, so
+# that other load on the machine affects all of them. Errors are distances from the displaced limit surface in pixels:
+# they include errors of the tessellation, which GRID has, too, and errors of the compression.
 
 # %%
 rows = []
@@ -88,8 +88,8 @@ for row in rows:
 # %% [markdown]
 # ## The plot
 #
-# A line for each representation, a point for each level, which is written at GRID's; the points are the larger the more
-# bytes a quad takes. Up and to the left is better.
+# One line per representation, one point per level; GRID's points are labeled. The size of a point is proportional to
+# the bytes per quad. Up and to the left is better.
 
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(11, 4.6), sharex=True, constrained_layout=True)
@@ -97,7 +97,8 @@ for panel, kind in zip(panels, rays):
     for name in dict.fromkeys(row["representation"] for row in rows):
         points = [row for row in rows if row["representation"] == name]
         errors, speeds = [row["error"] for row in points], [row[kind] for row in points]
-        line, = panel.plot(errors, speeds, label=f"{name}, {points[-1]['bytes']:.1f} bytes a quad at level {LEVELS[-1]}")
+        label = f"{name}, {points[-1]['bytes']:.1f} bytes per quad at level {LEVELS[-1]}"
+        line, = panel.plot(errors, speeds, label=label)
         panel.scatter(errors, speeds, s=[8 * row["bytes"] for row in points], color=line.get_color(), alpha=0.7)
         for row in points if name == "GRID" else ():
             panel.annotate(f"level {row['level']}", (row["error"], row[kind]), textcoords="offset points",
@@ -111,15 +112,15 @@ for panel, kind in zip(panels, rays):
     panel.set_title(f"{kind} rays, {model.name}")
     panel.set_xlabel("median distance from the true surface, pixels")
     panel.grid(alpha=0.3)
-panels[0].set_ylabel("millions of rays a second, one core")
+panels[0].set_ylabel("millions of rays per second, one core")
 panels[0].legend(loc="lower right", fontsize=8)
 figure.savefig("speed_against_error.png", dpi=120)
 
 # %% [markdown]
 # ## Where the errors are
 #
-# Hits are arrays of the picture's shape, so they can be shown as they are. Here against GRID at the same level, where
-# all that differs is due to the compression.
+# Hits are arrays of the picture's shape, so they can be shown directly. The reference is GRID at the same level, so all
+# differences are due to the compression.
 
 # %%
 reference = scenes[REPRESENTATIONS.index("grid")].intersect(*pixels)
@@ -130,7 +131,8 @@ for panel, scene in zip(panels, shown):
     errors = cbvh.pixel_errors(hits, reference, camera.footprint)
     image = panel.imshow(np.maximum(errors, 1e-4), norm="log", vmin=1e-4, vmax=10)
     summary = scene.errors(hits, reference, camera.footprint)
-    panel.set_title(f"{scene.representation}: median {summary['median_pixels']:.2g}, p99 {summary['p99_pixels']:.2g} px", fontsize=10)
+    title = f"{scene.representation}: median {summary['median_pixels']:.2g}, p99 {summary['p99_pixels']:.2g} px"
+    panel.set_title(title, fontsize=10)
     panel.set_axis_off()
 figure.colorbar(image, ax=panels, label="pixels")
 figure.savefig("errors.png", dpi=120)

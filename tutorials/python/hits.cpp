@@ -6,16 +6,17 @@
 #include "measure/hit_metrics.h"
 
 #include <memory>
+#include <type_traits>
 
 namespace cbvh::python {
 namespace {
 
-/* Without the axis of x, y and z. */
+/* Returns the shape without the last axis of x, y and z. */
 Shape shapeOfVectors(const Floats& array, const std::string& argument)
 {
   Shape shape = shapeOf(array);
   if (shape.empty() || shape.back() != 3)
-    refuse(argument, "has shape " + textOf(shape) + ", not (..., 3)");
+    throwValueError(argument, "has shape " + shapeText(shape) + ": expected (..., 3)");
   shape.pop_back();
   return shape;
 }
@@ -30,7 +31,7 @@ Floats broadcast(const Floats& array, const Shape& shape)
   return Floats(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
 }
 
-/* A member of all hits. */
+/* Returns an array of a member of all hits. */
 template<typename T>
 py::array member(const py::object& self, T SurfaceHit::*member)
 {
@@ -52,7 +53,7 @@ py::array member(const py::object& self, T SurfaceHit::*member)
     return view(&(first->*member), hits.shape, strides, self);
 }
 
-/* Of hits that miss, Embree's invalid ID. */
+/* Returns an array of IDs; Embree's invalid ID for misses. */
 template<typename Function>
 py::array_t<unsigned> ids(const Hits& hits, const Function& idOfFace)
 {
@@ -66,7 +67,7 @@ std::string repr(const Hits& hits)
   size_t count = 0;
   for (const SurfaceHit& hit : hits.hits)
     count += hit.hit();
-  return "<Hits of shape " + textOf(hits.shape) + ", " + std::to_string(count) + " of " +
+  return "<Hits of shape " + shapeText(hits.shape) + ", " + std::to_string(count) + " of " +
          std::to_string(hits.hits.size()) + " rays hit>";
 }
 
@@ -85,7 +86,8 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
 {
   const Floats o = floats(origins, "origins"), d = floats(directions, "directions");
   const Floats n = floats(tnear, "tnear"), f = floats(tfar, "tfar"), m = floats(time, "time");
-  const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f), shapeOf(m)};
+  const Shape shapes[5] = {shapeOfVectors(o, "origins"), shapeOfVectors(d, "directions"), shapeOf(n), shapeOf(f),
+                           shapeOf(m)};
   Rays result;
   try
   {
@@ -98,10 +100,10 @@ Rays readRays(const py::object& origins, const py::object& directions, const py:
   {
     if (!e.matches(PyExc_ValueError))
       throw;
-    throw py::value_error("origins of " + textOf(shapes[0]) + " points, directions of " + textOf(shapes[1]) +
-                          " vectors, tnear of shape " + textOf(shapes[2]) + ", tfar of shape " + textOf(shapes[3]) +
-                          " and time of shape " + textOf(shapes[4]) +
-                          " cannot be broadcast to one shape");
+    throw py::value_error("origins of " + shapeText(shapes[0]) + " points, directions of " + shapeText(shapes[1]) +
+                          " vectors, tnear of shape " + shapeText(shapes[2]) + ", tfar of shape " +
+                          shapeText(shapes[3]) + " and time of shape " + shapeText(shapes[4]) +
+                          ": expected shapes that can be broadcast to one shape");
   }
   Shape vectors = result.shape;
   vectors.push_back(3);
@@ -124,38 +126,44 @@ Rays readRays(const py::object& origins, const py::object& directions)
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others)
 {
   if (hits.hits.size() != rays)
-    refuse(argument, "are of " + std::to_string(hits.hits.size()) + " rays, " + others + " of " + std::to_string(rays));
+    throwValueError(argument, "has " + std::to_string(hits.hits.size()) + " rays: expected " + std::to_string(rays) +
+                                ", as " + others);
 }
 
 void defineHits(py::module_& module)
 {
-  py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits", R"(What rays hit, in arrays of the shape of the rays; (...) below.
+  py::class_<Hits, std::shared_ptr<Hits>>(module, "Hits",
+                                          R"(Hits of rays, in read-only arrays of the shape of the rays, (...) below.
 
-They are read-only. Hits on the triangles of NAIVE are those on the surface that they stand for: primID, u and v have
-the same meaning in all representations, so hits can be compared.)")
-    .def_property_readonly("hit", [](const Hits& h) { return arrayOf<bool>(h.shape, [&](size_t i) { return h.hits[i].hit(); }); },
-                           "(...) bool: whether the ray hits anything.")
+Hits on NAIVE's triangles are converted to the surface: primID, u and v have the same meaning in all representations, so
+hits can be compared.)")
+    .def_property_readonly("hit", [](const Hits& h) {
+                             return arrayOf<bool>(h.shape, [&](size_t i) { return h.hits[i].hit(); });
+                           }, "(...) bool: True if the ray hits anything.")
     .def_property_readonly("t", [](const py::object& self) { return member(self, &SurfaceHit::t); },
-                           "(...) float32: distance in lengths of the ray's direction; inf where nothing is hit.")
-    .def_property_readonly("u", [](const py::object& self) { return member(self, &SurfaceHit::u); }, R"((...) float32: parameter of the face, from 0 to 1; 0 where nothing is hit.
+                           "(...) float32: distance in lengths of the ray's direction; inf for a miss.")
+    .def_property_readonly("u", [](const py::object& self) { return member(self, &SurfaceHit::u); },
+                           R"((...) float32: parameter of the face, from 0 to 1; 0 for a miss.
 
-A face of n != 4 vertices is n patches, one a corner: that of corner i has u from 0.5 to 1.5 plus 2*(i % 4), and v from
-0.5 to 1.5 plus 2*(i // 4), as Embree reports them.)")
+A face of n != 4 vertices is n patches, one per corner: at corner i, u is from 0.5 to 1.5 plus 2*(i % 4), and v from 0.5
+to 1.5 plus 2*(i // 4), as Embree reports them.)")
     .def_property_readonly("v", [](const py::object& self) { return member(self, &SurfaceHit::v); },
                            "(...) float32: the other parameter, see u.")
     .def_property_readonly("Ng", [](const py::object& self) { return member(self, &SurfaceHit::normal); },
-                           "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalised; 0 where nothing is hit.")
-    .def_property_readonly("primID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f % h.facesOfCopy; }); },
-                           "(...) uint32: face of the cage, from 0; 2**32 - 1 where nothing is hit.")
-    .def_property_readonly("geomID", [](const Hits& h) { return ids(h, [&](unsigned f) { return f / h.facesOfCopy; }); },
-                           "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 where nothing is hit.")
+                           "(..., 3) float32: geometric normal, dP/du x dP/dv, not normalized; 0 for a miss.")
+    .def_property_readonly("primID", [](const Hits& h) {
+                             return ids(h, [&](unsigned f) { return f % h.facesOfCopy; });
+                           }, "(...) uint32: face of the cage, from 0; 2**32 - 1 for a miss.")
+    .def_property_readonly("geomID", [](const Hits& h) {
+                             return ids(h, [&](unsigned f) { return f / h.facesOfCopy; });
+                           }, "(...) uint32: copy of the cage, 0 unless the model has several; 2**32 - 1 for a miss.")
     .def_property_readonly("shape", [](const Hits& h) { return tupleOf(h.shape); }, "Shape of the rays.")
     .def("__repr__", repr);
 
-  module.def("nearer_hits", nearer, py::arg("a"), py::arg("b"), R"(The nearer hit of each ray, as Hits.
+  module.def("nearer_hits", nearer, py::arg("a"), py::arg("b"), R"(Returns the nearer hit of each ray, as Hits.
 
-Two tracings of one surface differ where one lets a ray slip between two triangles, as NAIVE does now and then, and
-then the nearer hit is right: nearer_hits(grid, naive) is the reference that cbvh_render measures errors against.)");
+If two scenes of one surface differ because a ray slipped between two triangles, as sometimes in NAIVE, the nearer hit
+is the correct one: nearer_hits(grid, naive) is the reference of errors in cbvh_render.)");
 }
 
 } // namespace cbvh::python

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Rays from NumPy arrays and hits as such. Both have a shape, that of the arrays without their last axis of x, y and
- * z: pictures stay pictures. */
+/* Converts NumPy arrays to rays, and hits to NumPy arrays. Both keep the shape of the arrays without their last axis of
+ * x, y and z, so pictures stay pictures. */
 
 #include "arrays.h"
 
@@ -16,10 +16,10 @@ namespace cbvh::python {
 struct Rays
 {
   Shape shape;
-  std::vector<Ray> rays; // in NumPy's order, the last index fastest
+  std::vector<Ray> rays; // in C order, the last index fastest
 };
 
-/* Arguments as of Scene.intersect, which NumPy's rules broadcast to one shape. */
+/* Reads arguments as in Scene.intersect, broadcast to one shape by NumPy's rules. */
 Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
               const py::object& time);
 Rays readRays(const py::object& origins, const py::object& directions);
@@ -31,7 +31,7 @@ struct Hits
   size_t facesOfCopy = 0, faces = 0; // of the model
 };
 
-/* Refuses hits of another number of rays than those of other arguments. */
+/* Raises ValueError unless there are `rays` hits, the number of rays in the arguments `others`. */
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others);
 
 void defineHits(py::module_& module);

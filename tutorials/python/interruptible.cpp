@@ -17,19 +17,19 @@
 namespace cbvh::python {
 namespace {
 
-/* How long signals may go unseen. */
+/* The longest time between checks for signals. */
 constexpr auto patience = std::chrono::milliseconds(50);
 
 std::timed_mutex turn;
 std::atomic<std::thread::id> whoseTurn;
 
-/* Threads that are in runInterruptible, and whether the interpreter is about to end. Both change with the interpreter's
- * lock only. */
+/* Number of threads in runInterruptible, and whether the interpreter is about to end. Both change only while the
+ * interpreter's lock is held. */
 std::atomic<int> inside{0};
 std::atomic<bool> ending{false};
 
-/* Counts the calling thread, unless the interpreter is about to end: a daemon thread that waits for the interpreter's lock
- * after the interpreter has ended is unwound through destructors, which ends the process by std::terminate. */
+/* Counts the calling thread, unless the interpreter is about to end. A daemon thread that waits for the interpreter's
+ * lock after the interpreter has ended is unwound through destructors, which ends the process by std::terminate. */
 class Inside
 {
 public:
@@ -53,7 +53,7 @@ void throwIfSignalled()
 std::unique_lock<std::timed_mutex> takeTurn()
 {
   if (whoseTurn == std::this_thread::get_id())
-    throw std::runtime_error("progress cannot build or trace: it is called by what is being built or traced");
+    throw std::runtime_error("progress cannot build or trace, because its own build or trace is running");
   std::unique_lock<std::timed_mutex> lock(turn, std::defer_lock);
   for (;;)
   {
@@ -75,7 +75,7 @@ class Task
 public:
   explicit Task(const std::function<void()>& work)
   {
-    setPhaseListener([this](const std::string& name, double fraction) { hear(name, fraction); });
+    setPhaseListener([this](const std::string& name, double fraction) { addNews(name, fraction); });
     worker = std::thread([this, work] {
       try
       {
@@ -91,7 +91,7 @@ public:
     });
   }
 
-  /* Stops what is not done. With the interpreter's lock. */
+  /* Cancels unfinished work. Requires the interpreter's lock. */
   ~Task()
   {
     if (worker.joinable())
@@ -108,17 +108,17 @@ public:
   {
     for (bool ended = false; !ended;)
     {
-      std::deque<News> told;
+      std::deque<News> received;
       {
         const py::gil_scoped_release released;
         std::unique_lock<std::mutex> lock(mutex);
         changed.wait_for(lock, patience, [&] { return done || !news.empty(); });
-        told.swap(news);
+        received.swap(news);
         ended = done;
       }
       throwIfSignalled();
       if (!progress.is_none())
-        for (const News& n : told)
+        for (const News& n : received)
           progress(n.name, n.fraction);
     }
     join();
@@ -133,11 +133,11 @@ private:
     double fraction = 0;
   };
 
-  void hear(const std::string& name, double fraction)
+  void addNews(const std::string& name, double fraction)
   {
     const std::lock_guard<std::mutex> lock(mutex);
     if (name == last.name && fraction == last.fraction)
-      return; // the end of a phase that was at its last percent
+      return; // a phase may end at its last percentage
     last = {name, fraction};
     news.push_back(last);
     changed.notify_one();
@@ -151,7 +151,7 @@ private:
 
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<News> news; // that the user has not been told
+  std::deque<News> news; // not yet passed to `progress`
   News last;
   bool done = false;
   std::exception_ptr failure;
@@ -163,7 +163,7 @@ private:
 void runInterruptible(const py::object& progress, const std::function<void()>& work)
 {
   if (!progress.is_none() && !PyCallable_Check(progress.ptr()))
-    throw py::type_error("progress: is neither None nor callable");
+    throw py::type_error("progress: is not callable: expected None or a callable");
   const Inside counted;
   const std::unique_lock<std::timed_mutex> mine = takeTurn();
   Task(work).wait(progress);
@@ -176,7 +176,7 @@ void cancelAllAtExit()
   ending = true;
   while (inside > 0)
   {
-    requestCancel(); // again and again, as a task that ends clears it
+    requestCancel(); // repeatedly, because a task that ends clears the request
     const py::gil_scoped_release released;
     std::this_thread::sleep_for(patience);
   }

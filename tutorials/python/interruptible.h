@@ -3,27 +3,29 @@
 
 #pragma once
 
-/* Long work without the interpreter's lock, of which Python hears how far it is, and which Ctrl-C stops.
+/* Runs long work without the interpreter's lock, reports progress to Python, and lets Ctrl-C cancel it.
  *
- * The work runs on a thread of its own that never touches Python. The thread that called waits for it, and between
- * waits takes the interpreter's lock, looks for signals, and calls the user's `progress`; an exception of either
- * (KeyboardInterrupt, or what `progress` throws) cancels the work, and is raised when it has stopped.
+ * The work runs on its own thread, which never uses Python. The calling thread waits for it; between waits it acquires
+ * the interpreter's lock, checks for signals, and calls the user's `progress`. An exception (KeyboardInterrupt, or one
+ * that `progress` raises) cancels the work and is raised after the work has stopped.
  *
- * There is one flag for cancelling in common/, so calls that other threads make meanwhile wait for their turn. */
+ * common/ has only one flag for cancellation, so concurrent calls from other threads wait until it is their turn. */
 
 #include <pybind11/pybind11.h>
 
 #include <functional>
 #include <optional>
+#include <utility>
 
 namespace cbvh::python {
 
 namespace py = pybind11;
 
-/* progress: None, or called with the name of a phase and how much of it is done, 0 to 1. Throws what work throws. */
+/* `progress` is None, or is called with the name of a phase and the fraction done, 0 to 1. Throws what `work`
+ * throws. */
 void runInterruptible(const py::object& progress, const std::function<void()>& work);
 
-/* The same for work that has a result. */
+/* The same for work with a result. */
 template<typename Work>
 auto interruptible(const py::object& progress, const Work& work)
 {
@@ -32,9 +34,9 @@ auto interruptible(const py::object& progress, const Work& work)
   return std::move(*result);
 }
 
-/* Cancels the work of all threads and waits until they have left; later calls throw Cancelled. For Python's atexit, which
- * runs before the interpreter ends: daemon threads are not joined before. */
+/* Cancels the work of all threads and waits until they have left; later calls throw Cancelled. For Python's atexit,
+ * which runs before the interpreter ends: daemon threads are not joined before. */
 void cancelAllAtExit();
-bool interpreterEnds(); // cancelAllAtExit was called
+bool interpreterEnds(); // true after cancelAllAtExit was called
 
 } // namespace cbvh::python

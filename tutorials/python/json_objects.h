@@ -3,10 +3,13 @@
 
 #pragma once
 
-/* Records that programs write as JSON, as objects of Python: both have the same names. */
+/* Converts JSON records of the programs to Python objects with the same names. */
 
 #include <nlohmann/json.hpp>
 #include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <string>
 
 namespace cbvh::python {
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The module embree_cbvh: a thin binding of common/ for those who compare representations in notebooks. */
+/* The module embree_cbvh: a thin binding of common/ for comparing representations in notebooks. */
 
 #include "classes.h"
 #include "hits.h"
@@ -18,7 +18,8 @@
 namespace cbvh::python {
 namespace {
 
-constexpr const char* moduleText = R"(Displaced subdivision surfaces in the representations of Embree CBVH, built, traced and compared.
+constexpr const char* moduleText =
+  R"(Builds, traces and compares displaced subdivision surfaces in the representations of Embree CBVH.
 
     import embree_cbvh as cbvh
 
@@ -29,9 +30,9 @@ constexpr const char* moduleText = R"(Displaced subdivision surfaces in the repr
     hits = scene.intersect(*cbvh.primary_rays(camera))      # hits.t, hits.Ng, ... of shape (600, 800)
     scene.statistics()["bytes_per_quad"]
 
-Long calls let other threads of Python run, and Ctrl-C stops them.)";
+Long calls let other Python threads run and can be stopped with Ctrl-C.)";
 
-PyObject* errorType = nullptr; // the module's, which keeps it
+PyObject* errorType = nullptr; // owned by the module
 
 void translate(std::exception_ptr thrown)
 {
@@ -42,7 +43,8 @@ void translate(std::exception_ptr thrown)
   }
   catch (const Cancelled&)
   {
-    PyErr_SetNone(interpreterEnds() ? PyExc_SystemExit : PyExc_KeyboardInterrupt); // a thread ends without a word by the former
+    /* SystemExit ends a thread without a message. */
+    PyErr_SetNone(interpreterEnds() ? PyExc_SystemExit : PyExc_KeyboardInterrupt);
   }
   catch (const Error& e)
   {
@@ -60,7 +62,7 @@ PYBIND11_MODULE(embree_cbvh, module)
   module.doc() = moduleText;
   module.attr("__version__") = RTC_COMPRESSION_VERSION_STRING;
   errorType = PyErr_NewExceptionWithDoc("embree_cbvh.Error",
-                                        "What is refused beyond the form of arguments: files, cages, what Embree says.",
+                                        "Raised for invalid files, cages and settings, and for errors of Embree.",
                                         PyExc_ValueError, nullptr);
   if (!errorType)
     throw py::error_already_set();

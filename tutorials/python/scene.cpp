@@ -23,6 +23,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -43,12 +44,12 @@ struct Scene
     return {std::move(shape), std::move(hits), model->cage.numFaces(), model->numFaces()};
   }
 
-  std::shared_ptr<const Model> model; // outlives what is built
+  std::shared_ptr<const Model> model; // must outlive `built`
   int level;
   BuiltScene built;
 };
 
-/* What a file has: no model. */
+/* A scene from a file, without a model. */
 struct LoadedScene
 {
   const TracedScene& traced() const { return saved; }
@@ -62,25 +63,25 @@ struct LoadedScene
 void requireNotNegative(float value, const char* argument)
 {
   if (!(value >= 0.0f) || !std::isfinite(value))
-    refuse(argument, "is " + std::to_string(value) + ", not finite and 0 or more");
+    throwValueError(argument, "is " + std::to_string(value) + ": expected a finite number of at least 0");
 }
 
 unsigned threadsOf(int threads)
 {
   if (threads < 0)
-    refuse("threads", "is " + std::to_string(threads) + ", not 0 or more");
+    throwValueError("threads", "is " + std::to_string(threads) + ": expected 0 (all) or more");
   return threadCount(threads);
 }
 
 /* --- building ------------------------------------------------------------------ */
 
-/* "cleaf", "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
+/* Parses "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
 Representation readRepresentation(const std::string& name, const py::object& frameLevel)
 {
   const std::vector<Representation> one = parseRepresentations(
     name, frameLevel.is_none() ? Representation().frameLevel : parseFrameLevel(py::str(frameLevel)));
   if (one.size() != 1)
-    refuse("representation", "'" + name + "' names several, build them one by one");
+    throwValueError("representation", "'" + name + "' names several representations: expected one");
   return one.front();
 }
 
@@ -91,7 +92,8 @@ void requireMemory(const Model& model, const Representation& representation, int
   if (needed <= available)
     return;
   char text[200];
-  std::snprintf(text, sizeof(text), "not enough memory: %s on %.1f million quads takes about %.1f GiB, and %.1f are free",
+  std::snprintf(text, sizeof(text),
+                "not enough memory: %s on %.1f million quads needs about %.1f GiB, but %.1f GiB are free",
                 representation.label().c_str(), double(size.quads) * 1e-6, double(needed) / (1 << 30),
                 double(available) / (1 << 30));
   PyErr_SetString(PyExc_MemoryError, text);
@@ -104,7 +106,7 @@ PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera)
   if (pixels == 0.0f)
     return {};
   if (!camera)
-    refuse("max_pixel_error", "needs a camera");
+    throwValueError("max_pixel_error", "needs a camera");
   return {pixels, camera->eye(), camera->footprint()};
 }
 
@@ -157,7 +159,7 @@ std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays
   return hit;
 }
 
-/* Of a Scene or a LoadedScene, likewise the next. */
+/* For Scene and LoadedScene; so is the next function. */
 template<typename Traced>
 py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
@@ -183,7 +185,7 @@ double traceSeconds(const Traced& scene, const py::object& origins, const py::ob
   settings.threads = threadsOf(threads);
   settings.passes = passes;
   if (passes < 1)
-    refuse("passes", "is 0, not 1 or more");
+    throwValueError("passes", "is 0: expected 1 or more");
   const Rays rays = readRays(origins, directions);
   return interruptible(py::none(), [&] {
     const double seconds = timeTrace(scene.traced(), rays.rays, settings).seconds;
@@ -196,7 +198,8 @@ Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int>
 {
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
-  return interruptible(py::none(), [&] { return chooseCamera(view, *scene.model, scene.built, image, threadCount(0)); });
+  const auto choose = [&] { return chooseCamera(view, *scene.model, scene.built, image, threadCount(0)); };
+  return interruptible(py::none(), choose);
 }
 
 /* --- files ----------------------------------------------------------------------- */
@@ -204,7 +207,8 @@ Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int>
 void save(const Scene& scene, const std::string& path)
 {
   if (!scene.built.representation().isCompressed())
-    refuse("path", "takes what is compressed, this is " + scene.built.representation().label());
+    throwValueError("path", "only compressed scenes can be saved, but this one is " +
+                              scene.built.representation().label());
   interruptible(py::none(), [&] { scene.built.save(path); return 0; });
 }
 
@@ -214,15 +218,16 @@ std::shared_ptr<LoadedScene> loadFile(const std::string& path, int threads)
   return interruptible(py::none(), [&] { return std::make_shared<LoadedScene>(path, n); });
 }
 
-Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions, const py::object& tnear,
-                     const py::object& tfar, const py::object& time, int threads)
+Hits intersectLoaded(const LoadedScene& scene, const py::object& origins, const py::object& directions,
+                     const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
 {
   const unsigned n = threadsOf(threads);
   Rays rays = readRays(origins, directions, tnear, tfar, time);
   return interruptible(py::none(), [&] {
     std::vector<SurfaceHit> hits = traceClosest(scene.saved, rays.rays, n);
     scene.saved.check();
-    return Hits{std::move(rays.shape), std::move(hits), scene.saved.facesOfCopy(), scene.saved.facesOfCopy() * scene.saved.geometries().size()};
+    const size_t facesOfCopy = scene.saved.facesOfCopy(), faces = facesOfCopy * scene.saved.geometries().size();
+    return Hits{std::move(rays.shape), std::move(hits), facesOfCopy, faces};
   });
 }
 
@@ -231,13 +236,14 @@ Camera cameraOfLoaded(const LoadedScene& scene, const std::string& view, std::pa
   choice(view, "view", {"full", "close"});
   const ImageSize image = imageSize(size);
   return interruptible(py::none(), [&] {
-    const Camera camera = chooseCamera(view, modelOfBox(scene.path, scene.saved.bounds()), scene.saved, image, threadCount(0));
+    const Model box = boxModel(scene.path, scene.saved.bounds());
+    const Camera camera = chooseCamera(view, box, scene.saved, image, threadCount(0));
     scene.saved.check();
     return camera;
   });
 }
 
-/* --- what it is ---------------------------------------------------------------- */
+/* --- statistics ---------------------------------------------------------------- */
 
 py::object statistics(const Scene& scene)
 {
@@ -260,14 +266,14 @@ py::object statistics(const Scene& scene)
 void requireHitsOf(const Scene& scene, const Hits& hits, const char* argument)
 {
   if (hits.faces != scene.model->numFaces())
-    refuse(argument, "are of a model of " + std::to_string(hits.faces) + " faces, this one has " +
-                       std::to_string(scene.model->numFaces()));
+    throwValueError(argument, "are of a model of " + std::to_string(hits.faces) + " faces: expected " +
+                                std::to_string(scene.model->numFaces()));
 }
 
 void requirePositive(float footprint)
 {
   if (!(footprint > 0.0f) || !std::isfinite(footprint))
-    refuse("footprint", "is " + std::to_string(footprint) + ", not finite and more than 0");
+    throwValueError("footprint", "is " + std::to_string(footprint) + ": expected a finite number above 0");
 }
 
 py::array_t<float> pixelErrorsOf(const Hits& hits, const Hits& reference, float footprint)
@@ -297,12 +303,12 @@ py::object trueErrorsOf(const Scene& scene, const Hits& hits, const py::object& 
   requireRays(hits, "hits", rays.rays.size(), "origins and directions");
   return objectOf(errorsJson(interruptible(progress, [&] {
     const TrueSurfaces surfaces(*scene.model);
-    const TrueView view{*scene.model, surfaces, rays.rays, sampleOfHits(hits.hits, count, seed), footprint};
+    const TrueView view{*scene.model, surfaces, rays.rays, sampleHits(hits.hits, count, seed), footprint};
     return compareToTrueSurface(view, hits.hits, scene.built.layout(), n);
   })));
 }
 
-/* --- what is stored --------------------------------------------------------------- */
+/* --- stored surface --------------------------------------------------------------- */
 
 py::array_t<float> trianglesOf(const Scene& scene, const Hits& hits, float time)
 {
@@ -324,15 +330,17 @@ py::dict tessellation(const Scene& scene, float time)
 {
   const StoredMesh mesh = interruptible(py::none(), [&] { return scene.built.storedMesh(time); });
   py::dict result;
-  result["vertices"] = arrayOf<float>({py::ssize_t(mesh.vertices.size()), 3}, [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; });
-  result["quads"] = arrayOf<unsigned>({py::ssize_t(mesh.quads.size()), 4}, [&](size_t i) { return mesh.quads[i / 4][i % 4]; });
+  const auto coordinate = [&](size_t i) { return (&mesh.vertices[i / 3].x)[i % 3]; };
+  const auto corner = [&](size_t i) { return mesh.quads[i / 4][i % 4]; };
+  result["vertices"] = arrayOf<float>({py::ssize_t(mesh.vertices.size()), 3}, coordinate);
+  result["quads"] = arrayOf<unsigned>({py::ssize_t(mesh.quads.size()), 4}, corner);
   result["primID"] = arrayOf<unsigned>({py::ssize_t(mesh.faces.size())}, [&](size_t i) { return mesh.faces[i]; });
   return result;
 }
 
 /* --- docstrings ---------------------------------------------------------------- */
 
-/* Words of the representations that a test is true of: cgrid, cvoxel. */
+/* Returns the names of the representations for which a predicate is true, "cgrid, cvoxel". */
 std::string wordsOf(bool (Representation::*is)() const, const std::string& quote)
 {
   std::string words;
@@ -344,107 +352,127 @@ std::string wordsOf(bool (Representation::*is)() const, const std::string& quote
 
 std::string buildText()
 {
-  return R"(Builds a model in one representation, as a Scene.
+  return R"(Builds a model in one representation and returns a Scene.
 
 model: a Model, or a Cage, which is not displaced.
-representation: compressed is one of )" + wordsOf(&Representation::isCompressed, "\"") + R"(; else "grid", Embree's
-  own, or "naive", its triangles. A frame level of its own may follow: "cleaf^3". "cleaf" stores faces exactly, as "cvert"
-  does, that its leaves hold badly; "cleaf-only" has leaves for all faces, as in the paper.
-level: )" + levelRange() + R"(, 2**level x 2**level quads a face.
-frame_level: )" + levelRange() + R"(, or "auto": 4**frame_level frames a face of )" + wordsOf(&Representation::hasFrames, "") + R"(, "auto" if it is
-  not given.
-max_error: world units: bound on the spacing of cvert's lattice, where 0 stores vertices exactly, and on the thickness of
-  leaves where frame_level is "auto". None: as the library chooses.
+representation: a compressed one: )" + wordsOf(&Representation::isCompressed, "\"") + R"(; or "grid", Embree's own, or
+  "naive", its triangles. A frame level may follow: "cleaf^3". "cleaf" stores faces that its leaves approximate badly
+  exactly, as "cvert" does; "cleaf-only" has leaves for all faces, as in the paper.
+level: )" + levelRange() + R"(, 2**level x 2**level quads per face.
+frame_level: )" + levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
+  )" + wordsOf(&Representation::hasFrames, "") + R"(.
+max_error: bound in world units on the spacing of cvert's lattice, where 0 stores vertices exactly, and on the thickness
+  of leaves if frame_level is "auto". None selects the library's default.
 max_pixel_error: bound on the spacing of cvert's lattice in pixels of camera, 0 for none.
 threads: for building, 0 for all.
-isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; the best there is by default.
-device: what traces: "cpu", "vulkan", or "ray-query" (the driver finds blocks); the last two alone or with : and an index or a part of a device's name.
-progress: called with the name of a phase and how much of it is done, 0 to 1; what it raises stops the build.
+isa: widest instruction set to use: "sse2", "sse4.2", "avx", "avx2" or "avx512"; default the host's best.
+device: device that traces: "cpu", "vulkan", or "ray-query" (ray queries of a Vulkan driver). Append :N or :NAME to the
+  last two to choose a device by its index or a part of its name.
+progress: called with the name of a phase and the fraction done, 0 to 1. An exception that it raises stops the build.
 
-Ctrl-C (KeyboardInterrupt) stops the build. Other threads of Python run meanwhile; where they call this module to build
-or to trace, they wait until it is their turn. Raises ValueError and TypeError for arguments, MemoryError for what does
-not fit, Error for what Embree refuses.)";
+Ctrl-C (KeyboardInterrupt) stops the build. Other Python threads keep running; if they call this module to build or to
+trace, they wait until it is their turn. Raises ValueError or TypeError for invalid arguments, MemoryError if there is
+not enough memory, and Error for other reasons, with Embree's message.)";
 }
 
-constexpr const char* intersectText = R"(The closest hit of each ray, as Hits.
+constexpr const char* intersectText = R"(Finds the closest hit of each ray and returns Hits.
 
 origins: (..., 3), world units.
-directions: (..., 3), of any length; distances are multiples of it.
-tnear, tfar: (...), the part of the ray that counts.
-time: (...), of a model that moves: 0 is its first step, 1 its last.
+directions: (..., 3), of any length; distances are multiples of the length.
+tnear, tfar: (...), range of distances in which hits are found.
+time: (...), for models that move: 0 is the first time step, 1 the last.
 threads: 0 for all.
 
-Arguments are taken as float32 and broadcast by NumPy's rules: one origin and a picture of directions make a picture of
-hits. Ctrl-C stops it.)";
+Arguments are converted to float32 and broadcast by NumPy's rules: one origin and a picture of directions return a
+picture of hits. Ctrl-C stops the call.)";
 
-constexpr const char* occludedText = R"(Whether each ray hits anything: (...) bool. Arguments as of intersect.)";
+constexpr const char* occludedText = R"(Returns (...) bool: True if the ray hits anything. Arguments as in intersect.)";
 
-constexpr const char* secondsText = R"(Seconds that tracing the rays once takes: of the processor for one thread, of the clock for several.
+constexpr const char* secondsText = R"(Traces the rays and returns the time of one pass in seconds.
 
-Measured in C++, the filling of Embree's rays included. Measure representations in turns, and take medians.
+The time is processor time for one thread and wall-clock time for several. It is measured in C++ and includes filling
+Embree's ray structs. Measure representations alternately, and use medians.
 
-origins, directions: as of intersect.
+origins, directions: as in intersect.
 query: "closest" or "any".
-mode: how many rays a call of Embree takes: "single", "packet4", "packet8", "packet16" or "stream".
-coherent: the flag that Embree gets with the rays.
+mode: rays per call of Embree: "single", "packet4", "packet8", "packet16" or "stream".
+coherent: the flag that Embree receives with the rays.
 threads: 0 for all.
-passes: over the rays, for few of them; the time is that of one.)";
+passes: number of passes over the rays, for small sets.)";
 
-constexpr const char* cameraText = R"(A Camera before the scene. view: "full" shows all of it, "close" a part. size: width and height in pixels.
+constexpr const char* cameraText = R"(Returns a Camera for the scene.
 
-Fitted to the surface as it is in this representation: take one camera for all that is compared.)";
+view: "full" shows the whole scene, "close" a part.
+size: width and height in pixels.
 
-constexpr const char* statisticsText = R"(What the build made, a dict: representation, level, quads, bytes_per_quad, live_bytes (held after the build, with the
-cage), peak_bytes (held while building), build_seconds, distance_from_mesh (world units: how far hits may be from the
-mesh of the level), and of what is compressed a dict of bytes and counts, compression. Names are those that
-`cbvh_render --json` writes.)";
+The camera is fitted to the surface in this representation: use the same camera for all scenes that are compared.)";
 
-constexpr const char* trianglesText = R"(The triangles that hits are on, as they are stored: (..., 3, 3) float32, vertices in world units, NaN where a ray misses.
+constexpr const char* statisticsText = R"(Returns statistics of the build as a dict.
 
-hits: of this scene.
-time: of the hits' rays, if the model moves.
+Keys: representation, level, quads, bytes_per_quad, live_bytes (held after the build, including the cage), peak_bytes
+(held during the build), build_seconds, distance_from_mesh (world units: a bound on the distance of hits from the mesh
+of this level), and for compressed scenes compression, a dict of bytes and counts. Names are those of `cbvh_render
+--json`.)";
 
-Of cvert and cgrid; Error for other representations.)";
+constexpr const char* trianglesText = R"(Returns the stored triangle of each hit, (..., 3, 3) float32.
 
-constexpr const char* tessellationText = R"(The whole surface as it is stored, of a model that moves at a time from 0 to 1, a dict of arrays: vertices (n, 3) float32 in world units, quads (m, 4) uint32, around
-each quad, and primID (m,) uint32, the face that each is of. A quad 00, 10, 11, 01 has the triangles 00, 10, 01 and 01, 10, 11.
-Where blocks of up to 16 x 16 quads meet, vertices come twice, as the same floats.
+hits: hits in this scene.
+time: time of the hits' rays, if the model moves.
 
-Of cvert and cgrid; Error for other representations.)";
+Vertices are in world units, NaN for a miss. Only for cvert and cgrid; raises Error for other representations.)";
 
-constexpr const char* saveText = R"(Saves what is compressed to a file, which load() opens at once, as cbvh_render --load does.
+constexpr const char* tessellationText = R"(Returns the whole stored surface as a dict of arrays.
 
-path: of the file. One that is there is replaced when all is written.)";
+time: 0 to 1, for models that move.
 
-constexpr const char* loadText = R"(Opens what Scene.save or `cbvh_render --save` wrote, as a LoadedScene: without its model, with the same hits to the bit. The
-file is mapped: what no ray meets stays on disk. Raises Error, with the reason, for a file that is none, truncated, altered, or of
-another version.
+Keys: vertices, (n, 3) float32 in world units; quads, (m, 4) uint32, vertices in order around each quad; primID, (m,)
+uint32, the face of each quad. A quad 00, 10, 11, 01 consists of the triangles 00, 10, 01 and 01, 10, 11. Blocks have up
+to 16 x 16 quads; vertices at their borders are repeated, as the same floats. Only for cvert and cgrid; raises Error for
+other representations.)";
 
-path: of the file, which is not to be written into meanwhile.
-threads: of the device, 0 for all.)";
+constexpr const char* saveText = R"(Saves a compressed scene to a file, which load() and cbvh_render --load open.
 
-constexpr const char* errorsText = R"(How far hits are from a reference, a dict with the names of `cbvh_render --json`.
+path: of the file. An existing file is replaced when the new one is complete.)";
 
-hits: of this scene. reference: of the same rays in another representation of the same model.
-footprint: width of a pixel at distance 1 (Camera.footprint), for directions of length 1.
+constexpr const char* loadText =
+  R"(Opens a file that Scene.save or `cbvh_render --save` wrote, and returns a LoadedScene.
 
-Distances between hit points are in pixels: rmse_pixels, median_pixels, p99_pixels, max_pixels, and without those beyond
-5, which are mostly on another sheet of the surface, rmse_of_others_pixels and bias_pixels (more than 0: behind). Rays
-where only one hits are counted: false_hits, misses. Normals in degrees, u and v in quads (cells).)";
+path: of the file, which must not be modified while it is open.
+threads: of the device, 0 for all.
 
-constexpr const char* trueErrorsText = R"(How far hits are from the true surface, which is OpenSubdiv's limit surface with the heights as they are in the map, a
-dict with the names of `cbvh_render --json`. The error of tessellation and that of compression together.
+The scene has no model, but the same hits to the bit. The file is mapped: parts that no ray reaches stay on disk. Raises
+Error with the reason for a file that is truncated, altered, of another version, or not such a file.)";
 
-hits: of this scene, of the rays origins and directions, of length 1.
+constexpr const char* errorsText =
+  R"(Compares hits with a reference and returns a dict with the names of `cbvh_render --json`.
+
+hits: hits in this scene.
+reference: hits of the same rays in another representation of the same model.
+footprint: width of a pixel at distance 1 (Camera.footprint); directions must have unit length.
+
+rmse_pixels, median_pixels, p99_pixels and max_pixels describe distances between hit points. rmse_of_others_pixels and
+bias_pixels (above 0: behind the reference) exclude distances beyond 5 pixels, which usually mean another sheet of the
+surface. false_hits and misses count rays of which only one hits. Normals are in degrees, u and v in quads (cells).)";
+
+constexpr const char* trueErrorsText =
+  R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.
+
+hits: hits in this scene of the rays origins and directions, which must have unit length.
 footprint: width of a pixel at distance 1 (Camera.footprint).
-count, seed: so many hits are drawn at random.
+count, seed: number and seed of the hits that are chosen at random.
 threads: 0 for all.
-progress: called with the name of a phase and how much of it is done, 0 to 1.)";
+progress: called with the name of a phase and the fraction done, 0 to 1.
 
-constexpr const char* pixelErrorsText = R"(Distance between the hit points of each ray in pixels: (...) float32, NaN where not both hit.
+The true surface is OpenSubdiv's limit surface with the unfiltered displacement. The error is that of tessellation and
+compression together.)";
 
-hits, reference: of the same rays, directions of length 1.
-footprint: width of a pixel at distance 1 (Camera.footprint).)";
+constexpr const char* pixelErrorsText =
+  R"(Returns the distance between the hit points of each ray in pixels, (...) float32.
+
+hits, reference: hits of the same rays, whose directions must have unit length.
+footprint: width of a pixel at distance 1 (Camera.footprint).
+
+The distance is NaN unless both hit.)";
 
 } // namespace
 
@@ -457,7 +485,8 @@ void defineScene(py::module_& module)
          py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
     .def("occluded", &occluded<Scene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
          py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
-    .def("trace_seconds", &traceSeconds<Scene>, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
+    .def("trace_seconds", &traceSeconds<Scene>, arg("origins"), arg("directions"), py::kw_only(),
+         arg("query") = "closest",
          arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
     .def("camera", &cameraOf, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
     .def("statistics", &statistics, statisticsText)
@@ -468,34 +497,43 @@ void defineScene(py::module_& module)
     .def("true_errors", &trueErrorsOf, arg("hits"), arg("origins"), arg("directions"), arg("footprint"), py::kw_only(),
          arg("count") = 2000, arg("seed") = 1, arg("threads") = 0, arg("progress") = py::none(), trueErrorsText)
     .def_property_readonly("bounds", [](const Scene& s) { return arrayOf(s.built.bounds()); },
-                           "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
-    .def_property_readonly("model", [](const Scene& s) { return std::const_pointer_cast<Model>(s.model); }, "The Model.")
+                           "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
+    .def_property_readonly("model", [](const Scene& s) { return std::const_pointer_cast<Model>(s.model); },
+                           "The Model.")
     .def_property_readonly("representation", [](const Scene& s) { return s.built.representation().label(); },
-                           "Label, with a frame level as in the paper: 'cLEAF^2'.")
-    .def_readonly("level", &Scene::level, "2**level x 2**level quads a face.")
+                           "Label; with a frame level as in the paper: 'cLEAF^2'.")
+    .def_readonly("level", &Scene::level, "2**level x 2**level quads per face.")
     .def("__repr__", [](const Scene& s) {
       char text[160];
-      std::snprintf(text, sizeof(text), "<Scene '%s' in %s at level %d: %zu quads, %.2f bytes each>", s.model->name.c_str(),
-                    s.built.representation().label().c_str(), s.level, s.built.report().quads,
+      std::snprintf(text, sizeof(text), "<Scene '%s' in %s at level %d: %zu quads, %.2f bytes each>",
+                    s.model->name.c_str(), s.built.representation().label().c_str(), s.level, s.built.report().quads,
                     s.built.report().bytesPerQuad());
       return std::string(text);
     });
 
-  py::class_<LoadedScene, std::shared_ptr<LoadedScene>>(module, "LoadedScene", "What a file of compressed geometry has, see load().")
+  py::class_<LoadedScene, std::shared_ptr<LoadedScene>>(module, "LoadedScene",
+                                                        "Compressed geometries of a file, see load().")
     .def("intersect", &intersectLoaded, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
          py::kw_only(), arg("time") = zero, arg("threads") = 0, intersectText)
-    .def("occluded", &occluded<LoadedScene>, arg("origins"), arg("directions"), arg("tnear") = zero, arg("tfar") = infinity,
+    .def("occluded", &occluded<LoadedScene>, arg("origins"), arg("directions"), arg("tnear") = zero,
+         arg("tfar") = infinity,
          py::kw_only(), arg("time") = zero, arg("threads") = 0, occludedText)
-    .def("trace_seconds", &traceSeconds<LoadedScene>, arg("origins"), arg("directions"), py::kw_only(), arg("query") = "closest",
+    .def("trace_seconds", &traceSeconds<LoadedScene>, arg("origins"), arg("directions"), py::kw_only(),
+         arg("query") = "closest",
          arg("mode") = "single", arg("coherent") = false, arg("threads") = 1, arg("passes") = 1, secondsText)
     .def("camera", &cameraOfLoaded, arg("view") = "full", arg("size") = std::pair<int, int>(1024, 1024), cameraText)
-    .def_property_readonly("quads", [](const LoadedScene& s) { return s.saved.quads(); }, "Of all geometries.")
-    .def_property_readonly("geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); }, "How many there are.")
-    .def_property_readonly("open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); }, "From the file's name to the scene.")
+    .def_property_readonly("quads", [](const LoadedScene& s) { return s.saved.quads(); },
+                           "Number of quads of all geometries.")
+    .def_property_readonly("geometries", [](const LoadedScene& s) { return s.saved.geometries().size(); },
+                           "Number of geometries.")
+    .def_property_readonly("open_seconds", [](const LoadedScene& s) { return s.saved.seconds(); },
+                           "Time for opening the file and committing the scene, in seconds.")
     .def_property_readonly("bounds", [](const LoadedScene& s) { return arrayOf(s.saved.bounds()); },
-                           "(2, 3) float32: lower and upper corner of the box of the surface, world units.")
+                           "(2, 3) float32: lower and upper corner of the surface's bounding box, world units.")
     .def("__repr__", [](const LoadedScene& s) {
-      return "<LoadedScene '" + s.path + "': " + std::to_string(s.saved.geometries().size()) + (s.saved.geometries().size() == 1 ? " geometry, " : " geometries, ") + std::to_string(s.saved.quads()) + " quads>";
+      const size_t n = s.saved.geometries().size();
+      return "<LoadedScene '" + s.path + "': " + std::to_string(n) + (n == 1 ? " geometry, " : " geometries, ") +
+             std::to_string(s.saved.quads()) + " quads>";
     });
   module.def("load", &loadFile, arg("path"), py::kw_only(), arg("threads") = 0, loadText);
   module.def("build", &build, arg("model"), arg("representation") = "cvert", arg("level") = 6, py::kw_only(),

@@ -4,12 +4,12 @@
 # %% [markdown]
 # # The triangles of a skin
 #
-# What does a ray really hit? This looks up the triangle of every pixel's hit as it is stored, shades by its normal, draws its
-# edges, and says how far the ray's own point is from the triangle's plane: an offset that is larger is enough for rays that
-# start there.
+# Which triangle does a ray hit? This example reads the stored triangle of every pixel's hit, shades by its normal, and
+# draws its edges. It also prints the distance of hit points from the planes of their triangles: an offset above this is
+# sufficient for rays that start there.
 #
-# The cells are those of a notebook (Visual Studio Code, Spyder and Jupytext read them); as a program it writes the picture
-# beside where it is started.
+# The cells are notebook cells (Visual Studio Code, Spyder and Jupytext read them). As a program it writes the picture
+# to the current folder.
 
 # %%
 import numpy as np
@@ -34,28 +34,29 @@ scene = cbvh.build(model, "cvert", LEVEL)
 camera = scene.camera("close", SIZE)
 origins, directions = cbvh.primary_rays(camera)
 hits = scene.intersect(origins, directions)
-triangles = scene.triangles(hits).astype(np.float64)  # of each pixel, NaN where a ray misses
+triangles = scene.triangles(hits).astype(np.float64)  # per pixel, NaN for a miss
 a, b, c = (triangles[..., i, :] for i in range(3))
 normals = np.cross(b - a, c - a)
 area2 = np.linalg.norm(normals, axis=-1, keepdims=True)
 normals /= area2
 
 # %% [markdown]
-# ## Where in it
+# ## Barycentric coordinates
 #
-# The weights of the three vertices at the hit. At an edge one of them is 0.
+# The weights of the three vertices at the hit. On an edge, one of them is 0.
 
 # %%
 with np.errstate(invalid="ignore"):
     points = origins + hits.t[..., None] * np.asarray(directions, np.float64)
     off = np.abs(np.sum((points - a) * normals, -1))
-    weights = np.stack([np.sum(np.cross(q - p, points - p) * normals, -1) for p, q in ((b, c), (c, a), (a, b))], -1) / area2
-print(f"{np.count_nonzero(hits.hit)} hits, at most {np.nanmax(off):.2g} off the planes of their triangles")
+    edges = ((b, c), (c, a), (a, b))
+    weights = np.stack([np.sum(np.cross(q - p, points - p) * normals, -1) for p, q in edges], -1) / area2
+print(f"{np.count_nonzero(hits.hit)} hits, at most {np.nanmax(off):.2g} away from the planes of their triangles")
 
 # %% [markdown]
-# ## All of the surface
+# ## The whole surface
 #
-# Quads as they are stored, for an export or a bake: `vertices[quads]` has the four corners of each.
+# The stored quads, for an export or a bake: `vertices[quads]` contains the four corners of each quad.
 
 # %%
 mesh = scene.tessellation()

@@ -10,13 +10,13 @@
 
 namespace cbvh::python {
 
-/* A warning of Python's for each line. With the interpreter's lock. */
+/* Issues a Python warning for each line. Requires the interpreter's lock. */
 inline void warn(const std::string& lines)
 {
   std::istringstream stream(lines);
   for (std::string line; std::getline(stream, line);)
     if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1))
-      throw pybind11::error_already_set(); // the user has made it an error
+      throw pybind11::error_already_set(); // the user turned warnings into errors
 }
 
 } // namespace cbvh::python

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Renders a displaced subdivision surface in several representations and compares
- * them in memory, build time, speed and error. See --help. */
+/* Renders a displaced subdivision surface in one or several representations, and compares memory, build time, speed and
+ * error. */
 
 #include "comparison.h"
 #include "options.h"

@@ -1,14 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID goes first and stays, if it is asked for and fits: every other representation is
- * timed in turns with it. Of the others one is in memory at a time. What is built first
- * makes the rays.
+/* GRID is built first, if it is requested and fits, and stays in memory, because every other representation is timed
+ * alternately with it. Only one of the others is in memory at a time. The first representation provides the hits from
+ * which rays bounce.
  *
- * NAIVE, the largest, goes next: where both are there, the reference of all errors is what
- * NAIVE or GRID hits, whichever is nearer. Both have the same triangles, but tens of rays
- * in 100,000 slip between two of NAIVE's: Embree's test without RTC_SCENE_FLAG_ROBUST does
- * not close edges, that of GRID does. */
+ * NAIVE, the largest, is next. If both are built, the reference of all errors is the nearer hit of NAIVE and GRID. Both
+ * have the same triangles, but tens of rays in 100,000 slip between two of NAIVE's: without RTC_SCENE_FLAG_ROBUST,
+ * Embree's triangle test is not watertight, while GRID's is. */
 
 #include "comparison.h"
 #include "memory_plan.h"
@@ -30,7 +29,7 @@
 namespace cbvh {
 namespace {
 
-constexpr uint32_t sampleSeed = 1; // any: the same hits in every run
+constexpr uint32_t sampleSeed = 1; // constant, so that every run chooses the same hits
 
 BuildSize sizeOf(const Model& model, const BuildSettings& build)
 {
@@ -40,13 +39,13 @@ BuildSize sizeOf(const Model& model, const BuildSettings& build)
 MemoryPlan planOf(const Options& options, const Model& model, const BuildSettings& build)
 {
   MemoryPlan plan = planMemory(options.representations, sizeOf(model, build), availableMemory());
-  const auto isStill = [](const Representation& r) { return r.kind == RepresentationKind::Naive; };
-  if (!model.poses.empty() && std::any_of(plan.built.begin(), plan.built.end(), isStill))
+  const auto isStatic = [](const Representation& r) { return r.kind == RepresentationKind::Naive; };
+  if (!model.poses.empty() && std::any_of(plan.built.begin(), plan.built.end(), isStatic))
   {
-    plan.built.erase(std::remove_if(plan.built.begin(), plan.built.end(), isStill), plan.built.end());
-    plan.leftOut.push_back("naive is left out: its triangles do not move");
+    plan.built.erase(std::remove_if(plan.built.begin(), plan.built.end(), isStatic), plan.built.end());
+    plan.leftOut.push_back("naive is left out, because its triangles do not move");
     if (plan.built.empty())
-      throw Error("the triangles of naive do not move: give another --representation");
+      throw Error("the triangles of naive do not move: expected another --representation");
   }
   for (const std::string& line : plan.leftOut)
     std::fprintf(stderr, "cbvh_render: %s\n", line.c_str());
@@ -69,10 +68,11 @@ class Run
 {
 public:
   Run(const Options& options, const ModelView& view)
-    : options(options), threads(threadCount(options.build.threads)), model(view.model), camera(view.camera), primary(firstSamples(options, camera)),
-      build(view.build), plan(planOf(options, model, build)), files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
+    : options(options), threads(threadCount(options.build.threads)), model(view.model), camera(view.camera),
+      primary(firstSamples(options, camera)), build(view.build), plan(planOf(options, model, build)),
+      files(options.output, model.name, options.size, options.crop, options.colors, options.samples)
   {
-    if (options.trueHits && model.poses.empty()) // the true surface stands still
+    if (options.trueHits && model.poses.empty()) // the true surface is static
       surfaces.emplace(model);
   }
 
@@ -91,7 +91,7 @@ public:
   }
 
 private:
-  /* All that a representation is looked at for. grid: null without GRID, and for GRID itself. */
+  /* Measures a representation and writes its files. `grid` is null without GRID, and for GRID itself. */
   void examine(const BuiltScene& scene, const BuiltScene* grid)
   {
     const RepresentationKind kind = scene.representation().kind;
@@ -122,13 +122,14 @@ private:
     comparison.results.push_back(result);
   }
 
-  /* The shaded picture. hits: of the rays through the centres of pixels, which are its first samples. */
+  /* Writes the shaded picture. `hits` belong to the rays through the centers of pixels, which are the first samples. */
   void writePicture(const BuiltScene& scene, const std::vector<SurfaceHit>& hits)
   {
     const Representation& r = scene.representation();
     Phase phase(r.label() + ": picture");
     const SampledPicture picture =
-      sampledPicture(scene, camera, options.crop, model.view.up, primary, hits, options.samples, options.shutter, options.colors, threads);
+      sampledPicture(scene, camera, options.crop, model.view.up, primary, hits, options.samples, options.shutter,
+                     options.colors, threads);
     const std::string path = files.writePicture(r, picture.image());
     if (options.exr)
       files.writeExr(r, picture.linear(), primary, hits);
@@ -140,7 +141,7 @@ private:
   {
     if (options.speed || options.compares())
       makeRaySets(options, scene, primary, hits, sets);
-    sample = sampleOfHits(hits, options.trueHits, sampleSeed);
+    sample = sampleHits(hits, options.trueHits, sampleSeed);
     for (const SurfaceHit& hit : hits)
       comparison.primaryHits += hit.hit();
   }
@@ -162,7 +163,7 @@ private:
     return kind == RepresentationKind::Naive && gridHits.empty();
   }
 
-  /* What is known of GRID only when the others have been there. */
+  /* Completes GRID's result after all other representations were measured. */
   void finishGrid(const BuiltScene& grid, Result& result)
   {
     if (find(RepresentationKind::Naive))
@@ -171,7 +172,7 @@ private:
       return;
     if (comparison.results.size() == 1)
       result.speed = speed.measure(grid.representation().label(), grid, nullptr);
-    speed.noteGrid(result.speed);
+    speed.setGridSpeed(result.speed);
   }
 
   Result* find(RepresentationKind kind)
@@ -184,7 +185,7 @@ private:
 
   void countDisagreements(const BuiltScene& scene, const std::vector<SurfaceHit>& hits, Result& result) const
   {
-    Phase phase(scene.representation().label() + ": any hit against closest hit");
+    Phase phase(scene.representation().label() + ": any-hit queries");
     result.anyDisagreements[Coherent] = countAnyHitDisagreements(scene, primary, hits, threads);
     result.anyDisagreements[Incoherent] = countAnyHitDisagreements(
       scene, sets[Incoherent], traceClosest(scene, sets[Incoherent], threads), threads);
@@ -234,15 +235,15 @@ private:
     comparison.speed = options.speed;
     comparison.compares = options.compares();
     comparison.trueHits = sample.size();
-    /* alone, a picture was named when it was there */
+    /* A single picture was already named when it was written. */
     if (options.compares() || options.exr || options.ambientRays || options.colors == HitColors::Sides)
       comparison.pictures = files.legend(comparison.reference);
     for (int set = 0; set < numRaySets; set++)
       comparison.rays[set] = sets[set].size();
-    comparison.results = inOrderAskedFor();
+    comparison.results = resultsInOptionOrder();
   }
 
-  std::vector<Result> inOrderAskedFor() const
+  std::vector<Result> resultsInOptionOrder() const
   {
     std::vector<Result> ordered;
     for (const Representation& r : options.representations)
@@ -261,7 +262,7 @@ private:
   MemoryPlan plan;
   PictureFiles files;
   RaySets sets;
-  SpeedInTurns speed{sets, options.repeat};
+  InterleavedSpeed speed{sets, options.repeat};
   std::vector<SurfaceHit> reference, gridHits;
   std::vector<float> gridAmbient;
   std::optional<TrueSurfaces> surfaces;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The run: builds one representation after the other, traces the same rays through each,
- * and collects what the table says. */
+/* Builds one representation after the other, traces the same rays through each, and collects the numbers of the
+ * table. */
 
 #include "model_view.h"
 #include "speed.h"
@@ -21,7 +21,7 @@ struct Result
 {
   Representation representation;
   BuildReport build;
-  std::optional<HitErrors> errors; // none for the reference itself, nor without one
+  std::optional<HitErrors> errors; // unset for the reference itself, and without a reference
   std::optional<TrueErrors> trueErrors;
   size_t anyDisagreements[numRaySets] = {0, 0};
   Speeds speed;
@@ -37,16 +37,16 @@ struct Comparison
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = false;
-  float quadSize = 0;         // in pixels where levels follow from the view, else 0
+  float quadSize = 0;         // in pixels if the view determines levels, else 0
   bool isMesh = false;        // without levels
   bool compares = false;      // several representations
-  std::string reference;      // what the errors are measured against, empty for no errors
-  size_t trueHits = 0;        // compared with the true surface
-  std::string pictures;       // lines that say where the pictures are and what they show
-  std::vector<Result> results; // in the order asked for, without those that did not fit into memory
+  std::string reference;      // of the errors; empty without errors
+  size_t trueHits = 0;        // number of hits that are compared with the true surface
+  std::string pictures;       // lines with the paths and contents of the pictures
+  std::vector<Result> results; // in the order of the options, without representations that did not fit into memory
 };
 
-/* Runs everything and writes the pictures. Throws Error, Cancelled. */
+/* Measures all representations and writes the pictures. Throws Error, Cancelled. */
 Comparison runComparison(const Options& options, const ModelView& view);
 
 } // namespace cbvh

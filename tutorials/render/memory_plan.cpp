@@ -14,8 +14,8 @@ namespace {
 class Planner
 {
 public:
-  Planner(const std::vector<Representation>& asked, const BuildSize& size, size_t available)
-    : asked(asked), size(size), available(available)
+  Planner(const std::vector<Representation>& requested, const BuildSize& size, size_t available)
+    : requested(requested), size(size), available(available)
   {
   }
 
@@ -25,16 +25,18 @@ public:
     size_t largest = 0, grid = 0;
     for (const Representation& r : compressed)
       largest = std::max(largest, peak(r.kind));
-    if (const Representation* r = find(RepresentationKind::Grid); r && fits(*r, largest, "beside the compressed ones"))
+    const Representation* const gridRequest = find(RepresentationKind::Grid);
+    if (gridRequest && fits(*gridRequest, largest, "next to the compressed ones"))
     {
-      grid = peak(r->kind);
-      result.built.push_back(*r);
+      grid = peak(gridRequest->kind);
+      result.built.push_back(*gridRequest);
     }
-    if (const Representation* r = find(RepresentationKind::Naive); r && fits(*r, grid, "beside GRID"))
-      result.built.push_back(*r);
+    const Representation* const naiveRequest = find(RepresentationKind::Naive);
+    if (naiveRequest && fits(*naiveRequest, grid, "next to GRID"))
+      result.built.push_back(*naiveRequest);
     result.built.insert(result.built.end(), compressed.begin(), compressed.end());
     if (result.built.empty())
-      throw Error("not enough memory, lower --level: " + result.leftOut.front());
+      throw Error("not enough memory: " + result.leftOut.front() + "; expected a lower --level");
     return result;
   }
 
@@ -42,7 +44,7 @@ private:
   std::vector<Representation> fitting()
   {
     std::vector<Representation> compressed;
-    for (const Representation& r : asked)
+    for (const Representation& r : requested)
       if (r.isCompressed() && fits(r, 0, ""))
         compressed.push_back(r);
     return compressed;
@@ -50,27 +52,30 @@ private:
 
   const Representation* find(RepresentationKind kind) const
   {
-    const auto found = std::find_if(asked.begin(), asked.end(), [&](const Representation& r) { return r.kind == kind; });
-    return found == asked.end() ? nullptr : &*found;
+    const auto found =
+      std::find_if(requested.begin(), requested.end(), [&](const Representation& r) { return r.kind == kind; });
+    return found == requested.end() ? nullptr : &*found;
   }
 
   size_t peak(RepresentationKind kind) const { return estimatedPeakBytes(kind, size); }
 
-  /* Notes what does not fit. other: bytes that are in use meanwhile, by what `beside` says. */
-  bool fits(const Representation& r, size_t other, const std::string& beside)
+  /* Returns false and records the reason if a representation does not fit. `other` is the number of bytes in use at the
+   * same time, `user` describes what uses them. */
+  bool fits(const Representation& r, size_t other, const std::string& user)
   {
     if (peak(r.kind) + other <= available)
       return true;
     constexpr double gib = double(1 << 30);
     char text[256];
-    std::snprintf(text, sizeof(text), "%s is left out: %.1f million quads take about %.1f GiB%s%s, and %.1f are free",
+    std::snprintf(text, sizeof(text),
+                  "%s is left out: %.1f million quads need about %.1f GiB%s%s, but %.1f GiB are free",
                   r.label().c_str(), double(size.quads) * 1e-6, double(peak(r.kind) + other) / gib, other ? " " : "",
-                  other ? beside.c_str() : "", double(available) / gib);
+                  other ? user.c_str() : "", double(available) / gib);
     result.leftOut.push_back(text);
     return false;
   }
 
-  const std::vector<Representation>& asked;
+  const std::vector<Representation>& requested;
   const BuildSize size;
   const size_t available;
   MemoryPlan result;
@@ -78,9 +83,9 @@ private:
 
 } // namespace
 
-MemoryPlan planMemory(const std::vector<Representation>& asked, const BuildSize& size, size_t available)
+MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available)
 {
-  return Planner(asked, size, available).plan();
+  return Planner(requested, size, available).plan();
 }
 
 } // namespace cbvh

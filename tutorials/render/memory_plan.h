@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Which representations fit into memory, decided before anything is built. */
+/* Decides which representations fit into memory, before anything is built. */
 
 #include "building/memory.h"
 
@@ -15,17 +15,14 @@ namespace cbvh {
 
 struct MemoryPlan
 {
-  /* In the order in which they are built: GRID, which stays while the others come and go,
-   * then NAIVE, then the compressed ones as they were asked for. */
+  /* In the order of building: GRID, which stays in memory while the others are built and freed, then NAIVE, then the
+   * compressed ones in the requested order. */
   std::vector<Representation> built;
-  std::vector<std::string> leftOut; // a line on each of the others
+  std::vector<std::string> leftOut; // one line about each other representation
 };
 
-/* The compressed representations come first: GRID and NAIVE, with which they are compared,
- * are left out where they do not fit beside them.
- *
- * available: bytes.
- * Errors: throws Error when nothing fits. */
-MemoryPlan planMemory(const std::vector<Representation>& asked, const BuildSize& size, size_t available);
+/* Compressed representations have priority: GRID and NAIVE, with which they are compared, are left out if they do not
+ * fit next to them. `available` is in bytes. Throws Error if nothing fits. */
+MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available);
 
 } // namespace cbvh

@@ -11,22 +11,23 @@
 namespace cbvh {
 namespace {
 
-/* The same for every representation and alone: fitted to a GRID, which is dropped, of as
- * fine a level as is made in no time. */
+/* Returns the camera, which is the same for every representation: it is fitted to a temporary GRID at a level that is
+ * fast to build. */
 Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 {
   constexpr size_t mostQuads = 4000000;
   BuildSettings coarse = options.build;
   if (model.isMesh)
-    coarse.level = 0; // it has no others
+    coarse.level = 0; // meshes have no other levels
   while (coarse.level > 0 && model.layout(coarse.level).numQuads() > mostQuads)
     coarse.level--;
   coarse.device = "cpu";
   coarse.name = "view";
-  return chooseCamera(options.view, model, BuiltScene(model, {RepresentationKind::Grid}, coarse), options.size, threads);
+  const BuiltScene grid(model, {RepresentationKind::Grid}, coarse);
+  return chooseCamera(options.view, model, grid, options.size, threads);
 }
 
-/* Of the whole picture, whatever part of it is rendered. */
+/* Returns the settings for the whole picture, even if only a part of it is rendered. */
 BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera)
 {
   std::optional<ViewDicing> dicing;
@@ -38,7 +39,8 @@ BuildSettings settingsFor(const Options& options, const Model& model, const Came
 } // namespace
 
 ModelView::ModelView(const Options& options)
-  : model(loadSceneOf("cbvh_render", options.scene)), camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
+  : model(loadProgramScene("cbvh_render", options.scene)),
+    camera(cameraOf(options, model, threadCount(options.build.threads))), build(settingsFor(options, model, camera))
 {
 }
 

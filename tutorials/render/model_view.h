@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the options say: a model, from where it is looked at, and how finely it is built for that. */
+/* The model, camera and build settings that the options describe. */
 
 #include "options.h"
 
@@ -15,7 +15,7 @@ struct ModelView
   Camera camera;
   BuildSettings build;
 
-  /* Throws Error, Cancelled. */
+  /* Loads the model. Throws Error, Cancelled. */
   explicit ModelView(const Options& options);
 };
 

@@ -26,35 +26,34 @@ struct Options
   BuildSettings build;
   std::string view = "full";     // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
-  Crop crop;                     // the part of the picture that is rendered
+  Crop crop; // part of the picture to render
   std::string output = "cbvh_render_output";
   HitColors colors = HitColors::Neutral;
-  int samples = 16;              // a pixel, of shaded pictures
-  Shutter shutter;               // of models that move
-  bool exr = false;              // write linear colours and hits, too
+  int samples = 16;              // per pixel of shaded pictures
+  Shutter shutter;               // for models that move
+  bool exr = false;              // also write linear colors and hits
   bool details = false;          // all rows of the table
-  std::string json;              // also write the numbers there
-  std::string savePath, loadPath; // file that the compressed scene goes to, or, in place of a scene, comes from
-  std::string exportPath;        // where the surface goes as cVERT stores it, OBJ
-  size_t rays = 500000;          // at most, a set, for speed
+  std::string json;              // file for the numbers; empty for none
+  std::string savePath, loadPath; // file to save the compressed scene to, or to open instead of a scene
+  std::string exportPath;        // OBJ for the surface as cVERT stores it
+  size_t rays = 500000;          // largest number per set, for speed
   int repeat = 5;
   bool speed = false;
-  bool autoLevel = false;        // rates by the view, in place of build.level
-  float quadSize = 1;            // in pixels, then
-  float maxPixelError = 0;       // bound on the spacing of cVERT, in pixels of the view, 0 for none
-  float rayOffset = 1e-4f;       // of bounced rays, in bounding-box diagonals
-  unsigned ambientRays = 0;      // a pixel, for pictures of ambient occlusion; 0: none
-  size_t trueHits = 0;           // at most, that are compared with the true surface
+  bool autoLevel = false;        // use rates by the view instead of build.level
+  float quadSize = 1;            // of rates by the view, in pixels
+  float maxPixelError = 0;       // largest spacing of cVERT, in pixels of the view, 0 for no bound
+  float rayOffset = 1e-4f;       // of bounced rays, in diagonals of the bounding box
+  unsigned ambientRays = 0;      // per pixel, for pictures of ambient occlusion; 0 for none
+  size_t trueHits = 0;           // largest number of hits that are compared with the true surface
 
-  /* Whether the scene goes into its file copy by copy, and its picture comes from there. */
+  /* True if the scene is saved copy by copy and its picture is rendered from the file. */
   bool savesCopyByCopy() const { return !savePath.empty() && scene.scene == "herd"; }
 
-  /* Whether there is something to compare, and not only a picture to make. */
+  /* True if there are several representations to compare. */
   bool compares() const { return representations.size() > 1; }
 };
 
-/* Reads a command line. Returns nothing when it asked for help, which is printed.
- * Throws Error, one line, for anything wrong. */
+/* Parses a command line. Returns nothing after printing help. Throws Error, one line, for anything invalid. */
 std::optional<Options> parseOptions(int argc, char** argv);
 
 } // namespace cbvh

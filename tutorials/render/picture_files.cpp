@@ -15,7 +15,8 @@ std::string PictureFiles::writePicture(const Representation& r, const Image& ima
   return path(r, ".png");
 }
 
-void PictureFiles::writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits)
+void PictureFiles::writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
+                            const std::vector<SurfaceHit>& hits)
 {
   cbvh::writeExr(path(r, ".exr"), whole, part, colors, rays, hits);
   exr.push_back(r.fileStem());
@@ -27,10 +28,11 @@ void PictureFiles::writeErrors(const Representation& r, const std::vector<float>
   errorMaps.push_back(r.fileStem());
 }
 
-void PictureFiles::writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light)
+void PictureFiles::writeAmbient(const Representation& r, const std::vector<float>& grid,
+                                const std::vector<float>& light)
 {
-  writePng(path(r, "_ambient.png"), grid.empty() ? greyPicture(size, light) : compareAmbient(size, grid, light));
-  (grid.empty() ? ambient : ambientBesideGrid).push_back(r.fileStem());
+  writePng(path(r, "_ambient.png"), grid.empty() ? grayImage(size, light) : compareAmbient(size, grid, light));
+  (grid.empty() ? ambient : ambientWithGrid).push_back(r.fileStem());
 }
 
 std::string PictureFiles::path(const Representation& r, const std::string& ending) const
@@ -38,13 +40,14 @@ std::string PictureFiles::path(const Representation& r, const std::string& endin
   return (std::filesystem::path(folder) / (model + "_" + r.fileStem() + ending)).string();
 }
 
-/* As a shell writes several: trex_{grid,cleaf2}.png. */
+/* Returns several paths in the syntax of a shell: trex_{grid,cleaf2}.png. */
 std::string PictureFiles::names(const std::vector<std::string>& stems, const std::string& ending) const
 {
   std::string list;
   for (const std::string& stem : stems)
     list += (list.empty() ? "" : ",") + stem;
-  return (std::filesystem::path(folder) / (model + "_" + (stems.size() > 1 ? "{" + list + "}" : list) + ending)).string();
+  const std::string name = stems.size() > 1 ? "{" + list + "}" : list;
+  return (std::filesystem::path(folder) / (model + "_" + name + ending)).string();
 }
 
 std::string PictureFiles::legend(const std::string& reference) const
@@ -52,16 +55,19 @@ std::string PictureFiles::legend(const std::string& reference) const
   const auto line = [&](const std::vector<std::string>& stems, const std::string& ending, const std::string& shows) {
     return stems.empty() ? "" : "  " + names(stems, ending) + ": " + shows + "\n";
   };
+  const std::string shading =
+    colors == HitColors::Sides ? "shaded, magenta if the normal points away from the camera" : "shaded";
   return "Pictures:\n" +
          line(shaded, ".png",
-              std::string(colors == HitColors::Sides ? "shaded, magenta where the normal points away from the camera" : "shaded") +
-                ", " + std::to_string(samples) + (samples == 1 ? " sample" : " samples") + " a pixel") +
-         line(exr, ".exr", "linear colours, and position, distance, normal, u, v and primID of the hits at the pixels' centres") +
+              shading + ", " + std::to_string(samples) + (samples == 1 ? " sample" : " samples") + " per pixel") +
+         line(exr, ".exr",
+              "linear colors, and position, distance, normal, u, v and primID of hits at the centers of pixels") +
          line(errorMaps, "_error.png",
-              "distance from " + reference +
-                " at the pixel's centre, from blue (none) to pink (5 pixels and more); black: a false hit, orange: a miss") +
+              "distance from " + reference + " at the center of the pixel, from blue (none) to pink (5 pixels and "
+              "more); black: false hit, orange: miss") +
          line(ambient, "_ambient.png", "ambient occlusion") +
-         line(ambientBesideGrid, "_ambient.png", "ambient occlusion of GRID, of this one, and 4 times the difference");
+         line(ambientWithGrid, "_ambient.png",
+              "ambient occlusion of GRID, of this representation, and 4 times the difference");
 }
 
 } // namespace cbvh

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The files of a run: a shaded picture, the hits, and what is compared with a reference. */
+/* Writes the files of a run: a shaded picture, the hits, and comparisons with a reference. */
 
 #include "building/representation.h"
 #include "building/surface_hit.h"
@@ -13,6 +13,7 @@
 #include "tracing/ray.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace cbvh {
@@ -20,25 +21,27 @@ namespace cbvh {
 class PictureFiles
 {
 public:
-  /* samples: a pixel, of shaded pictures. */
+  /* `samples` is the number per pixel of shaded pictures. */
   PictureFiles(std::string folder, std::string model, ImageSize whole, Crop part, HitColors colors, int samples)
-    : folder(std::move(folder)), model(std::move(model)), whole(whole), part(part), size(part.size()), colors(colors), samples(samples)
+    : folder(std::move(folder)), model(std::move(model)), whole(whole), part(part), size(part.size()), colors(colors),
+      samples(samples)
   {
   }
 
-  /* Returns the path, as all that write throws Error with the path. */
+  /* Returns the path. All functions that write throw Error with the path. */
   std::string writePicture(const Representation& r, const Image& image);
 
-  /* colors: linear. hits: one a ray. */
-  void writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
+  /* `colors` are linear; `hits` holds one entry per ray. */
+  void writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
+                const std::vector<SurfaceHit>& hits);
 
-  /* errors: as pixelErrors makes them. */
+  /* `errors` is a result of pixelErrors. */
   void writeErrors(const Representation& r, const std::vector<float>& errors);
 
-  /* grid: GRID's light, empty for none beside it. */
+  /* `grid` is GRID's ambient occlusion; empty to write `light` alone. */
   void writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light);
 
-  /* A line on each kind of file that was written. reference: of the errors. */
+  /* Returns a line about each kind of file that was written. `reference` names the reference of the errors. */
   std::string legend(const std::string& reference) const;
 
 private:
@@ -51,7 +54,7 @@ private:
   ImageSize size; // of the part
   HitColors colors;
   int samples;
-  std::vector<std::string> shaded, exr, errorMaps, ambient, ambientBesideGrid; // stems of representations
+  std::vector<std::string> shaded, exr, errorMaps, ambient, ambientWithGrid; // stems of representations
 };
 
 } // namespace cbvh

@@ -24,7 +24,7 @@ std::string scientific(double value)
   return text;
 }
 
-/* Of bytes, for tables: three decimals where one would be all zeros. */
+/* Formats bytes for tables, with three decimals below 1 MiB. */
 std::string mebibytes(size_t bytes)
 {
   const double value = double(bytes) / (1 << 20);
@@ -76,15 +76,16 @@ private:
   std::vector<std::vector<std::string>> rows;
 };
 
-/* A cell where there is nothing to say. */
+/* An empty cell. */
 const std::string none = "-";
 
 bool contains(const Comparison& c, RepresentationKind kind)
 {
-  return std::any_of(c.results.begin(), c.results.end(), [&](const Result& r) { return r.representation.kind == kind; });
+  const auto isKind = [=](const Result& r) { return r.representation.kind == kind; };
+  return std::any_of(c.results.begin(), c.results.end(), isKind);
 }
 
-/* Of cLEAF, whose memory and error are those of two forms; without it no row. */
+/* Adds a row only if there is cLEAF, which mixes two forms. */
 void exactRow(Table& table, const Comparison& c)
 {
   if (contains(c, RepresentationKind::CLeaf))
@@ -93,19 +94,19 @@ void exactRow(Table& table, const Comparison& c)
     });
 }
 
-/* Half of the hits are nearer than the one, and 99 of 100 nearer than the other. */
+/* Formats the median and the 99th percentile. */
 std::string medianAndP99(const ErrorSummary& e)
 {
   return number(e.median, 4) + ", " + number(e.p99, 4);
 }
 
-/* Whether any of the results has errors against a mesh. */
+/* True if any of the results has errors against a mesh. */
 bool hasMeshErrors(const Comparison& c)
 {
   return std::any_of(c.results.begin(), c.results.end(), [](const Result& r) { return r.errors.has_value(); });
 }
 
-/* A row of one kind of errors, HitErrors or TrueErrors. */
+/* Adds a row of one kind of errors, HitErrors or TrueErrors. */
 template<typename Errors>
 void errorRow(Table& table, const std::string& name, std::optional<Errors> Result::*errors,
               const std::function<std::string(const Errors&)>& cell)
@@ -123,18 +124,18 @@ void trueRow(Table& table, const std::string& name, const std::function<std::str
   errorRow<TrueErrors>(table, name, &Result::trueErrors, cell);
 }
 
-/* --- what is said by default: about a dozen rows ------------------------------------------- */
+/* --- default: about a dozen rows ------------------------------------------------------- */
 
 std::string speedCell(const Speed& speed)
 {
   return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
 }
 
-/* Errors are those that half of the hits and 99 of 100 stay below: an RMSE would mostly show the
- * few rays at silhouettes that hit another sheet of the surface, far behind. */
+/* Reports the median and the 99th percentile of errors. An RMSE would mostly show the few rays at silhouettes that hit
+ * another sheet of the surface far behind. */
 void addOverview(Table& table, const Comparison& c)
 {
-  table.row("bytes a quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
+  table.row("bytes per quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
   exactRow(table, c);
   table.row("memory, MiB", [](const Result& r) { return mebibytes(r.build.liveBytes); });
   table.row("peak of the build, MiB", [](const Result& r) { return mebibytes(r.build.peakBytes); });
@@ -159,11 +160,11 @@ void addOverview(Table& table, const Comparison& c)
     trueRow(table, "flipped normals", [](const TrueErrors& e) { return std::to_string(e.flipped); });
 }
 
-/* --- and with --details ------------------------------------------------------------------ */
+/* --- with --details -------------------------------------------------------------------- */
 
 void addMemory(Table& table, const Comparison& c)
 {
-  table.row("bytes a quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
+  table.row("bytes per quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
   using Field = size_t RTCCompressionStatistics::*;
   const std::pair<const char*, Field> split[] = {{"- top level", &RTCCompressionStatistics::topLevelBytes},
                                                  {"- frames", &RTCCompressionStatistics::frameBytes},
@@ -217,7 +218,7 @@ void addNormalsAndParameters(Table& table, std::optional<Errors> Result::*errors
   count("- - on another patch", &Errors::otherPatch);
 }
 
-/* What compression costs. The RMSE is there because the paper has it. */
+/* Errors of compression. The RMSE is for comparison with the paper. */
 void addMeshErrors(Table& table)
 {
   meshRow(table, "against the mesh: error, pixels, median", [](const HitErrors& e) { return number(e.median, 4); });
@@ -225,22 +226,23 @@ void addMeshErrors(Table& table)
   meshRow(table, "- max", [](const HitErrors& e) { return number(e.max, 2); });
   meshRow(table, "- the paper's RMSE", [](const HitErrors& e) { return number(e.rmse, 4); });
   meshRow(table, "- beyond 5 pixels", [](const HitErrors& e) { return std::to_string(e.farOff); });
-  meshRow(table, "- bias of the others", [](const HitErrors& e) { return number(e.bias, 4); });
+  meshRow(table, "- bias without these", [](const HitErrors& e) { return number(e.bias, 4); });
   meshRow(table, "- false hits", [](const HitErrors& e) { return std::to_string(e.falseHits); });
   meshRow(table, "- misses", [](const HitErrors& e) { return std::to_string(e.misses); });
   addNormalsAndParameters(table, &Result::errors);
 }
 
-/* What tessellation and compression cost. */
+/* Errors of tessellation and compression. */
 void addTrueErrors(Table& table)
 {
-  trueRow(table, "against the true surface: error, pixels, median", [](const TrueErrors& e) { return number(e.median, 4); });
+  trueRow(table, "against the true surface: error, pixels, median",
+          [](const TrueErrors& e) { return number(e.median, 4); });
   trueRow(table, "- p99", [](const TrueErrors& e) { return number(e.p99, 4); });
   trueRow(table, "- max", [](const TrueErrors& e) { return number(e.max, 2); });
   trueRow(table, "- median, world units", [](const TrueErrors& e) { return scientific(e.medianWorld); });
   trueRow(table, "- p99, world units", [](const TrueErrors& e) { return scientific(e.p99World); });
   trueRow(table, "- not within 5 pixels along the ray", [](const TrueErrors& e) { return std::to_string(e.apart); });
-  trueRow(table, "- bias of the others along the ray", [](const TrueErrors& e) { return number(e.bias, 4); });
+  trueRow(table, "- bias along the ray without these", [](const TrueErrors& e) { return number(e.bias, 4); });
   addNormalsAndParameters(table, &Result::trueErrors);
 }
 
@@ -254,16 +256,19 @@ void addDetails(Table& table, const Comparison& c)
   if (c.trueHits)
     addTrueErrors(table);
   for (int set = 0; c.compares && set < numRaySets; set++)
-    table.row(std::string("any hit disagrees, ") + raySetName(RaySet(set)),
+    table.row(std::string("any-hit disagreements, ") + raySetName(RaySet(set)),
               [=](const Result& r) { return std::to_string(r.anyDisagreements[set]); });
 }
 
-/* --- what stands above ------------------------------------------------------------------- */
+/* --- lines above the table ------------------------------------------------------------- */
 
 std::string modelLine(const Comparison& c)
 {
   const size_t quads = c.results[0].build.quads;
-  return c.model + ": " + std::to_string(c.faces) + " faces, " + (c.isMesh ? "traced as they are, " : c.quadSize > 0 ? "level auto, " : "level " + std::to_string(c.build.level) + ", ") +
+  const std::string level = c.isMesh         ? "not subdivided, "
+                            : c.quadSize > 0 ? "level auto, "
+                                             : "level " + std::to_string(c.build.level) + ", ";
+  return c.model + ": " + std::to_string(c.faces) + " faces, " + level +
          (quads < 100000 ? std::to_string(quads) : number(double(quads) * 1e-6, 2) + " million") + " quads; " +
          std::to_string(c.size.width) + " x " + std::to_string(c.size.height) + " pixels from " + c.camera + ", " +
          std::to_string(c.primaryHits) + " hit\n";
@@ -273,8 +278,8 @@ std::string speedLine(const Comparison& c)
 {
   const auto& device = c.results[0].build.onDevice;
   return "speed: " + (device ? device->device : "one thread, single rays") + ", " + std::to_string(c.rays[Coherent]) +
-         " coherent and " + std::to_string(c.rays[Incoherent]) + " incoherent; isa " +
-         (c.build.isa.empty() ? "best of the host" : c.build.isa) + "\n";
+         " coherent and " + std::to_string(c.rays[Incoherent]) + " incoherent rays; isa " +
+         (c.build.isa.empty() ? "the host's best" : c.build.isa) + "\n";
 }
 
 std::string errorLine(const Comparison& c)
@@ -283,7 +288,7 @@ std::string errorLine(const Comparison& c)
   if (hasMeshErrors(c))
     line += "mesh: " + c.reference + ", " + std::to_string(c.primaryHits) + " pixels";
   if (c.trueHits)
-    line += std::string(line.empty() ? "" : "; ") + "true surface: " + std::to_string(c.trueHits) + " of the hits";
+    line += std::string(line.empty() ? "" : "; ") + "true surface: " + std::to_string(c.trueHits) + " hits";
   return line.empty() ? "" : "errors against " + line + "\n";
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The numbers of a comparison as text. */
+/* Formats the numbers of a comparison. */
 
 #include "comparison.h"
 
@@ -11,11 +11,11 @@
 
 namespace cbvh {
 
-/* A Markdown table of about a dozen rows, one column a representation, below what was run and
- * above where the pictures are. details: all rows. */
+/* Returns a description of the run, a Markdown table with one column per representation, and the paths of the pictures.
+ * The table has about a dozen rows, or all rows if `details` is set. */
 std::string formatTable(const Comparison& comparison, bool details);
 
-/* The same numbers, unrounded, with units in the names. */
+/* Returns the same numbers as JSON, unrounded, with units in the names. */
 std::string formatJson(const Comparison& comparison);
 
 } // namespace cbvh

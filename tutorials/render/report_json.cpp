@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/* compared: with other representations; speed: whether it was measured. */
+/* `compared` is true if there are several representations, `speed` if it was measured. */
 json resultJson(const Result& r, bool compared, bool speed)
 {
   json j;

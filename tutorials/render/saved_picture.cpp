@@ -28,7 +28,8 @@
 namespace cbvh {
 namespace {
 
-/* From the eye through the middle of the picture, with what a thread's first ray needs. */
+/* Returns the time of a ray through the middle of the picture, including all initialization for a thread's first
+ * ray. */
 double firstRaySeconds(const Options& options, const SavedScene& scene, const Camera& camera)
 {
   const std::vector<Ray> rays = primaryRays(camera);
@@ -39,26 +40,31 @@ double firstRaySeconds(const Options& options, const SavedScene& scene, const Ca
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/* Speed of one thread and single rays, as that of scenes in memory; the first round brings the pages that are met. */
-Speeds measureSpeed(const Options& options, const std::string& name, const SavedScene& scene, const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits)
+/* Measures the speed of single rays on one thread. The first round also loads the pages that rays reach. */
+Speeds measureSpeed(const Options& options, const std::string& name, const SavedScene& scene,
+                    const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits)
 {
   RaySets sets;
   makeRaySets(options, scene, primary, hits, sets);
-  const Speeds speeds = SpeedInTurns(sets, options.repeat).measure(name, scene, nullptr);
+  const Speeds speeds = InterleavedSpeed(sets, options.repeat).measure(name, scene, nullptr);
   scene.check();
   char line[256];
-  std::snprintf(line, sizeof(line), "speed: one thread, single rays: %.2f million coherent rays a second and %.2f million incoherent ones; any hit %.2f and %.2f\n",
-                speeds[Coherent][Closest].mrays, speeds[Incoherent][Closest].mrays, speeds[Coherent][Any].mrays, speeds[Incoherent][Any].mrays);
+  std::snprintf(line, sizeof(line),
+                "speed: one thread, single rays: %.2f million coherent rays per second and %.2f million incoherent "
+                "ones; any hit %.2f and %.2f\n",
+                speeds[Coherent][Closest].mrays, speeds[Incoherent][Closest].mrays, speeds[Coherent][Any].mrays,
+                speeds[Incoherent][Any].mrays);
   writeStandardOutput(line);
   return speeds;
 }
 
-/* What is in a file, from a camera that the scene gives, if there is none. */
-void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up, nlohmann::json json)
+/* Renders the scene in a file. If `given` is null, fits a camera to the scene. */
+void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up,
+            nlohmann::json json)
 {
   const unsigned threads = threadCount(options.build.threads);
   const SavedScene scene(file, threads, options.build.isa);
-  const Model box = given ? Model() : modelOfBox(name, scene.bounds(), options.scene.up);
+  const Model box = given ? Model() : boxModel(name, scene.bounds(), options.scene.up);
   const Camera camera = given ? *given : chooseCamera(options.view, box, scene, options.size, threads);
   const double firstRay = firstRaySeconds(options, scene, camera);
 
@@ -91,16 +97,26 @@ void render(const Options& options, const std::string& file, const std::string& 
   if (options.exr)
     files.writeExr(representation, picture.linear(), firstRays, firstHits);
   char line[256];
-  std::snprintf(line, sizeof(line), "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms, the picture took %.2f s; %.1f MiB are not mapped\n",
-                scene.geometries().size(), scene.geometries().size() == 1 ? "y" : "ies", double(scene.quads()) * 1e-6, double(scene.bytes()) / (1 << 20),
-                1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay), pictureSeconds, double(scene.liveBytes()) / (1 << 20));
+  std::snprintf(line, sizeof(line),
+                "%zu geometr%s, %.2f million quads, %.1f MiB; opened in %.1f ms, first ray after %.1f ms, rendered in "
+                "%.2f s; %.1f MiB are not mapped\n",
+                scene.geometries().size(), scene.geometries().size() == 1 ? "y" : "ies", double(scene.quads()) * 1e-6,
+                double(scene.bytes()) / (1 << 20), 1e3 * scene.seconds(), 1e3 * (scene.seconds() + firstRay),
+                pictureSeconds, double(scene.liveBytes()) / (1 << 20));
   writeStandardOutput(path + "\n" + file + ": " + line);
   if (options.speed)
     json["speed"] = speedJson(measureSpeed(options, name, scene, firstRays, firstHits));
   if (options.json.empty())
     return;
-  json.update({{"file", file}, {"geometries", scene.geometries().size()}, {"quads", scene.quads()}, {"bytes", scene.bytes()}, {"openSeconds", scene.seconds()},
-               {"openProcessorSeconds", scene.processorSeconds()}, {"firstRaySeconds", scene.seconds() + firstRay}, {"pictureSeconds", pictureSeconds}, {"liveBytes", scene.liveBytes()}});
+  json.update({{"file", file},
+               {"geometries", scene.geometries().size()},
+               {"quads", scene.quads()},
+               {"bytes", scene.bytes()},
+               {"openSeconds", scene.seconds()},
+               {"openProcessorSeconds", scene.processorSeconds()},
+               {"firstRaySeconds", scene.seconds() + firstRay},
+               {"pictureSeconds", pictureSeconds},
+               {"liveBytes", scene.liveBytes()}});
   writeTextFile(options.json, json.dump(2) + "\n");
 }
 
@@ -108,18 +124,25 @@ void render(const Options& options, const std::string& file, const std::string& 
 
 void renderSaved(const Options& options)
 {
-  render(options, options.loadPath, std::filesystem::path(options.loadPath).stem().string(), nullptr, {}, nlohmann::json::object());
+  const std::string name = std::filesystem::path(options.loadPath).stem().string();
+  render(options, options.loadPath, name, nullptr, {}, nlohmann::json::object());
 }
 
 void saveAndRender(const Options& options, const ModelView& view)
 {
   const FileBuildReport built = buildToFile(view.model, options.representations[0], view.build, options.savePath);
   char line[256];
-  std::snprintf(line, sizeof(line), "%zu geometries, %zu of them from a build that was stopped; the others, %.1f million quads, took %.1f s, %.2f million a second, with %.1f MiB at most\n",
-                built.geometries, built.found, double(built.quads) * 1e-6, built.seconds, double(built.quads) * 1e-6 / built.seconds, double(built.peakBytes) / (1 << 20));
+  std::snprintf(line, sizeof(line),
+                "%zu geometries, %zu of them from an interrupted build; the others, %.1f million quads, took %.1f s, "
+                "%.2f million per second, with a peak of %.1f MiB\n",
+                built.geometries, built.found, double(built.quads) * 1e-6, built.seconds,
+                double(built.quads) * 1e-6 / built.seconds, double(built.peakBytes) / (1 << 20));
   writeStandardOutput(options.savePath + ": " + line);
   render(options, options.savePath, view.model.name, &view.camera, view.model.view.up,
-         {{"found", built.found}, {"buildSeconds", built.seconds}, {"builtQuads", built.quads}, {"buildPeakBytes", built.peakBytes}});
+         {{"found", built.found},
+          {"buildSeconds", built.seconds},
+          {"builtQuads", built.quads},
+          {"buildPeakBytes", built.peakBytes}});
 }
 
 } // namespace cbvh

@@ -3,16 +3,18 @@
 
 #pragma once
 
-/* A picture of what --save wrote. */
+/* Renders files that --save wrote. */
 
 #include "model_view.h"
 
 namespace cbvh {
 
-/* Opens options.loadPath, writes the picture, and says on standard output what there is and how long it took. Throws Error, Cancelled. */
+/* Opens options.loadPath, writes the picture, and prints the contents of the file and times. Throws Error,
+ * Cancelled. */
 void renderSaved(const Options& options);
 
-/* Builds a model of many copies into the file of --save, copy by copy, and makes its picture from there. Throws Error, Cancelled. */
+/* Builds a model of many copies into the file of --save, copy by copy, and renders the file. Throws Error,
+ * Cancelled. */
 void saveAndRender(const Options& options, const ModelView& view);
 
 } // namespace cbvh

@@ -10,7 +10,8 @@
 
 namespace cbvh {
 
-void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits, RaySets& sets)
+void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary,
+                 const std::vector<SurfaceHit>& hits, RaySets& sets)
 {
   BounceSettings bounce;
   bounce.count = options.rays;
@@ -34,8 +35,8 @@ nlohmann::json speedJson(const Speeds& speeds)
   return j;
 }
 
-/* GRID goes first in every other round. */
-Speeds SpeedInTurns::measure(const std::string& name, const TracedScene& scene, const TracedScene* grid)
+/* GRID is measured first in every other round. */
+Speeds InterleavedSpeed::measure(const std::string& name, const TracedScene& scene, const TracedScene* grid)
 {
   Phase phase(name + ": speed");
   Speeds speeds;
@@ -62,7 +63,7 @@ Speeds SpeedInTurns::measure(const std::string& name, const TracedScene& scene, 
   return speeds;
 }
 
-void SpeedInTurns::noteGrid(Speeds& speeds) const
+void InterleavedSpeed::setGridSpeed(Speeds& speeds) const
 {
   for (int set = 0; set < numRaySets; set++)
     for (int query = 0; query < numQueries; query++)
@@ -73,7 +74,7 @@ void SpeedInTurns::noteGrid(Speeds& speeds) const
     }
 }
 
-double SpeedInTurns::time(const TracedScene& scene, int set, int query) const
+double InterleavedSpeed::time(const TracedScene& scene, int set, int query) const
 {
   TraceSettings settings;
   settings.query = Query(query);
@@ -81,7 +82,7 @@ double SpeedInTurns::time(const TracedScene& scene, int set, int query) const
   return timeTrace(scene, sets[set], settings).seconds;
 }
 
-double SpeedInTurns::mrays(int set, const std::vector<double>& seconds) const
+double InterleavedSpeed::mrays(int set, const std::vector<double>& seconds) const
 {
   return double(sets[set].size()) * 1e-6 / median(seconds);
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Speed, in turns with GRID where that is there, so that both see the same machine. */
+/* Measures speed alternately with GRID, if it is built, so that other load on the machine affects both. */
 
 #include "options.h"
 #include "tracing/trace_timing.h"
@@ -19,31 +19,32 @@ namespace cbvh {
 
 using RaySets = std::vector<Ray>[numRaySets];
 
-/* As many as the options ask for. hits: of the primary rays. */
-void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits, RaySets& sets);
+/* Makes ray sets of the size in the options. `hits` belong to the primary rays. */
+void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary,
+                 const std::vector<SurfaceHit>& hits, RaySets& sets);
 
 struct Speed
 {
-  double mrays = 0;             // millions of rays a second, median
-  std::optional<double> toGrid; // speed over that of GRID measured in turns with it, none without GRID
+  double mrays = 0;             // median of millions of rays per second
+  std::optional<double> toGrid; // relative to GRID, measured alternately; unset without GRID
 };
 using Speeds = std::array<std::array<Speed, numQueries>, numRaySets>;
 
 nlohmann::json speedJson(const Speeds& speeds);
 
-class SpeedInTurns
+class InterleavedSpeed
 {
 public:
-  /* The sets outlive this, and may be filled later. repeat: measurements, of which the
-   * median counts. */
-  SpeedInTurns(const RaySets& sets, int repeat) : sets(sets), repeat(repeat) {}
+  /* The sets must outlive this object and may be filled later. `repeat` is the number of measurements, whose median is
+   * used. */
+  InterleavedSpeed(const RaySets& sets, int repeat) : sets(sets), repeat(repeat) {}
 
-  /* grid: measured in turns with the scene, null for the scene alone. name: in the line of progress.
-   * Throws Cancelled. */
+  /* Measures a scene, alternately with `grid` unless it is null. `name` is for the line of progress. Throws
+   * Cancelled. */
   Speeds measure(const std::string& name, const TracedScene& scene, const TracedScene* grid);
 
-  /* GRID's own speed, over all its turns so far; unchanged without any. */
-  void noteGrid(Speeds& speeds) const;
+  /* Sets GRID's own speed from all its measurements so far. Does not change the speeds if there are none. */
+  void setGridSpeed(Speeds& speeds) const;
 
 private:
   double time(const TracedScene& scene, int set, int query) const;

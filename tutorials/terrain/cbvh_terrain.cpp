@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sky-view factors of an elevation raster. Shows how an application with more geometry than memory uses libembree_cbvh:
- * it builds one surface per tile, frees the tile's vertices, and traces all tiles as one group. See --help. */
+/* Computes sky-view factors of an elevation raster. Shows how an application with more geometry than memory uses
+ * libembree_cbvh: it builds one surface per tile, frees the tile's vertices, and traces all tiles as one group. */
 
 #include "elevation.h"
 #include "embree_terrain.h"
@@ -33,8 +33,8 @@ public:
   explicit CompressedTerrain(const Options& options)
   {
     check(cbvhNewContext(("threads=" + std::to_string(options.threads)).c_str(), nullptr, nullptr, &context));
-    /* One spacing for all tiles: a vertex that two tiles share then lies on the same lattice in both, and is stored as
-     * the same floats. The default spacing follows the quads of each grid, and would leave cracks between tiles. */
+    /* All tiles use the same spacing: a vertex that two tiles share then lies on the same lattice in both, and is
+     * stored as the same floats. The default spacing depends on the quads of each grid and would leave cracks. */
     accuracy.maxError = options.maxError;
   }
   ~CompressedTerrain()
@@ -97,15 +97,16 @@ void build(const Options& options, Elevation& elevation, Terrain& terrain)
   terrain.commit();
 }
 
-/* The share of a horizontal surface's diffuse light that the sky above its horizon sends: the mean of cos^2 of the
- * horizon's elevation over all azimuths. Below its horizon a terrain without overhangs occludes every ray. */
+/* Returns the fraction of a horizontal surface's diffuse light that comes from the sky above the horizon: the mean of
+ * cos^2 of the horizon's elevation over all azimuths. Terrain without overhangs occludes every ray below the
+ * horizon. */
 template<typename Terrain>
 float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, size_t& rays)
 {
   double sum = 0;
   for (int i = 0; i < options.azimuths; i++)
   {
-    // not along an axis: such rays run in the border's plane
+    // rays along an axis would lie in the plane of a tile's border
     const double azimuth = 2 * M_PI * (i + 0.5) / options.azimuths;
     const auto isOccluded = [&](double degrees) {
       rays++;
@@ -149,7 +150,7 @@ void measure(const Options& options, Elevation& elevation, Terrain& terrain)
   std::vector<float> factors(heights.size());
   std::atomic<size_t> rays{0}, done{0};
   const double seconds = secondsOf([&] {
-    Phase phase("tracing horizons", Phase::SaysTimeLeft);
+    Phase phase("tracing horizons", Phase::PercentAndTimeLeft);
     parallelFor(factors.size(), 64, threadCount(options.threads), [&](size_t begin, size_t end) {
       size_t traced = 0;
       for (size_t i = begin; i < end; i++)

@@ -14,18 +14,18 @@
 namespace cbvh {
 namespace {
 
-/* The noise has features of 256 samples down to 4; each octave is half as high as the one before it. */
+/* Features of the noise are 256 to 4 samples wide; each octave is half as high as the previous one. */
 constexpr float longestWave = 256;
 constexpr int octaves = 7;
 
-/* The place in a raster of n samples that a mirrored sequence of copies shows at i. */
+/* Returns the index, in a raster of n samples, of sample i of a sequence of mirrored copies. */
 int mirrored(int i, int n)
 {
   const int period = 2 * (n - 1), place = i % period;
   return place < n ? place : period - place;
 }
 
-/* The factor by which MapImage, like OpenImageIO, divides the samples of a file. */
+/* Returns the factor by which MapImage, like OpenImageIO, divides the samples of a file. */
 float unitOf(OIIO::TypeDesc type)
 {
   switch (type.basetype)
@@ -48,7 +48,7 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
   const auto native = OIIO::ImageInput::open(settings.path);
   OIIO::ImageSpec spec;
   if (!native || !image.open(settings.path, spec, MapImage::configuration({0, 1, NAN})))
-    throw Error(settings.path + ": cannot be read as an elevation raster: " +
+    throw Error(settings.path + ": cannot read this elevation raster: " +
                 (native ? image.geterror() : OIIO::geterror()));
   unit = unitOf(native->spec().format);
   sourceWidth = spec.width;
@@ -64,7 +64,7 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
                 ": expected copies from 1 on, and at most 1000000 samples along each side");
 }
 
-/* Rows of the file. Repeated rasters are small and stay in memory as a whole. */
+/* Reads rows of the file. Repeated rasters are small and are read completely. */
 void Elevation::readRows(int begin, int end)
 {
   if (repeatX > 1 || repeatY > 1)
@@ -77,7 +77,7 @@ void Elevation::readRows(int begin, int end)
   rows.resize(size_t(sourceWidth) * size_t(end - begin));
   firstRow = begin;
   if (!image.read_scanlines(0, 0, begin, end, 0, 0, 1, OIIO::TypeDesc::FLOAT, rows.data()))
-    throw Error(settings.path + ": cannot be read: " + image.geterror());
+    throw Error(settings.path + ": cannot read rows of this elevation raster: " + image.geterror());
   for (float& height : rows)
   {
     height = unit == 1 ? height : std::round(height * unit);

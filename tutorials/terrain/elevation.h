@@ -17,9 +17,9 @@ namespace cbvh {
 struct ElevationSettings
 {
   std::string path;
-  std::optional<float> nodata;  // samples of this value are missing, next to NaN and the value of GDAL's tag
-  std::vector<int> repeat{1};   // copies along x and along y; one number stands for both
-  float detail = 0;             // height of the largest feature of the noise that is added, in the raster's unit
+  std::optional<float> nodata;  // value of missing samples, in addition to NaN and GDAL's tag
+  std::vector<int> repeat{1};   // copies along x and along y; one number applies to both
+  float detail = 0;             // height of the largest features of added noise, in the raster's unit
 };
 
 class Elevation
@@ -33,7 +33,7 @@ public:
   int height() const { return (sourceHeight - 1) * repeatY + 1; }
 
   /* Returns the heights of w x h samples from (x0,y0) on, row by row, in the raster's unit; NaN for a missing sample.
-   * Row 0 is the top of the image. Reads the rows that the last call did not read. Throws Error, Cancelled. */
+   * Row 0 is the top of the image. Reads rows that are not in memory. Throws Error, Cancelled. */
   std::vector<float> heights(int x0, int y0, int w, int h, unsigned threads);
 
 private:
@@ -42,7 +42,7 @@ private:
 
   const ElevationSettings settings;
   MapImage image;
-  float unit = 1; // of a sample in the file: MapImage maps integers to -1..1 or 0..1
+  float unit = 1; // of a sample of the file, because MapImage maps integers to -1..1 or 0..1
   int sourceWidth = 0, sourceHeight = 0, repeatX = 1, repeatY = 1;
   int firstRow = 0;
   std::vector<float> rows; // of the file, from firstRow on

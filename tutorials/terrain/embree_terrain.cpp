@@ -14,7 +14,7 @@ namespace cbvh {
 EmbreeTerrain::EmbreeTerrain(const std::string& kernel)
   : device(""), scene(rtcNewScene(device.handle())), kernel(kernel)
 {
-  /* Without the robust mode rays pass between triangles: many rays here run exactly along edges. */
+  /* Many rays here run exactly along edges; without the robust mode they would pass between triangles. */
   rtcSetSceneFlags(scene.get(), RTCSceneFlags(RTC_SCENE_FLAG_COMPACT | RTC_SCENE_FLAG_ROBUST));
 }
 
@@ -57,7 +57,7 @@ void EmbreeTerrain::add(const TerrainTile& tile)
   }
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.compression = RTC_COMPRESSION_NONE; // whatever the environment asks for
+  args.compression = RTC_COMPRESSION_NONE; // overrides the environment
   rtcSetGeometryCompression(geometry.get(), &args);
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometry(scene.get(), geometry.get());
@@ -73,7 +73,7 @@ void EmbreeTerrain::commit()
 
 bool EmbreeTerrain::isOccluded(CbvhRay ray) const
 {
-  static_assert(sizeof(RTCRay) == sizeof(CbvhRay), "rays of both libraries have one layout");
+  static_assert(sizeof(RTCRay) == sizeof(CbvhRay), "rays of both libraries have the same layout");
   RTCRay copy;
   std::memcpy(&copy, &ray, sizeof(copy));
   RTCIntersectContext context;

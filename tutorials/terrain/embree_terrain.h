@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The same terrain in Embree's own kernels, for comparison. */
+/* The same terrain in Embree's own kernels. */
 
 #include "terrain_tile.h"
 #include "building/embree_device.h"
@@ -17,10 +17,10 @@ namespace cbvh {
 class EmbreeTerrain
 {
 public:
-  /* kernel: grid, quad or triangle. */
+  /* `kernel` is "grid", "quad" or "triangle". */
   explicit EmbreeTerrain(const std::string& kernel);
 
-  /* Copies a tile into a geometry of its own, whose buffers stay: Embree reads them when it traces or rebuilds. */
+  /* Copies a tile into a geometry. Embree needs the buffers until the geometry is released. Throws Error. */
   void add(const TerrainTile& tile);
 
   /* Builds the tree, in Embree's compact and robust modes. Throws Error. */

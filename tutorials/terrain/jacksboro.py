@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Writes the elevation raster that Matplotlib installs as sample data (Jacksboro fault, Tennessee; 403 x 344 samples of
-3 arc seconds, in meters) as a TIFF of floats.
+"""Writes an elevation raster from the sample data of Matplotlib (Jacksboro fault, Tennessee; 403 x 344 samples of 3 arc
+seconds, in meters) as a TIFF of floats.
 
     jacksboro.py jacksboro.tif
 

@@ -13,22 +13,22 @@ namespace cbvh {
 struct Options
 {
   ElevationSettings elevation;
-  float cell = 30;            // distance between samples; all lengths are in the raster's unit
-  float maxError = 0;         // spacing of the lattice on which vertices are stored, at most
+  float cell = 30;            // distance between samples, in the raster's unit, as all lengths
+  float maxError = 0;         // largest spacing of the lattice on which vertices are stored
   float lift = 0;             // height above the samples at which rays start
-  int tile = 1000;            // quads along a side
+  int tile = 1000;            // quads per side of a tile
   int azimuths = 16;          // directions per sample
   float accuracy = 0.1f;      // of horizons, in degrees
-  std::vector<int> window;    // x0, y0, x1, y1 without x1 and y1
-  int threads = 0;            // 0: all
+  std::vector<int> window;    // x0, y0, x1, y1: columns x0 to x1-1 and rows y0 to y1-1
+  int threads = 0;            // 0 for all
   std::string output = "sky_view.tif";
-  std::string embree;         // kernel of Embree; empty: compressed
+  std::string embree;         // kernel of Embree; empty for compressed terrain
 };
 
-/* Returns false after --help and --version, which have been printed then. Throws Error that names the option. */
+/* Returns false after --help and --version, whose output was printed. Throws Error that names the option. */
 bool parseOptions(Options& options, int argc, char** argv);
 
-/* Sets the default window, and throws Error for one outside of the raster. */
+/* Sets the default window if there is none. Throws Error if the window is outside of the raster. */
 void setWindow(Options& options, const Elevation& elevation);
 
 } // namespace cbvh

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Shows a displaced subdivision surface in any representation. See --help. */
+/* Shows a displaced subdivision surface in any representation. */
 
 #include "document.h"
 #include "view_state.h"
@@ -20,7 +20,8 @@ void writeScreenshot(const ViewerOptions& options)
   Worker worker;
   Document document(loadModel(options.scene, options), options, worker);
   printWarnings("cbvh_viewer", document.loaded->warnings);
-  ViewState state{options.representations, options.autoLevel ? autoLevel : options.build.level, options.mode, std::nullopt};
+  const int level = options.autoLevel ? autoLevel : options.build.level;
+  ViewState state{options.representations, level, options.mode, std::nullopt};
   if (options.autoLevel && !document.model().isMesh)
     state.camera = document.loaded->start;
   if (!document.loaded->saved)

@@ -11,7 +11,7 @@
 namespace cbvh {
 namespace {
 
-/* A level that is built in well under a second. */
+/* Returns a level that is built in much less than a second. */
 int coarseLevel(const Model& model, int level)
 {
   constexpr int coarse = 3;
@@ -28,7 +28,8 @@ std::unique_ptr<const LoadedModel> openSaved(const SceneSettings& source, const 
   loaded->source = source;
   const unsigned threads = threadCount(options.build.threads);
   loaded->saved = std::make_unique<SavedScene>(source.savedPath, threads, options.build.isa);
-  loaded->model = modelOfBox(std::filesystem::path(source.savedPath).stem().string(), loaded->saved->bounds(), source.up);
+  const std::string name = std::filesystem::path(source.savedPath).stem().string();
+  loaded->model = boxModel(name, loaded->saved->bounds(), source.up);
   loaded->start = chooseCamera(options.view, loaded->model, *loaded->saved, options.size, threads);
   return loaded;
 }
@@ -39,7 +40,8 @@ bool LoadedModel::moves() const
 {
   if (!saved)
     return !model.poses.empty();
-  return std::any_of(saved->geometries().begin(), saved->geometries().end(), [](const RTCCompressedFileGeometry& g) { return g.timeStepCount > 1; });
+  const auto moves = [](const RTCCompressedFileGeometry& g) { return g.timeStepCount > 1; };
+  return std::any_of(saved->geometries().begin(), saved->geometries().end(), moves);
 }
 
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options)
@@ -47,10 +49,10 @@ std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const 
   if (!source.savedPath.empty())
     return openSaved(source, options);
   auto loaded = std::make_unique<LoadedModel>();
-  loaded->source = withStrength(source);
+  loaded->source = withDefaultAmplitude(source);
   loaded->model = loadScene(loaded->source, loaded->warnings);
   BuildSettings settings = options.build;
-  settings.level = coarseLevel(loaded->model, settings.level); // whatever the view
+  settings.level = coarseLevel(loaded->model, settings.level); // independent of the view
   settings.device = "cpu";
   loaded->preview = std::make_unique<BuiltScene>(loaded->model, Representation{RepresentationKind::Grid}, settings);
   loaded->start = chooseCamera(options.view, loaded->model, *loaded->preview, options.size,

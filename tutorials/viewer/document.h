@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* What a viewer has opened: a model, the view that it starts with, a coarse scene to
- * show at once, and the scenes that are built of it. Of a file of compressed surfaces: the scene
- * that is in it, and a model that has no more than its name and the corners of its box. */
+/* The open document of a viewer: a model, the initial view, a coarse scene that can be shown at once, and scenes that
+ * are built from the model. For a file of compressed surfaces: its scene, and a model that consists of a name and the
+ * corners of the bounding box. */
 
 #include "options.h"
 #include "scene_store.h"
@@ -15,22 +15,22 @@
 
 namespace cbvh {
 
-/* A model as read or made, ready to be shown. */
+/* A loaded or generated model that is ready to be shown. */
 struct LoadedModel
 {
-  SceneSettings source;                // with the strength of the displacement, see withStrength
+  SceneSettings source;                // with an amplitude or scale, see withDefaultAmplitude
   Model model;
-  std::string warnings;                // a line each
+  std::string warnings;                // one per line
   std::optional<Camera> start;
-  std::unique_ptr<BuiltScene> preview; // GRID at a low level, always on the CPU; or, of a file,
-  std::unique_ptr<SavedScene> saved;   // all there is to show
+  std::unique_ptr<BuiltScene> preview; // GRID at a low level on the CPU; null for a file
+  std::unique_ptr<SavedScene> saved;   // the scene of a file; null for a model
 
   const TracedScene& first() const { return saved ? static_cast<const TracedScene&>(*saved) : *preview; }
   bool moves() const;
 };
 
-/* Opens the file, or reads or makes the model, and fits the view of the options to it: long work, for the
- * background. The preview refers to the model beside it. Throws Error, Cancelled. */
+/* Opens the file, or loads or generates the model, and fits the view of the options. Slow; call it in the background.
+ * The result's preview refers to its model. Throws Error, Cancelled. */
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
 
 struct Document

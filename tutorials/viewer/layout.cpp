@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-/* Rows from the top of what is left for the picture, of which a pixel stays. */
+/* Removes rows from the top of the remaining area, of which at least a pixel stays. */
 Rectangle takeRows(Rectangle& rest, int rows)
 {
   const Rectangle taken{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Where panel, captions and picture lie in the window. They share it: none covers another, as what
- * is looked at must not be under what is said about it.
+/* Positions of panel, captions and picture in the window. They do not overlap, so that the panel never covers the part
+ * of the picture that it describes.
  *
- * All in units of the window, from its upper left. */
+ * All values are in units of the window, from its upper left corner. */
 
 #include "tracing/image_size.h"
 
@@ -20,22 +20,21 @@ struct Rectangle
 enum class PanelState
 {
   Open,
-  Folded, // a bar with its title
-  Hidden, // nothing but the picture, captions neither
+  Folded, // only its title bar
+  Hidden, // neither panel nor captions
 };
 
 struct WindowLayout
 {
-  Rectangle panel;    // without area while hidden
-  Rectangle captions; // of the halves of a split screen; without area where there is none
-  Rectangle picture;  // of at least a pixel
+  Rectangle panel;    // without area if hidden
+  Rectangle captions; // of the halves of a split screen; without area if there are none
+  Rectangle picture;  // at least a pixel
 };
 
-constexpr int panelWidth = 300, barHeight = 19; // of ImGui's font: what the panel says fits into it
+constexpr int panelWidth = 300, barHeight = 19; // fit the panel's text in ImGui's font
 
-/* The panel is at the left of a window that has room for it, else above the picture.
- *
- * window: at least 1 x 1. */
+/* The panel is on the left if the window is wide enough, otherwise above the picture. The window must be at least
+ * 1 x 1. */
 WindowLayout layOut(ImageSize window, PanelState panel, bool split);
 
 } // namespace cbvh

@@ -21,11 +21,12 @@ std::string listOfModes()
   return list;
 }
 
-/* A mistyped name is reported where it was typed, not in a window. To open a FIFO would wait for its writer. */
+/* Reports a misspelled name on the command line instead of in a window. Does not open it: opening a FIFO would
+ * block. */
 void requireFile(const std::string& path)
 {
   if (!path.empty() && access(path.c_str(), R_OK) != 0)
-    throw Error(path + ": cannot be opened");
+    throw Error(path + ": cannot be opened: expected a readable file");
 }
 
 } // namespace
@@ -36,52 +37,60 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
   std::vector<std::string> files;
   std::string representations = "cvert", size = "1024x768", mode = "shading";
 
-  CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side, in a window\n"
-               "that lists its keys and opens what is dropped on it, or in a picture with --screenshot.",
+  CLI::App app("Shows a displaced subdivision surface in one representation, or in two side by side. Opens a window,\n"
+               "which lists its keys and opens files that are dropped onto it, or writes a picture with --screenshot.",
                "cbvh_viewer");
-  addFiles(app, files, true);
-  app.add_option("--scene", o.scene.scene, "generated scene: " + listOfScenes())->type_name("NAME");
+  addFileArguments(app, files, true);
+  app.add_option("--scene", o.scene.scene, "generated scene, " + listOfScenes())->type_name("NAME");
   addMeshOption(app, o.scene);
   addSceneOptions(app, o.scene);
   app.add_option("--representation", representations,
-                 listOfRepresentations(", ", " or ") + ", a frame level of its own after ^ or :; "
-                 "two of them, with a comma between, for a split screen")
+                 listOfRepresentations(", ", " or ") + "; a frame level may follow after ^ or :; "
+                 "two names, separated by a comma, split the screen")
     ->type_name("LIST")->capture_default_str();
-  LevelWords levels;
+  LevelOptions levels;
   addViewLevelOptions(app, levels);
-  app.add_option("--mode", mode, "what is shown: " + listOfModes())->type_name("MODE")->capture_default_str();
+  app.add_option("--mode", mode, "contents of the picture: " + listOfModes())
+    ->type_name("MODE")->capture_default_str();
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
-  app.add_option("--size", size, "size of window and picture")->type_name("WxH")->capture_default_str();
-  app.add_option("--samples", o.samples, "samples a pixel of mode shading, which the window gathers while nothing moves; all other\n"
-                 "modes and all figures have one")
+  app.add_option("--size", size, "size of window or picture")->type_name("WxH")->capture_default_str();
+  app.add_option("--samples", o.samples,
+                 "samples per pixel in mode shading, which the window adds while nothing moves; other modes and all\n"
+                 "figures have one")
     ->type_name("N")->check(CLI::Range(1, 4096))->capture_default_str();
-  app.add_option("--time", o.time, "of a model that moves: 0 is its first step, 1 its last; the window has a slider")
+  app.add_option("--time", o.time,
+                 "time of a model that moves: 0 is the first time step, 1 the last; the window has a slider")
     ->type_name("T")->check(CLI::Range(0.0, 1.0))->capture_default_str();
-  app.add_option("--screenshot", o.screenshot, "write a picture there and open no window; PNG, or what the name ends in")
+  app.add_option("--screenshot", o.screenshot,
+                 "write a picture to this file and open no window; the extension selects the format [PNG]")
     ->type_name("FILE");
-  app.add_option("--picture", o.picture, "where key P of the window saves what it shows")->type_name("FILE")->capture_default_str();
-  app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")->type_name("N")->capture_default_str();
+  app.add_option("--picture", o.picture, "file for pictures that key P of the window saves")
+    ->type_name("FILE")->capture_default_str();
+  app.add_option("--threads", o.build.threads, "threads for building and rendering, 0 for all")
+    ->type_name("N")->capture_default_str();
   addDeviceOption(app, o.build.device);
-  app.add_option("--isa", o.build.isa, "widest instruction set: sse2, sse4.2, avx, avx2 or avx512")->type_name("ISA");
+  addIsaOption(app, o.build.isa);
   if (!parseCommandLine(app, argc, argv))
     return std::nullopt;
 
-  nameFiles(files, o.scene);
-  const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty() && o.scene.heightPath.empty();
+  applyFileArguments(files, o.scene);
+  const bool empty = o.scene.scene.empty() && o.scene.cagePath.empty() && o.scene.meshPath.empty() &&
+                     o.scene.heightPath.empty();
   if (!o.scene.savedPath.empty())
   {
-    refuseModelOptions(app, o.scene.savedPath);
+    rejectModelOptions(app, o.scene.savedPath);
     if (mode != "shading" && mode != "normals")
-      throw Error("--mode " + mode + " needs a model, which " + o.scene.savedPath + " has not");
+      throw Error("--mode " + mode + " needs a model, but " + o.scene.savedPath +
+                  " contains none: expected shading or normals");
   }
-  else if (!empty || !o.screenshot.empty()) // a window may start empty
+  else if (!empty || !o.screenshot.empty()) // only a window may start empty
     validateScene(o.scene);
   requireFile(o.scene.cagePath);
   requireFile(o.scene.savedPath);
-  o.autoLevel = readLevel(levels, o.build.level);
+  o.autoLevel = parseLevel(levels, o.build.level);
   validateBuild(o.build);
   if (!o.autoLevel && levels.maxPixelError)
-    throw Error("--max-pixel-error belongs to --level auto");
+    throw Error("--max-pixel-error needs --level auto");
   o.quadSize = levels.quadSize;
   o.maxPixelError = levels.maxPixelError.value_or(autoPixelError);
   o.scene.threads = o.build.threads;
@@ -94,10 +103,10 @@ std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv)
       known = true;
     }
   if (!known)
-    throw Error("unknown --mode '" + mode + "', known are " + listOfModes());
+    throw Error("unknown --mode '" + mode + "': expected one of " + listOfModes());
   o.representations = parseRepresentationOptions(representations, levels.frameLevel);
   if (o.representations.size() > 2)
-    throw Error("--representation '" + representations + "' names more than two");
+    throw Error("--representation '" + representations + "' names more than two: expected one or two");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
   validateOutputs(o.scene, {{"--screenshot", o.screenshot}, {"--picture", o.picture}});

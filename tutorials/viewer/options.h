@@ -16,23 +16,22 @@ namespace cbvh {
 
 struct ViewerOptions
 {
-  SceneSettings scene;                         // none named: the window starts empty
+  SceneSettings scene;                         // if it names nothing, the window starts empty
   std::vector<Representation> representations; // one, or two for a split screen
   BuildSettings build;
-  bool autoLevel = false;                   // rates by the view where the window starts, in place of build.level
-  float quadSize = 1;                       // in pixels, then
-  float maxPixelError = 0;                  // bound on the spacing of cVERT in pixels, then; 0 for none
+  bool autoLevel = false;                   // use rates by the initial view instead of build.level
+  float quadSize = 1;                       // of rates by the view, in pixels
+  float maxPixelError = 0;                  // largest spacing of cVERT with rates by the view, in pixels; 0: no bound
   PictureMode mode = PictureMode::Shading;
   std::string view = "full";
-  int samples = 16;                         // a pixel, in PictureMode::Shading; a window gathers them while nothing moves
-  float time = 0;                           // of a model that moves, 0 to 1; where the window starts
+  int samples = 16;                         // per pixel in PictureMode::Shading
+  float time = 0;                           // initial time of a model that moves, 0 to 1
   ImageSize size{1024, 768};
-  std::string screenshot;                   // render there and end; empty: open a window
-  std::string picture = "cbvh_viewer.png";  // where the window's key saves
+  std::string screenshot;                   // file of a picture; empty: open a window
+  std::string picture = "cbvh_viewer.png";  // file for pictures that the window saves
 };
 
-/* Reads a command line. Returns nothing when it asked for help, which is printed.
- * Throws Error, one line, for anything wrong. */
+/* Parses a command line. Returns nothing after printing help. Throws Error, one line, for anything invalid. */
 std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv);
 
 } // namespace cbvh

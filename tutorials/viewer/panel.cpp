@@ -18,30 +18,30 @@ namespace {
 
 const ImVec4 attention(1, 0.85f, 0.3f, 1);
 
-constexpr float itemWidth = 165; // leaves room for the longest label
-constexpr float footerHeight = 44; // of a line, and a bar of progress below it
+constexpr float itemWidth = 165;   // leaves room for the longest label
+constexpr float footerHeight = 44; // of a line, and a progress bar below it
 
 constexpr std::pair<const char*, const char*> keyHelp[] = {
-  {"L, N", "level, frame level up; down: Shift"},
-  {"M", "next mode; back: Shift"},
-  {"X", "split screen, whose line can be dragged"},
+  {"L, N", "next level, frame level; Shift: previous"},
+  {"M", "next mode; Shift: previous"},
+  {"X", "split screen; the line can be dragged"},
   {"drag", "orbit; Shift: look around; Ctrl: distance"},
   {"middle drag", "pan"},
   {"wheel", "zoom at the cursor"},
-  {"right click", "orbit about that point"},
+  {"right click", "orbit about this point"},
   {"arrows", "orbit"},
-  {"W A S D", "walk; faster and slower: page up, page down"},
-  {"F", "fit all of it into the picture"},
-  {"R", "where it started"},
-  {"U", "next axis points upwards; back: Shift"},
+  {"W A S D", "walk; page up, page down: speed"},
+  {"F", "fit the whole model into the picture"},
+  {"R", "reset the view"},
+  {"U", "next up axis; Shift: previous"},
   {"P", "save the picture"},
   {"C", "print the camera for --view"},
-  {"B", "render without pause"},
+  {"B", "render continuously"},
   {"Tab, H", "fold this panel; hide it"},
-  {"Q, Esc", "quit; ask before that"},
+  {"Q, Esc", "quit; quit after a question"},
 };
 
-/* Of a combo box: entries end in a NUL each. */
+/* Entries of a combo box, each terminated by NUL. */
 std::string representationEntries()
 {
   std::string entries;
@@ -58,7 +58,7 @@ std::string frameLevelEntries()
   return entries;
 }
 
-/* Kinds of the surfaces in a file, with commas between. */
+/* Returns the representations of the surfaces in a file, separated by commas. */
 std::string kindsIn(const SavedScene& scene)
 {
   std::string kinds;
@@ -109,7 +109,7 @@ void Panel::draw()
   drawQuestion();
 }
 
-/* While it is folded, it has to say what cannot be seen. What follows ### is the window's name. */
+/* While the panel is folded, the title shows its most important content. "###" precedes the window's ID. */
 std::string Panel::title() const
 {
   std::string text = "cbvh_viewer";
@@ -117,7 +117,7 @@ std::string Panel::title() const
   if (folded && progress)
     text += ": " + progress->work;
   else if (folded && !viewer.message().empty())
-    text += ": a message, see Tab";
+    text += ": message, press Tab";
   return text + "###panel";
 }
 
@@ -134,7 +134,7 @@ void Panel::drawPanel(const Rectangle& area)
   if (!folded)
   {
     ImGui::BeginChild("content", ImVec2(0, -footerHeight));
-    ImGui::PushTextWrapPos(0.0f); // at the border
+    ImGui::PushTextWrapPos(0.0f); // wrap at the border
     drawSettings();
     drawReports();
     drawMessage();
@@ -172,10 +172,10 @@ void Panel::drawKeys()
   line(("1 to " + std::to_string(representationKinds().size())).c_str(), kinds + "; right half: Shift");
   for (const auto& [keys, effect] : keyHelp)
     line(keys, effect);
-  ImGui::TextUnformatted("Drop a cage (OBJ), a height map or both here, or compressed surfaces (.cbvh), to open them.");
+  ImGui::TextUnformatted("Drop a cage (OBJ), a height map, both, or compressed surfaces (.cbvh) here to open them.");
 }
 
-/* Always as high, so that nothing moves under the mouse when something begins or ends. */
+/* The height is constant, so that nothing moves under the mouse when a task begins or ends. */
 void Panel::drawFooter()
 {
   ImGui::Separator();
@@ -185,7 +185,7 @@ void Panel::drawFooter()
     drawSamples();
 }
 
-/* What is left and right of the line, beside it, or as near to it as there is room. */
+/* Draws the captions on both sides of the split line, or as close to it as there is room. */
 void Panel::drawCaptions(const Rectangle& area)
 {
   const std::vector<Pane> panes = viewer.panes();
@@ -244,7 +244,7 @@ void Panel::drawSettings()
     ImGui::SliderInt("level", &state.level, autoLevel, maxLevel, state.level == autoLevel ? "auto" : "%d");
   if (ImGui::Combo("mode", &mode, isFile ? "shading\0normals\0" : "shading\0normals\0error\0leaf cells\0blocks\0"))
     state.mode = PictureMode(mode);
-  viewer.want(state);
+  viewer.requestState(state);
   drawStrength();
   drawTime();
   drawUp();
@@ -256,7 +256,7 @@ void Panel::drawSettings()
       viewer.setSplit(split);
     ImGui::SameLine();
   }
-  ImGui::Checkbox("without pause", &viewer.continuous);
+  ImGui::Checkbox("continuous", &viewer.continuous);
 }
 
 void Panel::drawTime()
@@ -277,11 +277,11 @@ void Panel::drawUp()
   for (const std::string& axis : axes)
     entries += axis + '\0';
   int now = int(std::find(axes.begin(), axes.end(), viewer.up()) - axes.begin());
-  if (ImGui::Combo(viewer.isUpGuessed() ? "up (guess)###up" : "up###up", &now, entries.c_str()))
-    viewer.turnUp(axes[size_t(now)]);
+  if (ImGui::Combo(viewer.isUpGuessed() ? "up (guessed)###up" : "up###up", &now, entries.c_str()))
+    viewer.setUp(axes[size_t(now)]);
 }
 
-/* It counts as soon as the user is done with it. */
+/* A new value takes effect when the user releases the control. */
 void Panel::drawStrength()
 {
   const LoadedModel* const opened = viewer.opened();
@@ -290,7 +290,7 @@ void Panel::drawStrength()
   const bool isScale = opened->source.mapScale.has_value();
   if (!changesStrength)
     strength = isScale ? *opened->source.mapScale : *opened->source.amplitude;
-  const float step = std::max(0.01f * std::abs(strength), 1e-5f); // a pixel
+  const float step = std::max(0.01f * std::abs(strength), 1e-5f); // per pixel
   ImGui::DragFloat(isScale ? "height scale" : "amplitude", &strength, step, 0.0f, 0.0f, "%.6g");
   if (changesStrength && !ImGui::IsItemActive())
     viewer.setStrength(strength);
@@ -303,7 +303,7 @@ void Panel::drawBuilt(const BuiltScene& scene, const char* side)
 {
   const BuildReport& b = scene.report();
   ImGui::Text("%s%s, level %s", side, scene.representation().label().c_str(), levelText(viewer.shownLevel()).c_str());
-  ImGui::Text("%.2f bytes a quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
+  ImGui::Text("%.2f bytes per quad, %s quads", b.bytesPerQuad(), quadsText(b.quads).c_str());
   ImGui::Text("%s, built in %.2f s", bytesText(b.liveBytes).c_str(), b.seconds);
 }
 
@@ -312,9 +312,10 @@ void Panel::drawSaved(const SavedScene& scene)
   const size_t count = scene.geometries().size(), quads = scene.quads();
   ImGui::Text("%s, a file of %zu geometr%s", kindsIn(scene).c_str(), count, count == 1 ? "y" : "ies");
   ImGui::Text("opened in %.1f ms", 1e3 * scene.seconds());
-  ImGui::Text("%.2f bytes a quad, %s quads", quads ? double(scene.bytes()) / double(quads) : 0.0, quadsText(quads).c_str());
+  const double bytesPerQuad = quads ? double(scene.bytes()) / double(quads) : 0.0;
+  ImGui::Text("%.2f bytes per quad, %s quads", bytesPerQuad, quadsText(quads).c_str());
   ImGui::Text("%s of surfaces, mapped", bytesText(scene.bytes()).c_str());
-  ImGui::Text("%s in memory beside them", bytesText(scene.liveBytes()).c_str());
+  ImGui::Text("%s of other memory", bytesText(scene.liveBytes()).c_str());
 }
 
 void Panel::drawReports()
@@ -324,7 +325,7 @@ void Panel::drawReports()
   if (viewer.isPreview())
   {
     ImGui::Separator();
-    ImGui::TextUnformatted("a preview of few quads");
+    ImGui::TextUnformatted("preview with few quads");
   }
   for (size_t i = 0; picture && i < panes.size() && i < picture->reports().size(); i++)
   {
@@ -334,7 +335,7 @@ void Panel::drawReports()
       drawBuilt(*panes[i].built, panes.size() < 2 ? "" : i ? "right: " : "left: ");
     else
       drawSaved(*panes[i].saved);
-    ImGui::Text("%.2f million hits a second, of %.2f rays", report.mhits(), report.mrays());
+    ImGui::Text("%.2f million hits per second, %.2f million rays", report.mhits(), report.mrays());
     ImGui::Text("on %u thread%s", threads, threads == 1 ? "" : "s");
     if (panes[i].reference && viewer.picturedMode() == PictureMode::Error)
     {
@@ -346,27 +347,28 @@ void Panel::drawReports()
     drawLegend();
 }
 
-/* Figures are never of what has been gathered since. */
+/* Figures always belong to the first sample. */
 void Panel::drawSamples()
 {
   const Picture* const picture = viewer.picture();
   if (!picture)
     return;
   if (picture->wantedSamples() > 1)
-    ImGui::Text("%d of %d samples a pixel", picture->samples(), picture->wantedSamples());
+    ImGui::Text("%d of %d samples per pixel", picture->samples(), picture->wantedSamples());
   else
-    ImGui::TextUnformatted("one ray a pixel");
-  ImGui::TextUnformatted("figures: one ray a pixel");
+    ImGui::TextUnformatted("one ray per pixel");
+  ImGui::TextUnformatted("figures: one ray per pixel");
 }
 
 void Panel::drawLegend()
 {
   const std::pair<float, const char*> entries[] = {{0.0f, "0"}, {1.25f, "1.25"}, {2.5f, "2.5"}, {3.75f, "3.75"},
-                                                   {5.0f, "5 pixels"}, {falseHitError, "false"}, {missError, "missed"}};
+                                                   {5.0f, "5 pixels"}, {falseHitError, "false hit"},
+                                                   {missError, "miss"}};
   constexpr float box = 12, gap = 8;
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  Image color(ImageSize{1, 1}); // encodes
-  float end = right; // of the entry before
+  Image color(ImageSize{1, 1}); // converts colors to sRGB
+  float end = right; // of the previous entry
   for (const auto& [error, text] : entries)
   {
     if (end + gap + box + gap + ImGui::CalcTextSize(text).x <= right)
@@ -392,8 +394,8 @@ void Panel::drawProgress(const Worker::Progress& progress)
     viewer.stop();
 }
 
-/* What to do where there is no model yet, and what goes on while the panel does not show it: in the middle
- * where nothing is covered, else at the lower border, and there only while the panel is hidden. */
+/* Draws a hint if there is no model, and progress if the panel does not show it: in the middle if that covers nothing,
+ * otherwise at the lower border, and there only while the panel is hidden. */
 void Panel::drawMiddle()
 {
   const std::optional<Worker::Progress> progress = viewer.progress();
@@ -403,7 +405,8 @@ void Panel::drawMiddle()
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const Rectangle area = layout({std::max(1, int(display.x)), std::max(1, int(display.y))}).picture;
   const float x = float(area.x) + 0.5f * float(area.width);
-  ImGui::SetNextWindowPos(ImVec2(x, empty ? float(area.y) + 0.5f * float(area.height) : display.y - 8), ImGuiCond_Always,
+  const float y = empty ? float(area.y) + 0.5f * float(area.height) : display.y - 8;
+  ImGui::SetNextWindowPos(ImVec2(x, y), ImGuiCond_Always,
                           ImVec2(0.5f, empty ? 0.5f : 1.0f));
   ImGui::SetNextWindowBgAlpha(0.7f);
   ImGui::Begin("progress", nullptr, overlayFlags);

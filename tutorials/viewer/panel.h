@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What is said about the picture, drawn with ImGui: the panel with settings and figures, what is
- * under way, the captions of a split screen, and the question before the end. */
+/* Draws everything around the picture with ImGui: the panel with settings and figures, progress, the captions of a
+ * split screen, and the question before quitting. */
 
 #include "layout.h"
 #include "viewer.h"
@@ -16,16 +16,16 @@ class Panel
 public:
   explicit Panel(Viewer& viewer, unsigned threads) : viewer(viewer), threads(threads) {}
 
-  /* Draws all of it. Called between ImGui's NewFrame and Render. */
+  /* Draws everything. Must be called between ImGui's NewFrame and Render. */
   void draw();
 
-  /* Where it leaves room for the picture. window: in units of the window, at least 1 x 1. */
+  /* Returns the position of the picture. `window` is in units of the window and at least 1 x 1. */
   WindowLayout layout(ImageSize window) const;
 
-  void fold() { changeFold = true; }
+  void fold() { changeFold = true; } // toggles, as hide() does
   void hide() { hidden = !hidden; }
 
-  /* Asks whether to end. The keys of the answer are the window's. */
+  /* Shows or hides the question whether to quit. The window handles the keys of the answer. */
   void ask(bool now) { asking = now; }
   bool isAsking() const { return asking; }
   bool quitChosen() const { return quit; }
@@ -53,7 +53,7 @@ private:
 
   Viewer& viewer;
   const unsigned threads;
-  float strength = 0; // of the displacement, while it is being changed
+  float strength = 0; // of the displacement while the user changes it
   bool changesStrength = false;
   bool changeFold = false, folded = false, hidden = false, asking = false, quit = false;
 };

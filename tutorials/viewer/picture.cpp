@@ -19,11 +19,11 @@
 namespace cbvh {
 namespace {
 
-/* Pixels a side. A tile is a task: of enough rays to pay for it, and of so few that the
- * last tiles do not hold up the frame. */
+/* Side of a tile in pixels. A tile is a task: large enough to outweigh its overhead, and small enough that the last
+ * tiles do not delay the frame. */
 constexpr int tileSize = 16;
 
-/* Columns of the picture that a pane fills; hits in its own rows. */
+/* Columns of the picture that a pane fills. Hits are stored in rows of the region. */
 struct Region
 {
   int begin, end, height;
@@ -41,7 +41,7 @@ void forTiles(const Region& region, const Body& body)
   }, tbb::simple_partitioner());
 }
 
-/* hits: one a pixel of the region, written. */
+/* Traces the region and writes one hit per pixel. */
 void traceRegion(const Camera& camera, const Region& region, const TracedScene& scene, Vec2f offset, float time,
                  std::vector<SurfaceHit>& hits)
 {
@@ -63,7 +63,7 @@ void traceRegion(const Camera& camera, const Region& region, const TracedScene& 
   });
 }
 
-/* Well mixed bits of an integer (finaliser of MurmurHash3). */
+/* Returns the well-mixed bits of an integer (finalizer of MurmurHash3). */
 uint32_t mix(uint32_t x)
 {
   x = (x ^ (x >> 16)) * 0x85ebca6bu;
@@ -76,7 +76,7 @@ float unit(uint32_t bits)
   return float(bits & 0xffff) * (1.0f / 65535.0f);
 }
 
-/* hue in turns; linear, not too dark. */
+/* Returns a linear color that is not too dark; `hue` is in turns. */
 Vec3f fromHue(float hue, float saturation, float value)
 {
   const auto channel = [&](float shift) {
@@ -86,7 +86,7 @@ Vec3f fromHue(float hue, float saturation, float value)
   return {channel(0.0f), channel(2.0f / 3.0f), channel(1.0f / 3.0f)};
 }
 
-/* Where in a patch a hit lies. */
+/* The quad of a patch that a hit is on. */
 struct Cell
 {
   uint32_t patch;
@@ -113,16 +113,16 @@ Vec3f cellColor(const Cell& cell)
 
 Vec3f blockColor(const Cell& cell, int frameLevel, bool compressed)
 {
-  const unsigned size = std::max(1u, cell.resolution >> frameLevel); // quads of a block a side
+  const unsigned size = std::max(1u, cell.resolution >> frameLevel); // quads per side of a block
   const uint32_t bits = mix(cell.patch ^ ((cell.y / size) << 16 | (cell.x / size)));
   if (!compressed)
-    return Vec3f{1, 1, 1} * (0.15f + 0.65f * unit(bits >> 16)); // grey: no blocks but patches
-  /* Neighbouring levels are a golden section of the circle apart. */
+    return Vec3f{1, 1, 1} * (0.15f + 0.65f * unit(bits >> 16)); // gray: patches, because there are no blocks
+  /* Hues of consecutive levels differ by the golden ratio of the circle. */
   const float hue = 0.6f + 0.618034f * float(frameLevel) + 0.05f * (unit(bits) - 0.5f);
   return fromHue(hue, 0.8f, 0.15f + 0.8f * unit(bits >> 16));
 }
 
-/* What the pane shows, on the threads of the caller's arena. */
+/* Renders a pane on the threads of the caller's arena. */
 class PaneRender
 {
 public:
@@ -131,7 +131,7 @@ public:
   {
   }
 
-  /* Traces sample i of each pixel, by the clock. */
+  /* Traces sample i of each pixel and measures the time. */
   PaneReport trace(int i)
   {
     PaneReport report;
@@ -144,13 +144,13 @@ public:
     return report;
   }
 
-  /* Traces what the errors are measured against, too. */
+  /* Traces the reference and computes errors. */
   void compare(PaneReport& report)
   {
     std::vector<SurfaceHit> reference(region.pixels());
     traceRegion(camera, region, *pane.reference, offset, settings.time, reference);
     errors = pixelErrors(reference, hits, camera.footprint());
-    summarise(report);
+    summarize(report);
   }
 
   void addTo(SampledPicture& picture) const
@@ -160,14 +160,14 @@ public:
     });
   }
 
-  /* Its columns of the picture, in all modes but shading. */
+  /* Writes the pane's columns of the picture, in all modes but shading. */
   void paint(Image& image) const
   {
     forPixels([&](int x, int y, size_t pixel) { image.set(pixel, color(x, y)); });
   }
 
 private:
-  /* body(x, y, pixel of the picture) */
+  /* Calls body(x, y, index of the pixel in the picture). */
   template<typename Body>
   void forPixels(const Body& body) const
   {
@@ -179,8 +179,8 @@ private:
     });
   }
 
-  /* As HitErrors has them. */
-  void summarise(PaneReport& report) const
+  /* Computes statistics as in HitErrors. */
+  void summarize(PaneReport& report) const
   {
     std::vector<float> both;
     for (float e : errors)
@@ -209,13 +209,13 @@ private:
     const Vec3f n = normalize(hit.normal);
     if (settings.mode == PictureMode::Normals)
       return 0.5f * (n + Vec3f{1, 1, 1});
-    /* Colours of places keep a little of the shape. */
+    /* Darken colors of cells and blocks at grazing angles, so that the shape stays visible. */
     const float facing = 0.4f + 0.6f * std::abs(dot(n, ray.direction));
     const Cell cell = findCell(pane.built->layout(), hit);
     if (settings.mode == PictureMode::Cells)
       return facing * cellColor(cell);
-    const Representation& what = pane.built->representation();
-    return facing * blockColor(cell, effectiveFrameLevel(what, cell.resolution), what.isCompressed());
+    const Representation& r = pane.built->representation();
+    return facing * blockColor(cell, effectiveFrameLevel(r, cell.resolution), r.isCompressed());
   }
 
   const Camera& camera;
@@ -224,7 +224,7 @@ private:
   Region region;
   Vec2f offset; // of the hits
   std::vector<SurfaceHit> hits;
-  std::vector<float> errors; // a value a hit, in PictureMode::Error only
+  std::vector<float> errors; // one per hit, only in PictureMode::Error
 };
 
 void drawLine(Image& image, ImageSize size, int column)
@@ -257,7 +257,7 @@ int effectiveFrameLevel(const Representation& representation, unsigned resolutio
   if (!representation.isCompressed())
     return 0;
   if (!representation.hasFrames() || representation.frameLevel == autoFrameLevel)
-    return std::max(0, level - autoBlockLevel); // cVERT's blocks are as large
+    return std::max(0, level - autoBlockLevel); // as large as cVERT's blocks
   return std::min(representation.frameLevel, level);
 }
 

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* One picture of one representation, or of two side by side, the same in the window
- * and without one. Tiles of pixels are the tasks of TBB.
+/* A picture of one representation, or of two side by side, for the window and for screenshots. Tiles of pixels are
+ * tasks of TBB.
  *
- * Shading has several samples a pixel, as fine displacement is salt and pepper with one. All
- * else is of one hit, which has no mean: errors, places and normals, and all figures. */
+ * Shading uses several samples per pixel, because fine displacement looks like noise with one. The other modes and all
+ * figures use one hit, because errors, cells and normals have no meaningful mean. */
 
 #include "building/built_scene.h"
 #include "building/saved_scene.h"
@@ -21,42 +21,45 @@ namespace cbvh {
 enum class PictureMode
 {
   Shading, // two lights
-  Normals, // geometric, of the world: x, y, z in red, green, blue
-  Error,   // distance to GRID's hit in pixels, figure 10 of the paper
-  Cells,   // a colour for each quad, from (u,v)
-  Blocks,  // a hue for each frame level, a shade for each block
+  Normals, // geometric, in world space: x, y, z as red, green, blue
+  Error,   // distance from GRID's hit in pixels, as in figure 10 of the paper
+  Cells,   // one color per quad, from (u,v)
+  Blocks,  // one hue per frame level, one shade per block
 };
 
 constexpr PictureMode allPictureModes[] = {PictureMode::Shading, PictureMode::Normals, PictureMode::Error,
                                            PictureMode::Cells, PictureMode::Blocks};
 
-/* As on the command line. */
+/* Returns the name for the command line. */
 const char* pictureModeName(PictureMode mode);
 
-/* What a part of the picture shows. */
+/* Contents of a part of the picture. */
 struct Pane
 {
   Pane() = default;
-  explicit Pane(const BuiltScene* built, const BuiltScene* reference = nullptr) : scene(built), built(built), reference(reference) {}
+  explicit Pane(const BuiltScene* built, const BuiltScene* reference = nullptr)
+    : scene(built), built(built), reference(reference)
+  {
+  }
   explicit Pane(const SavedScene* saved) : scene(saved), saved(saved) {}
 
-  /* Whether it has what a mode shows: errors need a reference, places a model. */
+  /* True if the pane supports a mode: errors need a reference; cells and blocks need a model. */
   bool canShow(PictureMode mode) const;
 
   const TracedScene* scene = nullptr;
-  const BuiltScene* built = nullptr;     // the same, one of these two
+  const BuiltScene* built = nullptr;     // the same scene, either built or saved
   const SavedScene* saved = nullptr;
   const BuiltScene* reference = nullptr; // GRID at the same level, for PictureMode::Error only
 };
 
-/* Of one ray a pixel. */
+/* Figures of one ray per pixel. */
 struct PaneReport
 {
-  size_t rays = 0;                  // whether they hit or not
+  size_t rays = 0;                  // including misses
   size_t hits = 0;
-  double seconds = 0;               // for tracing all of them on all threads
-  double median = 0, p99 = 0;       // errors in pixels, over rays where both hit
-  size_t falseHits = 0, misses = 0; // these four in PictureMode::Error only
+  double seconds = 0;               // for tracing all rays on all threads
+  double median = 0, p99 = 0;       // errors in pixels, over rays for which both hit
+  size_t falseHits = 0, misses = 0; // these four only in PictureMode::Error
 
   double mrays() const { return seconds > 0 ? double(rays) * 1e-6 / seconds : 0.0; }
   double mhits() const { return seconds > 0 ? double(hits) * 1e-6 / seconds : 0.0; }
@@ -66,39 +69,38 @@ struct PictureSettings
 {
   PictureMode mode = PictureMode::Shading;
   Vec3f up{0, 1, 0};
-  float split = 0.5f; // where the right pane starts, of the width
+  float split = 0.5f; // start of the right pane, as a fraction of the width
   unsigned threads = 1;
-  int samples = 1; // a pixel, in PictureMode::Shading
-  float time = 0;  // of a model that moves, from its first step at 0 to its last at 1
+  int samples = 1; // per pixel in PictureMode::Shading
+  float time = 0;  // of a model that moves: 0 is the first time step, 1 the last
 };
 
-/* The column of a picture where its right pane starts, of two. */
+/* Returns the column at which the right of two panes starts. */
 int splitColumn(ImageSize size, float split);
 
-/* Frame level that a patch of `resolution` quads a side has in a representation, as
- * the manual of rtcSetGeometryCompression says; 0 for NAIVE and GRID. */
+/* Returns the frame level of a patch with `resolution` quads per side, as documented for rtcSetGeometryCompression; 0
+ * for NAIVE and GRID. */
 int effectiveFrameLevel(const Representation& representation, unsigned resolution);
 
-/* A picture that comes sample by sample: the first, through the centres of pixels, is one to show
- * and the one that the figures are of; the others make it smooth. */
+/* A picture that is rendered sample by sample. The first sample is through the centers of pixels; it can be shown, and
+ * figures belong to it. Further samples make the picture smooth. */
 class Picture
 {
 public:
-  /* panes: 1, or 2 for left and right, a white line between. Their scenes outlive the picture, or
-   * its last sample. */
+  /* `panes` holds 1 pane, or 2 for left and right with a white line between. Their scenes must outlive the last call of
+   * addSample. */
   Picture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
-  /* One sample more of each pixel. */
   void addSample();
 
   int samples() const { return count; }
   int wantedSamples() const { return settings.mode == PictureMode::Shading ? settings.samples : 1; }
   bool isComplete() const { return count >= wantedSamples(); }
 
-  /* Of all samples so far, at least one. */
+  /* Returns the mean of all samples so far, at least one. */
   const Image& image() const { return shown; }
 
-  /* One a pane. */
+  /* Returns one report per pane. */
   const std::vector<PaneReport>& reports() const { return paneReports; }
 
 private:
@@ -111,7 +113,7 @@ private:
   int count = 0;
 };
 
-/* With all its samples. Throws Cancelled. */
+/* Renders a picture with all its samples. Throws Cancelled. */
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
 } // namespace cbvh

@@ -8,12 +8,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <new>
 
 namespace cbvh {
 namespace {
 
-/* Scenes kept in all: both halves and GRID, and as many for switching back. */
+/* Largest number of scenes: both halves and GRID, and as many for switching back. */
 constexpr size_t maxEntries = 6;
 
 std::string name(const SceneKey& key)
@@ -32,7 +33,8 @@ bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b)
 {
   if (!a || !b)
     return !a && !b;
-  return a->description() == b->description() && a->size().width == b->size().width && a->size().height == b->size().height;
+  return a->description() == b->description() && a->size().width == b->size().width &&
+         a->size().height == b->size().height;
 }
 
 bool operator==(const SceneKey& a, const SceneKey& b)
@@ -48,7 +50,7 @@ SceneStore::SceneStore(const Model& model, const BuildSettings& settings, Worker
 
 SceneStore::~SceneStore()
 {
-  if (underWay)
+  if (current)
     worker.stop();
 }
 
@@ -69,16 +71,18 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
 {
   requested = keys;
   error.clear();
-  /* Requested ones to the front, the others keep their order of age. */
+  /* Move requested scenes to the front; the others stay in order of age. */
   entries.sort([&](const Entry& a, const Entry& b) { return isRequested(a.key) && !isRequested(b.key); });
-  if (underWay && !isRequested(*underWay))
+  if (current && !isRequested(*current))
     worker.cancel();
   start();
 }
 
 void SceneStore::makeRoom(const SceneKey& key)
 {
-  const size_t needed = key.camera ? 0 : estimatedPeakBytes(key.representation.kind, {model, key.level == autoLevel ? BuildSettings().level : key.level}); // of a view it is known when it is diced
+  /* The size of a scene for a view is known only after dicing. */
+  const int level = key.level == autoLevel ? BuildSettings().level : key.level;
+  const size_t needed = key.camera ? 0 : estimatedPeakBytes(key.representation.kind, {model, level});
   while (!entries.empty() && !isRequested(entries.back().key) &&
          (entries.size() + 1 > maxEntries || needed > availableMemory()))
     entries.pop_back();
@@ -86,8 +90,8 @@ void SceneStore::makeRoom(const SceneKey& key)
   if (needed <= available)
     return;
   char text[160];
-  std::snprintf(text, sizeof(text), "not enough memory: %s takes about %.1f GiB, and %.1f are free", name(key).c_str(),
-                double(needed) / (1 << 30), double(available) / (1 << 30));
+  std::snprintf(text, sizeof(text), "not enough memory: %s needs about %.1f GiB, but %.1f GiB are free",
+                name(key).c_str(), double(needed) / (1 << 30), double(available) / (1 << 30));
   throw Error(text);
 }
 
@@ -108,7 +112,7 @@ void SceneStore::start()
       error = e.what();
       return;
     }
-    underWay = key;
+    current = key;
     worker.start("building " + name(key), [this, key] { built = build(key); });
     return;
   }
@@ -120,31 +124,34 @@ std::unique_ptr<BuiltScene> SceneStore::build(const SceneKey& key) const
   own.level = key.level == autoLevel ? BuildSettings().level : key.level;
   if (key.camera)
   {
-    ViewDicing how = dicing;
-    how.maxRate = highestRate({key.representation});
-    own = settingsForView(own, model, *key.camera, how, pixelError);
-    if (estimatedPeakBytes(key.representation.kind, BuildSize(own.rates->quads, 1 + model.poses.size())) > availableMemory())
-      throw Error("not enough memory for " + std::to_string(own.rates->quads / 1000000) + " million quads: give a larger --quad-size");
+    ViewDicing keyDicing = dicing;
+    keyDicing.maxRate = highestRate({key.representation});
+    own = settingsForView(own, model, *key.camera, keyDicing, pixelError);
+    const BuildSize size(own.rates->quads, 1 + model.poses.size());
+    if (estimatedPeakBytes(key.representation.kind, size) > availableMemory())
+      throw Error("not enough memory for " + std::to_string(own.rates->quads / 1000000) +
+                  " million quads: expected a larger --quad-size");
   }
   return std::make_unique<BuiltScene>(model, key.representation, own);
 }
 
 void SceneStore::poll()
 {
-  if (underWay && worker.finished())
+  if (current && worker.finished())
     take();
   start();
 }
 
 void SceneStore::take()
 {
-  const SceneKey key = *underWay;
-  underWay.reset();
+  const SceneKey key = *current;
+  current.reset();
   try
   {
     worker.take();
     if (built->report().quads == 0)
-      throw Error(model.name + ": Embree makes no surface of this cage");
+      throw Error(model.name + ": Embree makes no surface of this cage: expected faces that are neither holes nor "
+                  "invalid");
     entries.push_front({key, std::move(built)});
   }
   catch (const Cancelled&)
@@ -160,12 +167,12 @@ void SceneStore::take()
   {
     error = name(key) + ": " + e.what();
   }
-  built.reset(); // if nobody wants it any more
+  built.reset(); // frees a scene that is no longer requested
 }
 
 void SceneStore::finish()
 {
-  while (underWay)
+  while (current)
   {
     worker.wait();
     poll();

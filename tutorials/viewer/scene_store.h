@@ -3,12 +3,10 @@
 
 #pragma once
 
-/* The built scenes of a viewer. One is built at a time, in the background, so that
- * the window goes on; scenes looked at before stay while there is memory, so that
- * switching back and forth is instant.
+/* The built scenes of a viewer. One scene is built at a time, in the background, so that the window stays responsive.
+ * Earlier scenes stay while there is memory, so that switching back is immediate.
  *
- * Everything here is called from one thread; scenes that it hands out live until the
- * next call of request. */
+ * All functions must be called from the same thread. References to scenes are valid until the next call of request. */
 
 #include "building/built_scene.h"
 #include "building/view_dicing.h"
@@ -22,56 +20,54 @@
 
 namespace cbvh {
 
-constexpr int autoLevel = -1; // rates by a view
+constexpr int autoLevel = -1; // use rates by a view
 
-/* "auto", or the number. */
+/* Returns "auto", or the number. */
 std::string levelText(int level);
 
 struct SceneKey
 {
   Representation representation;
   int level = 6;
-  std::optional<Camera> camera; // of autoLevel; none of what has one level whatever the view, meshes and NAIVE
+  std::optional<Camera> camera; // only for autoLevel; unset for meshes and NAIVE, which do not depend on the view
 };
 
-/* Whether both are the same, or none. */
+/* True if both cameras are equal, or both are unset. */
 bool isSameView(const std::optional<Camera>& a, const std::optional<Camera>& b);
 
-/* Frame levels count where there are frames only. */
+/* Ignores frame levels of representations without frames. */
 bool operator==(const SceneKey& a, const SceneKey& b);
 inline bool operator!=(const SceneKey& a, const SceneKey& b) { return !(a == b); }
 
 class SceneStore
 {
 public:
-  /* settings: its level is overruled by those of the keys. worker: builds; outlives
-   * the store. */
+  /* The level of a key replaces the level of the settings. The worker, which builds, must outlive the store. */
   SceneStore(const Model& model, const BuildSettings& settings, Worker& worker);
 
-  /* How scenes of autoLevel are built. maxPixelError: on the spacing of cVERT, 0 for none. */
-  void setDicing(const ViewDicing& how, float maxPixelError)
+  /* Sets how scenes of autoLevel are built. `maxPixelError` bounds the spacing of cVERT, 0 for no bound. */
+  void setDicing(const ViewDicing& newDicing, float maxPixelError)
   {
-    dicing = how;
+    dicing = newDicing;
     pixelError = maxPixelError;
   }
 
-  /* Stops a build that is under way. */
+  /* Stops the current build. */
   ~SceneStore();
 
-  /* Keeps these scenes and builds what is missing of them, in this order. Stops a
-   * build that is not among them. */
+  /* Keeps these scenes, and builds the missing ones in this order. Stops the current build if it is not requested. */
   void request(const std::vector<SceneKey>& keys);
 
-  /* Takes over what has been built since and starts the next build. */
+  /* Adds a finished scene and starts the next build. */
   void poll();
 
-  /* Waits until everything requested is there. Throws Error, Cancelled. */
+  /* Waits until all requested scenes are built. Throws Error, Cancelled. */
   void finish();
 
-  /* Null if it is not built. */
+  /* Returns null if the scene is not built. */
   const BuiltScene* find(const SceneKey& key) const;
 
-  /* Why the last build failed; empty once another one is requested. */
+  /* Returns why the last build failed; empty after the next call of request. */
   const std::string& failure() const { return error; }
 
 private:
@@ -91,11 +87,11 @@ private:
   BuildSettings settings;
   ViewDicing dicing;
   float pixelError = 0;
-  std::list<Entry> entries; // requested last, first
+  std::list<Entry> entries; // the most recently requested first
   std::vector<SceneKey> requested;
   Worker& worker;
-  std::optional<SceneKey> underWay;
-  std::unique_ptr<BuiltScene> built; // by the worker, for underWay
+  std::optional<SceneKey> current;   // being built
+  std::unique_ptr<BuiltScene> built; // by the worker, for `current`
   std::string error;
 };
 

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* What is looked at, as far as it can be switched while running, and the scenes that
- * this takes. */
+/* The state of a view that can be changed at run time, and the scenes that it needs. */
 
 #include "document.h"
 #include "picture.h"
@@ -18,16 +17,16 @@ struct ViewState
   std::vector<Representation> representations; // one, or two for a split screen
   int level = 6;                               // or autoLevel
   PictureMode mode = PictureMode::Shading;
-  std::optional<Camera> camera;                // that autoLevel is for; none of meshes
+  std::optional<Camera> camera;                // for autoLevel; unset for meshes
 
-  /* How a representation is built. */
+  /* Returns the key of a representation's scene. */
   SceneKey key(const Representation& r) const;
 
-  /* What has to be built, GRID for its errors included. */
+  /* Returns the keys of all necessary scenes, including GRID for errors. */
   std::vector<SceneKey> scenes() const;
 };
 
-/* Empty until all scenes of the state are built; of a file always what is in it. */
+/* Returns the panes, or nothing until all scenes of the state are built. A file always has one pane. */
 std::vector<Pane> findPanes(const ViewState& state, const Document& document);
 
 bool operator==(const ViewState& a, const ViewState& b);

@@ -20,7 +20,8 @@ namespace {
 
 std::string nameOf(const SceneSettings& source)
 {
-  return source.scene.empty() ? std::filesystem::path(source.cagePath + source.meshPath + source.savedPath).filename().string() : source.scene;
+  const std::string path = source.cagePath + source.meshPath + source.savedPath;
+  return source.scene.empty() ? std::filesystem::path(path).filename().string() : source.scene;
 }
 
 bool sameCage(const SceneSettings& a, const SceneSettings& b)
@@ -38,12 +39,13 @@ bool sameScenes(const std::vector<Pane>& a, const std::vector<Pane>& b)
 
 Viewer::Viewer(const ViewerOptions& options) : options(options), shownTime(options.time)
 {
-  worker.listen();
-  wanted.representations = options.representations;
-  wanted.level = options.autoLevel ? autoLevel : options.build.level;
-  wanted.mode = options.mode;
-  shown = wanted;
-  if (!options.scene.scene.empty() || !options.scene.cagePath.empty() || !options.scene.meshPath.empty() || !options.scene.savedPath.empty())
+  worker.reportProgress();
+  requested.representations = options.representations;
+  requested.level = options.autoLevel ? autoLevel : options.build.level;
+  requested.mode = options.mode;
+  shown = requested;
+  const SceneSettings& scene = options.scene;
+  if (!scene.scene.empty() || !scene.cagePath.empty() || !scene.meshPath.empty() || !scene.savedPath.empty())
     open(options.scene);
 }
 
@@ -73,7 +75,7 @@ void Viewer::openFiles(const std::vector<std::string>& paths)
 
 void Viewer::setStrength(float strength)
 {
-  SceneSettings source = withStrength(latestSource());
+  SceneSettings source = withDefaultAmplitude(latestSource());
   std::optional<float>& given = source.mapScale ? source.mapScale : source.amplitude;
   if (given && *given != strength)
   {
@@ -111,7 +113,7 @@ void Viewer::takeLoaded()
   }
   catch (const std::bad_alloc&)
   {
-    failure = "not enough memory to load that";
+    failure = "not enough memory to load this model";
   }
   catch (const std::exception& e)
   {
@@ -125,7 +127,7 @@ void Viewer::takeLoaded()
   requestScenes();
 }
 
-/* Another map or amplitude is looked at from where the user stands. */
+/* A new map or amplitude keeps the current view. */
 void Viewer::showLoaded()
 {
   const bool otherCage = !document || !sameCage(document->loaded->source, loaded->source);
@@ -142,11 +144,11 @@ void Viewer::showLoaded()
     stepLength = 0.02f * viewpoint->distance();
   }
   rendered.reset();
-  wanted.camera.reset();
+  requested.camera.reset();
   latestCamera.reset();
-  shown = wanted;
+  shown = requested;
   printWarnings("cbvh_viewer", document->loaded->warnings);
-  lastMessage = linesAfter("warning: ", document->loaded->warnings);
+  lastMessage = prefixLines("warning: ", document->loaded->warnings);
 }
 
 /* --- every frame ------------------------------------------------------------------------- */
@@ -160,15 +162,15 @@ void Viewer::update()
   if (toLoad && !worker.busy())
     load();
   followCamera();
-  if (document && shown != wanted && (isPreview() || !findPanes(wanted, *document).empty()))
+  if (document && shown != requested && (isPreview() || !findPanes(requested, *document).empty()))
   {
-    shown = wanted;
+    shown = requested;
     requestScenes();
     rendered.reset();
   }
 }
 
-/* Rates by the view are those of the view where the camera rests. */
+/* Rates by the view follow the camera when it has rested for some time. */
 void Viewer::followCamera()
 {
   constexpr std::chrono::milliseconds rest(300);
@@ -180,9 +182,10 @@ void Viewer::followCamera()
     latestCamera = now;
     cameraMoved = std::chrono::steady_clock::now();
   }
-  if (isSameView(now, wanted.camera) || (wanted.camera && std::chrono::steady_clock::now() - cameraMoved < rest))
+  const bool isResting = std::chrono::steady_clock::now() - cameraMoved >= rest;
+  if (isSameView(now, requested.camera) || (requested.camera && !isResting))
     return;
-  wanted.camera = now;
+  requested.camera = now;
   requestScenes();
 }
 
@@ -199,7 +202,7 @@ std::vector<Pane> Viewer::panesOrPreview() const
   return {Pane(document->loaded->preview.get())};
 }
 
-/* What is damaged is told once, and the rest is shown. */
+/* Reports damage once; undamaged parts are shown. */
 void Viewer::checkFile()
 {
   if (!isFile())
@@ -217,15 +220,15 @@ void Viewer::checkFile()
 
 PictureMode Viewer::picturedMode() const
 {
-  const std::vector<Pane> what = panesOrPreview();
-  return what.empty() || what[0].canShow(shown.mode) ? shown.mode : PictureMode::Shading;
+  const std::vector<Pane> all = panesOrPreview();
+  return all.empty() || all[0].canShow(shown.mode) ? shown.mode : PictureMode::Shading;
 }
 
 bool Viewer::refresh(ImageSize now)
 {
   size = now;
-  const std::vector<Pane> what = panesOrPreview();
-  if (what.empty())
+  const std::vector<Pane> all = panesOrPreview();
+  if (all.empty())
     return false;
   if (framing && (framedSize.width != size.width || framedSize.height != size.height))
     frame(ViewHints(*framing));
@@ -233,8 +236,12 @@ bool Viewer::refresh(ImageSize now)
   if (!latestCamera)
     latestCamera = camera;
   const std::string description = camera.description();
-  const bool same = rendered && rendered->image().size.width == size.width && rendered->image().size.height == size.height &&
-                    description == renderedCamera && splitPosition == renderedSplit && shownTime == renderedTime && sameScenes(what, renderedPanes);
+  const auto isRendered = [&] {
+    const ImageSize last = rendered->image().size;
+    return last.width == size.width && last.height == size.height && description == renderedCamera &&
+           splitPosition == renderedSplit && shownTime == renderedTime && sameScenes(all, renderedPanes);
+  };
+  const bool same = rendered && isRendered();
   if (same && !continuous)
   {
     if (rendered->isComplete())
@@ -250,48 +257,48 @@ bool Viewer::refresh(ImageSize now)
   settings.threads = threadCount(options.build.threads);
   settings.samples = options.samples;
   settings.time = shownTime;
-  rendered.emplace(camera, what, settings);
+  rendered.emplace(camera, all, settings);
   rendered->addSample();
   checkFile();
   renderedCamera = description;
   renderedSplit = splitPosition;
   renderedTime = shownTime;
-  renderedPanes = what;
+  renderedPanes = all;
   return true;
 }
 
-/* --- what is wanted ---------------------------------------------------------------------- */
+/* --- requests ---------------------------------------------------------------------------- */
 
-void Viewer::want(const ViewState& state)
+void Viewer::requestState(const ViewState& state)
 {
-  if (state == wanted)
+  if (state == requested)
     return;
   if (isFile())
   {
     const PictureMode mode = state.mode;
-    if (mode == wanted.mode)
+    if (mode == requested.mode)
     {
-      lastMessage = "a file shows what is in it, at the level that it was written with";
+      lastMessage = "a file can only be shown in its own representation and level";
       return;
     }
-    wanted.mode = mode;
+    requested.mode = mode;
   }
   else
-    wanted = state;
+    requested = state;
   lastMessage.clear();
-  if (isFile() && !panes()[0].canShow(wanted.mode))
-    lastMessage = "mode " + std::string(pictureModeName(wanted.mode)) + " needs the model, which a file has not";
+  if (isFile() && !panes()[0].canShow(requested.mode))
+    lastMessage = "mode " + std::string(pictureModeName(requested.mode)) + " needs a model, but a file contains none";
   requestScenes();
 }
 
-/* What is shown stays until what is wanted is there. */
+/* Also keeps the shown scenes until the requested ones are built. */
 void Viewer::requestScenes()
 {
   if (!document || toLoad || loading || isFile())
-    return; // asked for when that has ended
-  if (needsCamera() && !wanted.camera)
-    return; // asked for when the size of the picture is known
-  std::vector<SceneKey> keys = wanted.scenes();
+    return; // called again when loading has ended
+  if (needsCamera() && !requested.camera)
+    return; // called again when the size of the picture is known
+  std::vector<SceneKey> keys = requested.scenes();
   if (!isPreview())
     for (const SceneKey& key : shown.scenes())
       keys.push_back(key);
@@ -302,7 +309,7 @@ void Viewer::setSplit(bool split)
 {
   if (split == isSplit() || isFile())
     return;
-  ViewState state = wanted;
+  ViewState state = requested;
   if (split)
     state.representations.push_back(other);
   else
@@ -310,12 +317,12 @@ void Viewer::setSplit(bool split)
     other = state.representations[1];
     state.representations.pop_back();
   }
-  want(state);
+  requestState(state);
 }
 
 void Viewer::moveSplit(float position)
 {
-  constexpr float rim = 0.02f; // it can be caught again
+  constexpr float rim = 0.02f; // keeps the line within reach of the mouse
   splitPosition = std::clamp(position, rim, 1.0f - rim);
 }
 
@@ -331,7 +338,7 @@ void Viewer::stop()
     worker.cancel();
   else if (document)
   {
-    wanted = shown;
+    requested = shown;
     document->store.request(isPreview() || isFile() ? std::vector<SceneKey>() : shown.scenes());
   }
 }
@@ -343,8 +350,8 @@ std::string Viewer::message() const
 
 void Viewer::savePicture()
 {
-  if (!rendered || shown != wanted || isPreview())
-    lastMessage = "not saved: the picture is not there yet";
+  if (!rendered || shown != requested || isPreview())
+    lastMessage = "not saved: the picture is not ready yet";
   else
     try
     {
@@ -363,7 +370,7 @@ void Viewer::savePicture()
 
 /* --- the camera -------------------------------------------------------------------------- */
 
-/* From there as it starts, at the size that it has now. */
+/* Shows the whole model in the direction of the hints, at the current size. */
 void Viewer::frame(const ViewHints& from)
 {
   framing = from;
@@ -403,7 +410,7 @@ bool Viewer::isUpGuessed() const
   return document && document->model().isUpGuessed && upAxis == document->model().up;
 }
 
-void Viewer::turnUp(const std::string& axis)
+void Viewer::setUp(const std::string& axis)
 {
   if (!viewpoint || axis == upAxis)
     return;
@@ -412,7 +419,7 @@ void Viewer::turnUp(const std::string& axis)
   const Camera camera = viewpoint->camera(size);
   viewpoint.emplace(camera, hints.up);
   frame(hints);
-  rendered.reset(); // its light came from another side
+  rendered.reset(); // the light depends on the up axis
 }
 
 void Viewer::orbit(float right, float upwards)
@@ -460,7 +467,7 @@ std::optional<Vec3f> Viewer::pointAt(Vec2f pixel) const
   return ray.origin + hit.t * ray.direction;
 }
 
-/* In the plane of the target where nothing is seen. */
+/* Returns the visible point, or the point in the plane of the target if nothing is visible. */
 Vec3f Viewer::pointOrTargetAt(Vec2f pixel) const
 {
   if (const std::optional<Vec3f> point = pointAt(pixel))
@@ -488,7 +495,7 @@ void Viewer::zoom(float factor)
     viewpoint->zoom(viewpoint->position() + viewpoint->distance() * viewpoint->direction(), 1.0f / factor);
 }
 
-void Viewer::centreAt(Vec2f pixel)
+void Viewer::centerAt(Vec2f pixel)
 {
   if (const std::optional<Vec3f> point = pointAt(pixel))
   {

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* What a viewer shows and what the user wants it to show, without the window around it.
- * Whatever takes long goes on in the background; until it is there, what was shown stays.
- * A model that is shown as a whole stays so when the picture gets another size.
+/* The state of a viewer without its window: the requested and the shown scenes. Slow work runs in the background, and
+ * the previous scene stays visible until it is finished. A model that is shown as a whole stays so when the picture is
+ * resized.
  *
- * Pixels are those of the picture, from the upper left. */
+ * Pixels are pixels of the picture, from the upper left. */
 
 #include "document.h"
 #include "view_state.h"
@@ -21,107 +21,105 @@ namespace cbvh {
 class Viewer
 {
 public:
-  /* options: outlives the viewer. Opens their scene, if they name one. */
+  /* Opens the scene of the options, if they name one. The options must outlive the viewer. */
   explicit Viewer(const ViewerOptions& options);
 
   /* --- files --- */
 
-  /* Loads a scene in place of the one that is shown. */
+  /* Replaces the current scene. */
   void open(const SceneSettings& source);
 
   /* The same for files, see openFiles in opened_files.h. */
   void openFiles(const std::vector<std::string>& paths);
 
-  /* Loads the same with its displacement at another amplitude, or at another scale where that
-   * is what was given. Nothing for what has no displacement. */
+  /* Reloads the scene with another amplitude, or another scale of the map if that was given. Does nothing if the scene
+   * is not displaced. */
   void setStrength(float strength);
 
-  /* Whether what is opened is a file of compressed surfaces: its kinds and levels are those that it was written with. */
+  /* True for a file of compressed surfaces, whose representations and levels are fixed. */
   bool isFile() const { return document && document->loaded->saved; }
 
-  /* Null while there is none yet. */
+  /* Returns null until a scene is loaded. */
   const LoadedModel* opened() const { return document ? document->loaded.get() : nullptr; }
 
   /* --- every frame --- */
 
-  /* Takes over what the background has finished, and starts what is to be done next.
-   * Throws Cancelled when a signal asked for the end. */
+  /* Applies finished background work and starts the next task. Throws Cancelled after a signal. */
   void update();
 
-  /* Renders if anything changed since the last call, else adds a sample to the picture, if it is to
-   * have more. Says whether it did either. */
+  /* Renders if anything changed since the last call; otherwise adds a sample to an incomplete picture. Returns true if
+   * it did either. */
   bool refresh(ImageSize size);
 
-  /* As refresh left it; null while there is nothing to show. */
+  /* Returns the result of refresh; null if there is nothing to show. */
   const Picture* picture() const { return rendered ? &*rendered : nullptr; }
 
-  /* What is shown, one or two; empty while nothing or a preview is. */
+  /* Returns the shown panes, one or two; empty if there is no scene, or only a preview. */
   std::vector<Pane> panes() const;
   bool isPreview() const { return document && panes().empty(); }
 
-  /* --- what is wanted --- */
+  /* --- requests --- */
 
-  const ViewState& state() const { return wanted; }
-  PictureMode picturedMode() const; // shading where there is not what the mode takes
+  const ViewState& state() const { return requested; }
+  PictureMode picturedMode() const; // shading if the scene does not support the mode
   int shownLevel() const { return shown.level; }
-  void want(const ViewState& state);
-  bool isSplit() const { return wanted.representations.size() == 2; }
+  void requestState(const ViewState& state);
+  bool isSplit() const { return requested.representations.size() == 2; }
   void setSplit(bool split);
 
-  /* Where the right half starts, of the width. */
+  /* Start of the right half as a fraction of the width. */
   float split() const { return splitPosition; }
   void moveSplit(float position);
 
-  /* When the model is shown, from 0 to 1, if it moves. */
+  /* Time at which a moving model is shown, 0 to 1. */
   bool moves() const { return document && document->loaded->moves(); }
   float time() const { return shownTime; }
   void setTime(float time);
 
-  /* What is under way, if anything is. */
+  /* Returns the progress of the current background task, if there is one. */
   std::optional<Worker::Progress> progress() const { return worker.progress(); }
 
-  /* Gives up what is under way. */
+  /* Cancels the current background task. */
   void stop();
 
-  /* Why there is not what was wanted, or what was done last; a line, or empty. */
+  /* Returns a line about the last failure or action, or an empty string. */
   std::string message() const;
 
-  /* Writes the picture that is shown, with all its samples. */
+  /* Saves the shown picture with all its samples. */
   void savePicture();
 
-  bool continuous = false; // renders although nothing changed
+  bool continuous = false; // render even if nothing changed
 
-  /* --- the camera; nothing happens while there is no model --- */
+  /* --- the camera; these do nothing while there is no model --- */
 
   void resetView();
   void fitView();
 
-  /* The options that show the same: --view, and --up where turnUp chose another axis for a cage. */
+  /* Returns the options that show the same view: --view, and --up if setUp chose another axis for a cage. */
   std::string viewOptions() const;
 
-  /* The axis that points upwards, one of upAxes(), and whether it is a guess. turnUp takes another
-   * one and shows all of the model. */
+  /* The up axis, one of upAxes(), and whether it was guessed. setUp selects an axis and shows the whole model. */
   const std::string& up() const { return upAxis; }
   bool isUpGuessed() const;
-  void turnUp(const std::string& axis);
+  void setUp(const std::string& axis);
 
   void orbit(float right, float upwards);
   void look(float right, float upwards);
-  void walk(float right, float forward); // steps, of which there are about 50 to what is looked at
+  void walk(float right, float forward); // in steps, about 50 of which lead to the target
   void pan(Vec2f pixels, float depth);
 
-  /* Distance of what is seen there along the view, of the target where nothing is. */
+  /* Returns the distance along the view of the visible point, or of the target if nothing is visible. */
   float depthAt(Vec2f pixel) const;
 
-  /* Brings what is seen there `factor` times as near. */
+  /* Moves `factor` times as close to the visible point. */
   void zoomAt(Vec2f pixel, float factor);
   void zoom(float factor);
 
-  /* Turns to what is seen there, if anything is, and orbits about it. */
-  void centreAt(Vec2f pixel);
+  /* Turns to the visible point, if any, and makes it the center of orbits. */
+  void centerAt(Vec2f pixel);
 
 private:
-  const SceneSettings& latestSource() const; // that was asked for, whether it is there yet or not
+  const SceneSettings& latestSource() const; // the most recently opened source, which may not be loaded yet
   void load();
   void takeLoaded();
   void showLoaded();
@@ -130,7 +128,10 @@ private:
   void leaveFrame() { framing.reset(); }
   void requestScenes();
   void followCamera();
-  bool needsCamera() const { return document && wanted.level == autoLevel && !document->model().isMesh && !isFile(); }
+  bool needsCamera() const
+  {
+    return document && requested.level == autoLevel && !document->model().isMesh && !isFile();
+  }
   std::vector<Pane> panesOrPreview() const;
   std::optional<Vec3f> pointAt(Vec2f pixel) const;
   Vec3f pointOrTargetAt(Vec2f pixel) const;
@@ -138,28 +139,28 @@ private:
   const ViewerOptions& options;
   std::optional<SceneSettings> toLoad;
   bool loading = false;
-  SceneSettings beingLoaded; // then
-  std::unique_ptr<const LoadedModel> loaded; // by the worker, which is gone before this is,
-  Worker worker;                             // and after the document, whose scenes it builds
+  SceneSettings beingLoaded; // if loading
+  std::unique_ptr<const LoadedModel> loaded; // by the worker, which is destroyed first
+  Worker worker; // destroyed after the document, whose scenes it builds
   std::unique_ptr<Document> document;
 
-  ViewState wanted, shown;
-  Representation other{RepresentationKind::Grid}; // of the right half while there is none
+  ViewState requested, shown;
+  Representation other{RepresentationKind::Grid}; // of the right half while the screen is not split
   float splitPosition = 0.5f, stepLength = 1.0f;
   float shownTime;
-  std::optional<Viewpoint> viewpoint; // as soon as there is a model
+  std::optional<Viewpoint> viewpoint; // set if there is a model
   std::string upAxis = "y";
-  ViewHints hints;                    // of the model, turned to that
-  std::optional<ViewHints> framing;   // from where all of it is shown, until the user moves
+  ViewHints hints;                    // of the model, rotated to the up axis
+  std::optional<ViewHints> framing;   // hints of a view of the whole model, until the user moves
   ImageSize framedSize;
 
   ImageSize size{1, 1};
   std::optional<Picture> rendered;
-  std::string renderedCamera; // what it was rendered with,
+  std::string renderedCamera; // the state for which it was rendered
   float renderedSplit = 0.5f, renderedTime = 0.0f;
   std::vector<Pane> renderedPanes;
-  std::optional<Camera> latestCamera;                // of the last frame,
-  std::chrono::steady_clock::time_point cameraMoved; // and since when it has been there
+  std::optional<Camera> latestCamera;                // of the last frame
+  std::chrono::steady_clock::time_point cameraMoved; // time of its last change
   std::string lastMessage;
 };
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Where the user stands and what is looked at, and how mouse and keys move both. */
+/* The user's position and target, and their movement by mouse and keys. */
 
 #include "tracing/camera.h"
 
@@ -12,30 +12,30 @@ namespace cbvh {
 class Viewpoint
 {
 public:
-  /* camera: that of the start. up: of the model; the camera never tilts against it. */
+  /* Starts at a camera. `up` is the model's up direction; the camera never rolls. */
   Viewpoint(const Camera& camera, Vec3f up);
 
   Camera camera(ImageSize size) const { return Camera(eye, target, up, fieldOfView, size); }
 
   Vec3f position() const { return eye; }
   Vec3f direction() const { return normalize(target - eye); }
-  float distance() const { return length(target - eye); } // of what is looked at
+  float distance() const { return length(target - eye); } // from the target
   float fov() const { return fieldOfView; }
 
-  /* Turns the view to the right and upwards, in radians: about the target, or on the spot. */
+  /* Rotate the view to the right and upwards, in radians: about the target, or about the eye. */
   void orbit(float right, float upwards);
   void look(float right, float upwards);
 
-  /* Turns to a point, which orbit turns about from then on. */
+  /* Turns to a point, which becomes the target. */
   void lookAt(Vec3f point);
 
-  /* Walks, in world units. */
+  /* Moves eye and target, in world units. */
   void move(float right, float forward);
 
-  /* Moves sideways so that what lies `depth` before the eye follows the mouse by so many pixels. */
+  /* Moves sideways so that points at distance `depth` follow the mouse by a number of pixels. */
   void pan(float pixelsRight, float pixelsDown, float depth, ImageSize size);
 
-  /* Brings all points `factor` times as far away as they are, keeping `point` in its pixel. */
+  /* Multiplies the distance of all points by `factor` and keeps `point` in its pixel. */
   void zoom(Vec3f point, float factor);
 
   void set(const Camera& camera);

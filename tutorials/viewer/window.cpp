@@ -30,7 +30,7 @@ public:
     height = unsigned(options.size.height);
   }
 
-  /* --- what upstream's application asks for -------------------------------------------- */
+  /* --- functions of upstream's application ----------------------------------------------- */
 
   void displayFunc() override
   {
@@ -40,16 +40,16 @@ public:
     {
       viewer.update();
     }
-    catch (const Cancelled&) // by a signal
+    catch (const Cancelled&) // after a signal
     {
     }
     if (interrupted() || panel.quitChosen())
       glfwSetWindowShouldClose(window, 1);
     const bool walking = walk();
-    const bool rendered = width > 0 && height > 0 && viewer.refresh(pictureSize()); // else an icon
+    const bool rendered = width > 0 && height > 0 && viewer.refresh(pictureSize()); // the size is 0 for an icon
     draw();
     if (!rendered && !walking)
-      glfwWaitEventsTimeout(0.05); // progress goes on without events
+      glfwWaitEventsTimeout(0.05); // progress changes without events
   }
 
   void keyboardFunc(GLFWwindow* window, int key, int scancode, int action, int mods) override
@@ -60,9 +60,9 @@ public:
     if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput)
       return;
     if (panel.isAsking())
-      answered(key);
-    else if (!turned(key) && action == GLFW_PRESS && !switched(key, (mods & GLFW_MOD_SHIFT) != 0))
-      pressed(key, (mods & GLFW_MOD_SHIFT) != 0);
+      handleAnswer(key);
+    else if (!handleOrbit(key) && action == GLFW_PRESS && !handleSwitch(key, (mods & GLFW_MOD_SHIFT) != 0))
+      handleKey(key, (mods & GLFW_MOD_SHIFT) != 0);
   }
 
   void clickFunc(GLFWwindow* window, int button, int action, int mods) override
@@ -79,7 +79,7 @@ public:
       panDepth = viewer.depthAt(last);
     }
     else if (button == GLFW_MOUSE_BUTTON_RIGHT)
-      viewer.centreAt(last);
+      viewer.centerAt(last);
     else if (button == GLFW_MOUSE_BUTTON_LEFT)
       drag = isOnSplit(last)           ? Drag::Split
            : mods & GLFW_MOD_SHIFT     ? Drag::Look
@@ -89,7 +89,7 @@ public:
 
   void motionFunc(GLFWwindow*, double, double) override
   {
-    constexpr float radians = 0.005f; // a pixel
+    constexpr float radians = 0.005f; // per pixel
     const Vec2f now = cursor(), moved = now - last;
     last = now;
     switch (drag)
@@ -106,15 +106,18 @@ public:
 private:
   enum class Drag { None, Orbit, Look, Distance, Pan, Split };
 
-  /* In pixels, of which a window has more than of its own units on dense screens. */
+  /* Returns the area in pixels. On dense screens a window has more pixels than units. */
   Rectangle pictureArea() const
   {
     int w, h;
     glfwGetWindowSize(window, &w, &h);
     const Rectangle area = panel.layout({std::max(w, 1), std::max(h, 1)}).picture;
-    const auto pixels = [](int units, unsigned all, int allUnits) { return int(int64_t(units) * int64_t(all) / std::max(allUnits, 1)); };
+    const auto pixels = [](int units, unsigned all, int allUnits) {
+      return int(int64_t(units) * int64_t(all) / std::max(allUnits, 1));
+    };
     const int x = pixels(area.x, width, w), y = pixels(area.y, height, h);
-    return {x, y, std::max(1, pixels(area.x + area.width, width, w) - x), std::max(1, pixels(area.y + area.height, height, h) - y)};
+    const int x1 = pixels(area.x + area.width, width, w), y1 = pixels(area.y + area.height, height, h);
+    return {x, y, std::max(1, x1 - x), std::max(1, y1 - y)};
   }
 
   ImageSize pictureSize() const
@@ -125,11 +128,11 @@ private:
 
   static Window& self() { return *static_cast<Window*>(instance); }
 
-  /* What upstream's application leaves as it is. */
+  /* Sets callbacks that upstream's application does not set. */
   void prepare()
   {
     prepared = true;
-    ImGui::GetIO().IniFilename = nullptr; // leave no file behind
+    ImGui::GetIO().IniFilename = nullptr; // write no settings file
     glfwSetScrollCallback(window, [](GLFWwindow* window, double x, double y) {
       ImGui_ImplGlfw_ScrollCallback(window, x, y);
       if (!ImGui::GetIO().WantCaptureMouse)
@@ -184,7 +187,7 @@ private:
 
   /* --- mouse ------------------------------------------------------------------------------- */
 
-  /* In pixels of the picture. */
+  /* Returns the position of the cursor in pixels of the picture. */
   Vec2f cursor() const
   {
     double x, y;
@@ -192,18 +195,20 @@ private:
     glfwGetCursorPos(window, &x, &y);
     glfwGetWindowSize(window, &w, &h);
     const Rectangle area = pictureArea();
-    return {float(x) * float(width) / float(std::max(w, 1)) - float(area.x), float(y) * float(height) / float(std::max(h, 1)) - float(area.y)};
+    return {float(x) * float(width) / float(std::max(w, 1)) - float(area.x),
+            float(y) * float(height) / float(std::max(h, 1)) - float(area.y)};
   }
 
   bool isOnSplit(Vec2f pixel) const
   {
     constexpr float reach = 6;
-    return viewer.panes().size() == 2 && std::abs(pixel.x - float(splitColumn(pictureSize(), viewer.split()))) <= reach;
+    const float line = float(splitColumn(pictureSize(), viewer.split()));
+    return viewer.panes().size() == 2 && std::abs(pixel.x - line) <= reach;
   }
 
   /* --- keys -------------------------------------------------------------------------------- */
 
-  /* Moves for as long as keys are held. */
+  /* Moves while keys are held. */
   bool walk()
   {
     const auto now = std::chrono::steady_clock::now();
@@ -215,12 +220,12 @@ private:
     const float right = held(GLFW_KEY_D) - held(GLFW_KEY_A), forward = held(GLFW_KEY_W) - held(GLFW_KEY_S);
     if (right == 0.0f && forward == 0.0f)
       return false;
-    constexpr float steps = 30; // a second
+    constexpr float steps = 30; // per second
     viewer.walk(steps * seconds * walkSpeed * right, steps * seconds * walkSpeed * forward);
     return true;
   }
 
-  void answered(int key)
+  void handleAnswer(int key)
   {
     if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_Y || key == GLFW_KEY_Q)
       glfwSetWindowShouldClose(window, 1);
@@ -228,8 +233,8 @@ private:
       panel.ask(false);
   }
 
-  /* Also as a key repeats. */
-  bool turned(int key)
+  /* Also called when a key repeats. Returns false for other keys. */
+  bool handleOrbit(int key)
   {
     constexpr float angle = 0.05f;
     switch (key)
@@ -242,8 +247,8 @@ private:
     }
   }
 
-  /* Another representation, level or mode. */
-  bool switched(int key, bool shift)
+  /* Changes representation, level or mode. Returns false for other keys. */
+  bool handleSwitch(int key, bool shift)
   {
     const int step = shift ? -1 : 1;
     ViewState state = viewer.state();
@@ -262,11 +267,11 @@ private:
     }
     else
       return false;
-    viewer.want(state);
+    viewer.requestState(state);
     return true;
   }
 
-  void pressed(int key, bool shift)
+  void handleKey(int key, bool shift)
   {
     switch (key)
     {
@@ -276,7 +281,7 @@ private:
     case GLFW_KEY_B: viewer.continuous = !viewer.continuous; break;
     case GLFW_KEY_F: viewer.fitView(); break;
     case GLFW_KEY_R: viewer.resetView(); break;
-    case GLFW_KEY_U: turnUp(shift); break;
+    case GLFW_KEY_U: switchUp(shift); break;
     case GLFW_KEY_PAGE_UP: walkSpeed *= 1.2f; break;
     case GLFW_KEY_PAGE_DOWN: walkSpeed /= 1.2f; break;
     case GLFW_KEY_TAB: panel.fold(); break;
@@ -287,12 +292,12 @@ private:
     }
   }
 
-  /* To the next of the axes, or to the one before. */
-  void turnUp(bool back)
+  /* Selects the next up axis, or the previous one. */
+  void switchUp(bool back)
   {
     const std::vector<std::string>& axes = upAxes();
     const size_t now = size_t(std::find(axes.begin(), axes.end(), viewer.up()) - axes.begin());
-    viewer.turnUp(axes[(now + (back ? axes.size() - 1 : 1)) % axes.size()]);
+    viewer.setUp(axes[(now + (back ? axes.size() - 1 : 1)) % axes.size()]);
   }
 
   Viewer& viewer;
@@ -301,7 +306,7 @@ private:
   std::string shownTitle;
 
   Drag drag = Drag::None;
-  Vec2f last;       // where the cursor was
+  Vec2f last; // position of the cursor at the last event
   float panDepth = 0;
   float walkSpeed = 1;
   std::chrono::steady_clock::time_point walkedAt;
@@ -313,11 +318,10 @@ std::string glfwMessage;
 
 void showWindow(const ViewerOptions& options)
 {
-  /* Upstream's application takes errors for exceptions through GLFW's frames: see
-   * before it starts whether there is a display at all. */
+  /* Upstream's application throws exceptions through GLFW's frames, so check first whether there is a display. */
   glfwSetErrorCallback([](int, const char* text) { glfwMessage = text; });
   if (!glfwInit())
-    throw Error("no window can be opened (" + glfwMessage + "); --screenshot needs none");
+    throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --screenshot");
   {
     Viewer viewer(options);
     Window(options, viewer).renderInteractive();
@@ -327,9 +331,9 @@ void showWindow(const ViewerOptions& options)
 
 } // namespace cbvh
 
-/* --- what upstream links a tutorial against ------------------------------------------------- */
+/* --- functions that upstream's framework links against -------------------------------------- */
 
-/* Our application renders by itself and asks none of these. */
+/* Our application renders itself and never calls them. */
 namespace embree {
 
 RTCScene g_scene = nullptr;

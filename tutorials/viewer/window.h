@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-/* Opens the window and returns when it is closed. Throws Error when there is no display,
- * Cancelled. */
+/* Opens the window and returns when it is closed. Throws Error if there is no display. Throws Cancelled. */
 void showWindow(const ViewerOptions& options);
 
 } // namespace cbvh

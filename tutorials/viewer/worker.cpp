@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <utility>
 
 namespace cbvh {
 
@@ -17,10 +18,10 @@ Worker::~Worker()
     setPhaseListener({});
 }
 
-void Worker::listen()
+void Worker::reportProgress()
 {
   listening = true;
-  setPhaseListener([this](const std::string& phase, double fraction) { hear(phase, fraction); });
+  setPhaseListener([this](const std::string& phase, double fraction) { setPhase(phase, fraction); });
 }
 
 void Worker::start(const std::string& what, std::function<void()> work)
@@ -56,7 +57,7 @@ void Worker::take()
   }
   catch (const Cancelled&)
   {
-    if (listening) // else the phase has said so
+    if (listening) // otherwise the phase has printed it
       std::fprintf(stderr, "  %s: stopped\n", name.c_str());
     throw;
   }
@@ -66,7 +67,7 @@ void Worker::take()
       throw;
   }
   if (stopped)
-    throw Cancelled(); // whatever came of it, nobody waits for it
+    throw Cancelled(); // discard the result
 }
 
 void Worker::stop()
@@ -83,7 +84,7 @@ void Worker::stop()
   }
 }
 
-void Worker::hear(const std::string& now, double done)
+void Worker::setPhase(const std::string& now, double done)
 {
   std::lock_guard<std::mutex> lock(mutex);
   phase = done < 1.0 ? now : "";

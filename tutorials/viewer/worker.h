@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What a viewer does in the background, one thing at a time: reading a model, or building
- * a scene. Everything but progress is called from one thread. */
+/* Runs a viewer's background work, one task at a time: loading a model, or building a scene. All functions except
+ * progress must be called from the same thread. */
 
 #include <functional>
 #include <future>
@@ -19,52 +19,51 @@ class Worker
 public:
   Worker() = default;
 
-  /* Stops what is under way. */
+  /* Stops the current task. */
   ~Worker();
 
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /* From now on, phases are reported by progress() and not on stderr, which only shows
-   * work that was stopped. */
-  void listen();
+  /* Sends phases to progress() instead of stderr, which then only shows tasks that were stopped. */
+  void reportProgress();
 
-  /* name: of the work, for progress(). Called while nothing is under way. */
+  /* Starts a task. `name` is for progress(). There must be no current task. */
   void start(const std::string& name, std::function<void()> work);
 
-  /* Until take() was called, also after the work ended. */
+  /* True until take() is called, even after the task has ended. */
   bool busy() const { return task.valid(); }
 
-  /* Makes the work end early, if there is any, and take() throw Cancelled. */
+  /* Makes the current task end early, and take() throw Cancelled. Does nothing without a task. */
   void cancel();
 
   bool finished() const;
   void wait() const { task.wait(); }
 
-  /* Waits for the work, and throws what it threw. */
+  /* Waits for the task and rethrows its exception. */
   void take();
 
-  /* Cancels the work, if there is any, and waits until it has ended. */
+  /* Cancels the current task, if there is one, and waits until it has ended. */
   void stop();
 
   struct Progress
   {
     std::string work;
-    std::string phase;   // empty: of nothing that could say how long it takes
-    double fraction = 0; // done of the phase, in [0,1]
+    std::string phase;   // empty if the task reports no progress
+    double fraction = 0; // of the phase that is done, in [0,1]
   };
 
-  /* Nothing while nothing is under way. */
+  /* Returns nothing without a task. */
   std::optional<Progress> progress() const;
 
 private:
-  void hear(const std::string& phase, double fraction);
+  void setPhase(const std::string& phase, double fraction);
 
   std::future<void> task;
   std::string name;
   bool listening = false, cancelled = false;
 
-  mutable std::mutex mutex; // of what follows
+  mutable std::mutex mutex; // protects the members below
   std::string phase;
   double fraction = 0;
 };

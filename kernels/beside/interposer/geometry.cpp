@@ -4,6 +4,7 @@
 #include "geometry.h"
 #include "options.h"
 
+#include <exception>
 #include <map>
 #include <string>
 

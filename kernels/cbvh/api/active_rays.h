@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Packets that are wider than the instruction set go as a stream, which traces every ray that has
- * tnear <= tfar and knows of no mask. */
+/* Packets that are wider than the vectors of the instruction set are traced as streams. Streams have no mask and trace
+ * every ray with tnear <= tfar. */
 
 #include "../embree/simd.h"
 
 namespace embree
 {
-  /*! Until this ends, rays of a packet that its mask switches off have no such range. */
+  /*! Gives the inactive rays of a packet an empty range during its lifetime. */
   template<typename Packet, int N>
   struct OnlyActiveRays
   {

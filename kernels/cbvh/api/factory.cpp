@@ -41,7 +41,7 @@ namespace embree
 
       Symbols (int features, int builderFeatures)
       {
-        /* as upstream chooses GRID's builder: the vertices of both are the same floats */
+        /* as upstream selects the builder of GRID, so that the vertices of both are the same floats */
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedMotionBuilder);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);
@@ -84,7 +84,8 @@ namespace embree
   {
     for (size_t i=0; i<scene->geometries.size(); i++) {
       const Geometry* const geometry = scene->geometries[i].ptr;
-      if (geometry && geometry->isEnabled() && geometry->numTimeSteps != 1 && geometry->getType() == Geometry::GTY_SUBDIV_MESH) return true;
+      if (geometry && geometry->isEnabled() && geometry->numTimeSteps != 1
+          && geometry->getType() == Geometry::GTY_SUBDIV_MESH) return true;
     }
     return false;
   }
@@ -106,7 +107,7 @@ namespace embree
     return false;
   }
 
-  /*! says at verbosity 1 what becomes of surfaces that ask for compression */
+  /*! Prints at verbosity 1 how surfaces that request compression are stored. */
   static void reportCompression (Scene* scene, bool moves)
   {
     if (!scene->device->verbosity(1)) return;
@@ -119,8 +120,8 @@ namespace embree
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: geometry " << geomID << ": " << compressionName(settings.compression);
       if (moves && settings.compression != RTC_COMPRESSION_VERT)
-        std::cerr << " asked for, but it has motion blur: " << compressionName(RTC_COMPRESSION_VERT);
-      else if (settings.compression != RTC_COMPRESSION_VERT) { // which has no frames
+        std::cerr << " requested, but it has motion blur: " << compressionName(RTC_COMPRESSION_VERT);
+      else if (settings.compression != RTC_COMPRESSION_VERT) { // cVERT has no frames
         if (settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO) std::cerr << ", frame level auto";
         else std::cerr << ", frame level " << settings.frameLevel;
       }
@@ -149,7 +150,8 @@ namespace embree
     const Symbols symbols(scene->device->enabled_cpu_features,scene->device->enabled_builder_cpu_features);
     std::unique_ptr<BVH4> bvh(new CompressedTree(SubdivPatch1::type,scene));
     std::unique_ptr<CompressionReport> report(new CompressionReport);
-    std::unique_ptr<Builder> builder(moves ? symbols.BVH4CompressedMotionBuilder(bvh.get(),scene,report.get()) : symbols.BVH4CompressedSubdivBuilder(bvh.get(),scene,report.get()));
+    std::unique_ptr<Builder> builder(moves ? symbols.BVH4CompressedMotionBuilder(bvh.get(),scene,report.get())
+                                           : symbols.BVH4CompressedSubdivBuilder(bvh.get(),scene,report.get()));
     Accel::Intersectors intersectors = symbols.intersectors(bvh.get(),moves);
     CompressedAccel* const accel = new CompressedAccel(bvh.get(),builder.get(),intersectors,report.get(),moves);
     bvh.release();

@@ -10,25 +10,25 @@ namespace embree
 {
   class Scene;
 
-  /*! Whether that value of subdiv_accel is one of ours: "cbvh", "cbvh.vert", "cvert", in any case of letters. */
+  /*! True if a value of subdiv_accel requests compression: "cbvh", "cbvh.vert" or "cvert", case-insensitive. */
   bool isNameOfOurs (const std::string& subdivAccel);
 
-  /*! Whether a scene that keeps its accelerators, as dynamic ones do, has to get new ones:
-   *  its surfaces were compressed and none asks for it any more, or the other way round. */
+  /*! True if a scene that keeps its accelerators, as dynamic scenes do, must create new ones. This is the case if it
+   *  now has its first compressed surface or no longer has any. */
   bool isCompressionOutdated (Scene* scene);
 
-  /*! whether a subdivision surface of the scene moves and is not compressed */
+  /*! True if a subdivision surface of the scene has motion blur and is not compressed. */
   bool hasMotionOfEmbree (Scene* scene);
 
-  /*! Hands the errors of the last build to the device, once. Called by the thread that
-   *  commits: a device keeps the error of each thread, and builds run on any. */
+  /*! Reports the errors of the last build to the device, once. The committing thread must call it: devices store errors
+   *  per thread, and any thread may have run the build. */
   void reportBuildErrors (Scene* scene);
 
-  /*! Accelerator for all subdivision surfaces of a scene without motion blur; null
-   *  when none of them is to be compressed. Selects builder and intersectors for the
-   *  device's ISA. The caller owns it. */
+  /*! Returns an accelerator for all subdivision surfaces of a scene without motion blur, or null if none of them is to
+   *  be compressed. Selects the builder and the intersectors for the device's ISA. The caller owns the result. */
   Accel* createCompressedAccel (Scene* scene);
 
-  /*! Accelerator for all compressed surfaces of a scene with motion blur; null where there are none. */
+  /*! Returns an accelerator for all compressed surfaces of a scene with motion blur, or null if there are none. The
+   *  caller owns the result. */
   Accel* createCompressedMotionAccel (Scene* scene);
 }

@@ -1,16 +1,17 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Commits of geometries, as far as compression has a part in them. */
+/* Compression in commits of geometries. */
 
-#include "../embree/scene.h"
+#include "interpolation.h"
 #include "../base/environment.h"
 #include "../stored/surface_blocks.h"
 #include "../surface/embree_bytes.h"
 #include "../surface/input_checks.h"
+#include "../surface/mesh_parts.h"
 #include "../surface/plan.h"
-#include "../surface/quad_regions.h"
 #include "../../cvert/format/block.h"
+#include <new>
 
 namespace embree
 {
@@ -25,7 +26,8 @@ namespace embree
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
 
-    /*! Runs what a commit of a scene would run, as that does: with denormal numbers as zero, and apart from the application's tasks. */
+    /*! Runs closure as the commit of a scene does: with denormals as zero, and isolated from the application's
+     *  tasks. */
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
@@ -39,7 +41,8 @@ namespace embree
       Ref<TaskScheduler> scheduler = new TaskScheduler;
       scheduler->spawn_root(closure,1,true);
 #else
-      tbb::task_group_context context(tbb::task_group_context::isolated,tbb::task_group_context::default_traits | tbb::task_group_context::fp_settings);
+      tbb::task_group_context context(tbb::task_group_context::isolated,
+        tbb::task_group_context::default_traits | tbb::task_group_context::fp_settings);
       tbb::parallel_for(size_t(0),size_t(1),size_t(1),[&] (size_t) { closure(); },context);
 #endif
     }
@@ -47,7 +50,7 @@ namespace embree
 
   namespace
   {
-    /*! whether a device's setting is meant for geometry of that type */
+    /*! True if the setting of a device applies to geometry of a type. */
     bool takes (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
@@ -61,34 +64,35 @@ namespace embree
     bool asksForCompression (const CompressibleGeometry* geometry)
     {
       const CompressionSettings& device = geometry->device->compression;
-      if (geometry->compression.compression == RTC_COMPRESSION_INHERIT && !takes(device,geometry->ownType)) return false;
+      if (geometry->compression.compression == RTC_COMPRESSION_INHERIT && !takes(device,geometry->ownType))
+        return false;
       return geometry->compression.resolve(device).compression != RTC_COMPRESSION_NONE;
     }
 
-    const char* const inputWasReleased = "the input of the geometry was released when it was compressed (RTC_COMPRESSION_FLAG_RELEASE_INPUT, or release_input in the device string or EMBREE_CBVH)";
+    const char* const inputWasReleased =
+      "the input of the geometry was released when it was compressed (RTC_COMPRESSION_FLAG_RELEASE_INPUT, or "
+      "release_input in the device string or EMBREE_CBVH)";
 
-    bool releasesInput (const CompressibleGeometry* geometry) { return geometry->compression.resolve(geometry->device->compression).releasesInput; }
+    bool releasesInput (const CompressibleGeometry* geometry) {
+      return geometry->compression.resolve(geometry->device->compression).releasesInput;
+    }
 
-    /*! hasInput: all that a surface is made of; missing: what to set again where it is not */
+    /*! Returns true if the blocks must be built again. hasInput: true if all input is set. missing: input that the
+     *  application must set again otherwise, for the message. */
     bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
       SurfaceState& surface = geometry->surface;
       if (surface.isKept(geometry->modCounter_)) return false;
       if (surface.inputReleased && !hasInput)
-        throw_RTCError(RTC_ERROR_INVALID_OPERATION,std::string(inputWasReleased) + ": set " + missing + " again before it is committed");
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                       std::string(inputWasReleased) + ": set " + missing + " again before it is committed");
       surface.inputReleased = false;
       surface.blocks.reset();
       std::atomic_store(&surface.regions,std::shared_ptr<const QuadRegions>());
       return true;
     }
 
-    /*! About what the blocks of a grid take, with their part of the tree: as was seen, 130 bytes each, 8 more with numbers that follow a pattern,
-     *  and 1 a quad. */
-    size_t bytesOfBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
-      return (haveNumbers ? 138 : 130)*size_t(cbvh::vertBlocksAlong(uint32_t(quadsX)))*cbvh::vertBlocksAlong(uint32_t(quadsY)) + quadsX*quadsY;
-    }
-
-    /*! Whether blocks take less memory than Embree's own kernel of grids. Input that is let go is worth more than either. */
+    /*! True if blocks need no more memory than Embree's own representation of grids. Does not count input. */
     bool takeLessAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
@@ -96,32 +100,25 @@ namespace embree
         size_t blocks, embree;
         Bytes operator+ (const Bytes& other) const { return { blocks+other.blocks,embree+other.embree }; }
       };
-      const Bytes bytes = parallel_reduce(size_t(0),mesh->grids.size(),size_t(1) << 14,Bytes{ 0,0 },[&](const range<size_t>& r) {
+      const Bytes bytes = parallel_reduce(size_t(0),mesh->grids.size(),size_t(1) << 14,Bytes{ 0,0 },
+        [&](const range<size_t>& r) {
           Bytes sum = { 0,0 };
           for (size_t i=r.begin(); i!=r.end(); i++)
           {
             const GridMesh::Grid& grid = mesh->grid(i);
             if (grid.resX < 2 || grid.resY < 2) continue;
             const size_t x = grid.resX-1, y = grid.resY-1;
-            sum = sum + Bytes{ bytesOfBlocks(x,y,false),bytesOfGridInEmbree(x,y) };
+            sum = sum + Bytes{ bytesOfGridBlocks(x,y,false),bytesOfGridInEmbree(x,y) };
           }
           return sum;
         },std::plus<Bytes>());
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! a mesh of less is left to Embree's kernels */
+    /*! Meshes with fewer primitives are left to Embree's kernels. */
     const size_t fewPrimitives = 256;
 
-    /*! numbers that follow no pattern are not known yet */
-    size_t bytesOfBlocks (const QuadRegions& regions)
-    {
-      size_t bytes = 0;
-      for (const QuadRegions::Region& region : regions.regions) bytes += bytesOfBlocks(region.width,region.height,true);
-      return bytes;
-    }
-
-    /*! to who asks to be told */
+    /*! Prints a line at verbosity 1, or if EMBREE_CBVH contains "verbose". */
     void say (const CompressibleGeometry* geometry, const std::string& what)
     {
       if (!geometry->device->verbosity(1) && !environmentAsksForCommitLines()) return;
@@ -129,21 +126,24 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Takes a geometry from Embree's kernels if it asks for that and there is no reason not to. An empty reason is not worth
-     *  a message. */
+    /*! Compresses a geometry that requests compression unless there is a reason not to. An empty reason is not
+     *  printed. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
     {
       geometry->setCompressed(asks && !whyNot);
       geometry->surface.whyNot = asks ? whyNot : nullptr;
-      if (asks && whyNot && *whyNot) say(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that " + whyNot);
+      if (asks && whyNot && *whyNot)
+        say(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that " + whyNot);
     }
 
-    /*! whether it has blocks now, and its input may go */
+    /*! Builds the blocks of a geometry that releases its input. Returns true if the input must be released now. */
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
-      const bool isOfTree = geometry->isCompressed() || (geometry->numTimeSteps == 1 && geometry->ownType == Geometry::GTY_SUBDIV_MESH);
-      if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry)) return false;
+      const bool isOfTree = geometry->isCompressed()
+        || (geometry->numTimeSteps == 1 && geometry->ownType == Geometry::GTY_SUBDIV_MESH);
+      if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry))
+        return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
@@ -153,12 +153,15 @@ namespace embree
 
   bool beginCommit (SubdivMesh* mesh)
   {
-    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,"vertices, faces and indices");
+    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,
+                                 "vertices, faces and indices");
     if (!isChanged) return false;
     const bool asks = asksForCompression(mesh), moves = mesh->numTimeSteps != 1;
     if (asks) checkIndices(mesh);
-    else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),[](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
-    choose(mesh,asks && moves,isa::CompressionPlan::takesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0","faces");
+    else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
+                         [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
+    choose(mesh,asks && moves,
+           isa::CompressionPlan::takesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0","faces");
     return true;
   }
 
@@ -176,45 +179,53 @@ namespace embree
     return true;
   }
 
-  /*! Programs do not expect a commit of a geometry to run out of memory: it is the next commit of a scene that says so. */
+  /*! Programs do not expect the commit of a geometry to fail, see base/unmonitored_memory.h. If the heap is exhausted,
+   *  the next commit of the scene reports it. */
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
-    try { return QuadRegions::find(mesh); }
+    try { return findParts(mesh); }
     catch (const rtcore_error& error) { if (error.error != RTC_ERROR_OUT_OF_MEMORY) throw; }
     catch (const std::bad_alloc&) {}
-    std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>(mesh->device);
+    std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>();
     none->isOutOfMemory = true;
     return none;
   }
 
   template<typename Mesh>
-  static bool beginCommitOfMesh (Mesh* mesh, size_t bytesInEmbree, bool hasInput, const char* primitives)
+  static bool beginCommitOfMesh (Mesh* mesh, bool hasInput, const char* primitives)
   {
     if (!begin(mesh,hasInput,"vertices and indices")) return false;
     const bool asks = asksForCompression(mesh);
     if (asks && hasInput) checkTimeSteps(mesh);
     const char* whyNot = !hasInput || mesh->size() == 0 ? ""
-      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "are to be refitted" : mesh->size() < fewPrimitives ? "are too few to matter" : nullptr;
+      : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "have RTC_BUILD_QUALITY_REFIT"
+      : mesh->size() < fewPrimitives ? "are too few to matter" : nullptr;
     if (asks && !whyNot)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
-      whyNot = !regions || (!regions->isOutOfMemory && 4*bytesOfBlocks(*regions) > 3*bytesInEmbree*mesh->size()) ? "do not lie in grids" : nullptr;
+      whyNot = regions ? nullptr : "move and do not lie in grids";
       if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
-      if (!whyNot && regions->numLeftOut) say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives + " have indices that are no vertices: left out");
+      if (!whyNot && regions->numLeftOut)
+        say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives
+            + " are left out because an index is out of range");
     }
     choose(mesh,asks,whyNot,primitives);
     return true;
   }
 
-  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfQuadInEmbree(1),mesh->vertices[0] && mesh->quads,"quads"); }
-  bool beginCommit (TriangleMesh* mesh) { return beginCommitOfMesh(mesh,bytesOfTriangleInEmbree(1),mesh->vertices[0] && mesh->triangles,"triangles"); }
+  bool beginCommit (QuadMesh* mesh) { return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->quads,"quads"); }
+  bool beginCommit (TriangleMesh* mesh) {
+    return beginCommitOfMesh(mesh,mesh->vertices[0] && mesh->triangles,"triangles");
+  }
 
-  void endCommit (SubdivMesh* mesh) {
+  void endCommit (SubdivMesh* mesh)
+  {
+    markUnsupportedFaces(mesh);
     if (compressNow(mesh)) releaseInput(mesh);
   }
 
-  /*! Buffers of vertex attributes stay, and what they are interpolated by: grids, or indices. */
+  /*! Releases the input, except for vertex attributes and the grids or indices by which they are interpolated. */
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
@@ -228,7 +239,7 @@ namespace embree
   void endCommit (QuadMesh* mesh) { endCommitOfDiced(mesh,mesh->quads); }
   void endCommit (TriangleMesh* mesh) { endCommitOfDiced(mesh,mesh->triangles); }
 
-  /*! Buffers of vertex attributes stay, and what they are interpolated by. */
+  /*! Releases the input, except for vertex attributes and the topology by which they are interpolated. */
   void releaseInput (SubdivMesh* mesh)
   {
     const bool hasAttributes = !mesh->vertexAttribs.empty();
@@ -239,6 +250,7 @@ namespace embree
       std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges0);
       std::vector<SubdivMesh::KeyHalfEdge>().swap(topology.halfEdges1);
       if (!hasAttributes) topology.halfEdges.clear();
+      else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
     }
     mesh->faceVertices = BufferView<unsigned int>();
     mesh->edge_creases = BufferView<SubdivMesh::Edge>();
@@ -248,7 +260,7 @@ namespace embree
     mesh->levels = BufferView<float>();
     mesh->holes = BufferView<unsigned>();
     mesh->halfEdgeFace.clear();
-    mesh->numHalfEdges = 0; // functions that number half-edges report errors
+    mesh->numHalfEdges = 0; // makes functions that use half-edges report errors
     if (hasAttributes) return;
     mesh->faceStartEdge.clear();
     mesh->invalid_face.clear();
@@ -256,7 +268,8 @@ namespace embree
 
   void CompressibleGeometry::requireInput (RTCBufferType type) const
   {
-    if (surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX) throw_RTCError(RTC_ERROR_INVALID_OPERATION,inputWasReleased);
+    if (surface.inputReleased && type == RTC_BUFFER_TYPE_VERTEX)
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,inputWasReleased);
   }
 
   void* requireBuffer (Geometry* geometry, void* data)

@@ -20,14 +20,15 @@ namespace
 
 RTC_NAMESPACE_BEGIN;
 
-RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enum RTCClusterFormat format, RTCCompressedClusterFunction function, void* userPtr,
+RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enum RTCClusterFormat format,
+                                          RTCCompressedClusterFunction function, void* userPtr,
                                           struct RTCCompressedClusterReport* report)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   if (report) core::requireStruct(report);
-  int value; // an enumeration may not hold what the application may have passed
+  int value; // the application's value may be outside of the enumeration
   memcpy(&value,&format,sizeof(value));
   cbvh::ClusterReport sums;
   auto finish = [&] { if (report) core::writeStruct(report,cbvh::reportAs<RTCCompressedClusterReport>(sums)); };
@@ -39,7 +40,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
         return function(userPtr,&handed);
       },sums);
   }
-  catch (...) { finish(); throw; } // of the clusters before the error
+  catch (...) { finish(); throw; } // reports the clusters before the error
   finish();
   RTC_CATCH_END2(geometry);
 }

@@ -34,7 +34,7 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry (RTCDevice hdevice, const char* pa
   const File file(device,path);
   if (file.size() != 1)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(path) + ": has " + std::to_string(file.size())
-        + " geometries, which rtcOpenCompressedFile opens");
+        + " geometries: expected 1; use rtcOpenCompressedFile");
   return (RTCGeometry) file.load(0);
   RTC_CATCH_END(device);
   return nullptr;
@@ -51,7 +51,8 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter (RTCDevice hdevice, c
   return nullptr;
 }
 
-RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice, const char* path, unsigned long long key)
+RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter (RTCDevice hdevice, const char* path,
+                                                               unsigned long long key)
 {
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
@@ -124,7 +125,8 @@ RTC_API unsigned int rtcGetCompressedFileGeometryCount (RTCCompressedFile hfile)
   return 0;
 }
 
-RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int index, struct RTCCompressedFileGeometry* description)
+RTC_API bool rtcGetCompressedFileGeometry (RTCCompressedFile hfile, unsigned int index,
+                                           struct RTCCompressedFileGeometry* description)
 {
   File* file = (File*) hfile;
   RTC_CATCH_BEGIN;

@@ -15,7 +15,8 @@ namespace
 
 RTC_NAMESPACE_BEGIN;
 
-RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle)
+RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, unsigned int primID, float u, float v,
+                                             const float* Ng, struct RTCCompressedTriangle* triangle)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
@@ -23,14 +24,15 @@ RTC_API bool rtcGetCompressedTriangleAtTime (RTCGeometry hgeometry, float time, 
   require(triangle,"triangle");
   cbvh::StoredTriangle found;
   if (!core::findTriangle(geometry,time,primID,u,v,Ng,found)) return false;
-  static_assert(sizeof(*triangle) == sizeof(found),"a triangle never grows");
+  static_assert(sizeof(*triangle) == sizeof(found),"RTCCompressedTriangle never grows");
   memcpy(triangle,&found,sizeof(found));
   return true;
   RTC_CATCH_END2(geometry);
   return false;
 }
 
-RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, RTCCompressedPartFunction function, void* userPtr)
+RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, RTCCompressedPartFunction function,
+                                             void* userPtr)
 {
   Geometry* geometry = (Geometry*) hgeometry;
   RTC_CATCH_BEGIN;
@@ -43,7 +45,8 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
   RTC_CATCH_END2(geometry);
 }
 
-RTC_API bool rtcGetCompressedTriangle (RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle) {
+RTC_API bool rtcGetCompressedTriangle (RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng,
+                                       struct RTCCompressedTriangle* triangle) {
   return rtcGetCompressedTriangleAtTime(geometry,firstTime(geometry),primID,u,v,Ng,triangle);
 }
 

@@ -13,9 +13,10 @@ namespace
   CompressionSettings settingsOf (const RTCCompressionArguments& args)
   {
     if (args.flags & ~unsigned(RTC_COMPRESSION_FLAG_RELEASE_INPUT))
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown flags " + std::to_string(args.flags));
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown bits of RTCCompressionFlags in flags "
+                     + std::to_string(args.flags));
     CompressionSettings settings;
-    // which may be no value of the enumeration
+    // the application's value may be outside of the enumeration
     memcpy(&settings.compression,&args.compression,sizeof(settings.compression));
     settings.frameLevel = args.frameLevel;
     settings.maxError = args.maxError;
@@ -37,7 +38,7 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
   Device* device = (Device*) hdevice;
   RTC_CATCH_BEGIN;
   require(device,"device");
-  int property; // an enumeration may not hold what the application may have passed
+  int property; // the application's value may be outside of the enumeration
   memcpy(&property,&prop,sizeof(property));
   switch (property)
   {
@@ -46,7 +47,7 @@ RTC_API ssize_t rtcGetDeviceCompressionProperty (RTCDevice hdevice, enum RTCComp
   case RTC_COMPRESSION_PROPERTY_VERSION_MINOR: return RTC_COMPRESSION_VERSION_MINOR;
   case RTC_COMPRESSION_PROPERTY_VERSION_PATCH: return RTC_COMPRESSION_VERSION_PATCH;
   }
-  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown property of compression " + std::to_string(property));
+  throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown RTCCompressionProperty " + std::to_string(property));
   RTC_CATCH_END(device);
   return 0;
 }

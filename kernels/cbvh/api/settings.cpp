@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <locale>
 #include <sstream>
@@ -17,8 +18,8 @@
 
 namespace embree
 {
-  /*! There is no device yet to take a message to its error function: Embree would keep
-   *  the code alone, and rtcNewDevice return NULL without a reason. */
+  /*! Throws, and also prints and stores the message: no device exists yet whose error function could receive it, and
+   *  Embree would keep only the error code. */
   static void invalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
@@ -33,7 +34,7 @@ namespace embree
     return text;
   }
 
-  /*! "cvert", "vert" and "cbvh.vert", in any case of letters */
+  /*! Parses for example "cvert", "vert" or "cbvh.vert", case-insensitive. */
   static bool parseKind (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
@@ -47,7 +48,7 @@ namespace embree
   {
     const std::string lower = lowerCase(name);
     if (lower == "cbvh") { compression = CompressionSettings::bestCompression; return true; }
-    return lower != "grid" && parseKind(lower,compression); // in programs "grid" is Embree's
+    return lower != "grid" && parseKind(lower,compression); // in programs, "grid" is Embree's GRID
   }
 
   bool isNameOfOurs (const std::string& subdivAccel)
@@ -56,14 +57,17 @@ namespace embree
     return parseSubdivAccel(subdivAccel,compression);
   }
 
-  static const char* const keys[] = { "frame_level","max_error","exact_faces","grids","quads","triangles","release_input" };
+  static const char* const keys[] = {
+    "frame_level","max_error","exact_faces","grids","quads","triangles","release_input" };
 
-  static bool isKey (const std::string& word) { return std::find(std::begin(keys),std::end(keys),word) != std::end(keys); }
+  static bool isKey (const std::string& word) {
+    return std::find(std::begin(keys),std::end(keys),word) != std::end(keys);
+  }
 
-  /*! the keys of a device string that nobody knows, until verify(), and their values */
+  /*! Unknown keys of a device string and their values, until verify() is called. */
   static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
-  /*! "cbvh.grid, cbvh.voxel or cbvh.leaf" */
+  /*! Returns for example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string keys;
@@ -75,7 +79,8 @@ namespace embree
   static void unknownKey (const std::string& where, const std::string& key, const std::string& prefix)
   {
     const bool hasPrefix = key.compare(0,prefix.size(),prefix) == 0;
-    invalid(where,key,"there is no such key, did you mean " + prefix + nearestWord(hasPrefix ? key.substr(prefix.size()) : key,{ std::begin(keys),std::end(keys) }) + "?");
+    invalid(where,key,"unknown key, did you mean " + prefix + nearestWord(hasPrefix ? key.substr(prefix.size()) : key,
+                                                                          { std::begin(keys),std::end(keys) }) + "?");
   }
 
   void CompressionSettings::setFrameLevel (const std::string& name, const std::string& value)
@@ -90,7 +95,7 @@ namespace embree
 
   void CompressionSettings::setMaxError (const std::string& name, const std::string& value)
   {
-    /* with a point in every locale */
+    /* a decimal point in every locale */
     std::istringstream stream(value);
     stream.imbue(std::locale::classic());
     float e = -1.0f;
@@ -105,7 +110,7 @@ namespace embree
     return value == "1";
   }
 
-  /*! name: of the key, in messages */
+  /*! name: of the key, for messages. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);
@@ -117,12 +122,18 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
-  /*! text of a value, whatever type the tokenizer gave it */
+  /*! Text of a value of any token type. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
     try { return std::to_string(token.Int()); } catch (const std::exception&) {}
-    try { std::ostringstream s; s.imbue(std::locale::classic()); s.precision(9); s << token.Float(); return s.str(); } catch (const std::exception&) {}
+    try {
+      std::ostringstream s;
+      s.imbue(std::locale::classic());
+      s.precision(9);
+      s << token.Float();
+      return s.str();
+    } catch (const std::exception&) {}
     return "";
   }
 
@@ -132,7 +143,7 @@ namespace embree
     try { key = token.Identifier(); } catch (const std::exception&) { return false; }
     if (key.compare(0,4,"cbvh") != 0)
     {
-      if (isDeviceKey(key)) return false; // Embree's, which the patched function tests after ours
+      if (isDeviceKey(key)) return false; // the caller, a patched function of Embree, parses it
       strayKeys.push_back({ key,"" });
       if (stream.trySymbol("=")) strayKeys.back().second = valueText(stream.get());
       return true;
@@ -140,7 +151,8 @@ namespace embree
     std::string value;
     if (stream.trySymbol("=")) value = valueText(stream.get());
     const std::string prefix = "cbvh_";
-    if (key.compare(0,prefix.size(),prefix) != 0 || !isKey(key.substr(prefix.size()))) unknownKey("the device string",key,prefix);
+    if (key.compare(0,prefix.size(),prefix) != 0 || !isKey(key.substr(prefix.size())))
+      unknownKey("the device string",key,prefix);
     set(key,key.substr(prefix.size()),value);
     return true;
   }
@@ -154,11 +166,12 @@ namespace embree
       const std::string key = item.substr(0,equals);
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
-        if (key == "verbose") {} // commits ask for it
+        if (key == "verbose") {} // read by commits, see environment.h
         else if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = bestCompression;
-        else if (!parseKind(key,compression)) invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
+        else if (!parseKind(key,compression))
+          invalid("EMBREE_CBVH",item,"expected 1, 0, none, verbose, release_input, " + kindKeys(""));
       }
       else if (key == "level") setFrameLevel("EMBREE_CBVH level",value);
       else if (isKey(key)) set("EMBREE_CBVH " + key,key,value);
@@ -182,14 +195,16 @@ namespace embree
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
-    /* Embree ignores what it does not know, and so do we unless compression is asked for. */
+    /* Unknown keys are errors only if compression is requested. Embree ignores them otherwise. */
     for (const auto& stray : strayKeys)
       if (parseSubdivAccel(subdivAccel,ofString) || lowerCase(stray.second).compare(0,4,"cbvh") == 0)
-        invalid("the device string",stray.first,"there is no such key, did you mean " + nearestDeviceKey(stray.first) + "?");
+        invalid("the device string",stray.first,
+                "unknown key, did you mean " + nearestDeviceKey(stray.first) + "?");
 
     if (verbose)
       std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl
-                << "  Subdivision surfaces: " << nameOf(compression) << ", where a geometry does not say otherwise" << std::endl;
+                << "  Subdivision surfaces: " << nameOf(compression)
+                << ", unless a geometry has another setting" << std::endl;
   }
 
   CompressionSettings CompressionSettings::resolve (const CompressionSettings& device) const

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of include/embree3, and what they become in the core. */
+/* Structs of include/embree3, and conversions to and from the structs of the core. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
@@ -24,7 +24,6 @@ namespace embree
     CBVH_GROWING_STRUCT(RTCCompressedClusterReport,numTrianglesOf);
   }
 
-  /*! Throws if an argument is null. */
   inline void require (const void* argument, const char* name) {
     if (!argument) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string(name) + " is NULL");
   }

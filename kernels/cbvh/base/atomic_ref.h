@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Atomic access to a plain object, as std::atomic_ref of C++20. Use it for tables that several threads fill at the same
- * time and that are plain memory afterwards. As long as one thread accesses an object through an AtomicRef, no other
- * thread may access it in another way. */
+/* Atomic access to a plain object, like std::atomic_ref of C++20. For tables that several threads fill concurrently and
+ * that are plain memory afterwards. While one thread accesses an object through an AtomicRef, no other thread may
+ * access it in another way. */
 
 #include <atomic>
 
@@ -20,15 +20,16 @@ namespace embree
       explicit AtomicRef (T& object) : object(object) {}
 
       T load (std::memory_order order) const { return __atomic_load_n(&object,int(order)); }
+      T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
-      /*! Replaces the expected value. Otherwise returns false and sets `expected` to the value that is there; may fail
+      /*! Replaces the expected value. Otherwise returns false and sets `expected` to the current value. May fail
        *  spuriously. */
       bool exchangeWeak (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),onFailure(order));
       }
 
-      /*! The same, without spurious failures. */
+      /*! Like exchangeWeak, without spurious failures. */
       bool exchange (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,false,int(order),onFailure(order));
       }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Memory of the blocks of one surface, and of the nodes above them. It grows while the surface is built, by all tasks at once, and
- * is released as a whole. */
+/* Memory of the blocks of one surface and of the nodes above them. It grows while tasks build the surface concurrently,
+ * and is released as a whole. */
 
 #include "../embree/scene.h"
 
@@ -20,17 +20,18 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Comes first: about how much there will be, or 0 if there are few blocks. Then each piece is allocated as it comes, as there may
-       *  be many such surfaces; else tasks take their pieces from Embree's allocator, without waiting for each other. */
+      /*! Must be called first. bytes: estimated size, or 0 if there are few blocks. With 0 each piece is allocated
+       *  separately, because there may be many such surfaces. Otherwise tasks allocate concurrently from Embree's
+       *  allocator. */
       void expect (size_t bytes);
 
-      /*! null if there are few blocks */
+      /*! Null if there are few blocks. */
       FastAllocator* pool () { return shared.get(); }
 
-      /*! aligned to blocks; as Embree's own code asks allocators for memory */
+      /*! Allocates memory that is aligned for blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
-      /*! no more is asked for */
+      /*! Ends allocation. */
       void end ();
 
     private:
@@ -39,7 +40,7 @@ namespace embree
       Device* device;
       std::unique_ptr<FastAllocator> shared;
       std::vector<Piece> pieces;
-      MutexSys mutex;          //!< of pieces
+      MutexSys mutex;          //!< protects pieces
     };
   }
 }

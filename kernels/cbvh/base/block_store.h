@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Where writers put their blocks: first into memory of the task's, then, once a patch is through, into the surface's. And the
- * primitives of the top level that refer to them, in a list of the task's. */
+/* Storage for blocks of a task: first in memory of the task, then, when a patch is complete, in memory of the surface.
+ * Also lists the top-level primitives that refer to the blocks. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -18,47 +18,51 @@ namespace embree
 {
   namespace isa
   {
-    /*! rounded outwards */
+    /*! Rounds outwards. */
     inline BBox3fa toBBox (const cbvh::WorldBounds& b)
     {
-      auto below = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity()); };
-      return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
+      auto below = [](double x) {
+        const float f = float(x);
+        return double(f) <= x ? f : std::nextafter(f,-std::numeric_limits<float>::infinity());
+      };
+      return BBox3fa(Vec3fa(below(b.lower[0]),below(b.lower[1]),below(b.lower[2])),
+                     Vec3fa(-below(-b.upper[0]),-below(-b.upper[1]),-below(-b.upper[2])));
     }
 
     class BlockStore
     {
     public:
-      cbvh::WorldBounds hitBounds;  //!< of all that a ray may hit in the blocks
+      cbvh::WorldBounds hitBounds;  //!< bounds of everything in the blocks that rays can hit
 
-      /*! memory: null if nothing is kept */
-      BlockStore (Device* device, cbvh::BlockMemory* memory) : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
+      /*! memory: null if nothing is kept. */
+      BlockStore (Device* device, cbvh::BlockMemory* memory)
+        : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! room for a block of at most that many bytes; the caller's until the next call */
+      /*! Returns room for a block of up to maxBytes bytes, valid until the next call. */
       uint8_t* begin (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));
         return bytes.data()+used;
       }
 
-      /*! The block that was begun takes so many bytes. type: primitive_type.h; readBehind: bytes behind it that decoders may read */
+      /*! Ends the block that begin() started. type: see primitive_type.h. readBehind: bytes after it that decoders may
+       *  read. */
       void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readBehind = 0)
       {
         waiting.push_back(Waiting{ used,bounds,type,readBehind });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
-      /*! A block that is encoded elsewhere. */
       void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
         memcpy(begin(size),block,size);
         end(size,bounds,type);
       }
 
-      /*! Flushes if there is much. */
       void flushIfFull () { if (used > fullPieceBytes) flush(); }
 
-      /*! Copies what is waiting to memory of the surface's, and makes primitives of it. One piece: small pieces cost the allocator's
-       *  rounding each; several if it is much, as it takes none above 2 MiB. */
+      /*! Copies the buffered blocks to memory of the surface and creates primitives. Allocates one piece, because the
+       *  allocator rounds each piece up; several if there is much, because it supports at most 2 MiB. */
       void flush ()
       {
         for (size_t i=0, next; i<waiting.size(); i=next)
@@ -75,16 +79,17 @@ namespace embree
         used = 0;
       }
 
-      /*! a primitive of any kind */
       void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;
       cbvh::BlockMemory* memory;
       mvector<PrimRef> prims;
-      mvector<cbvh::StepBox> boxes; //!< of blocks that move, at each of their steps, in the order of prims
+      mvector<cbvh::StepBox> boxes; //!< of moving blocks, at each of their steps, in the order of prims
+
+      static const size_t fullPieceBytes = 1 << 14; //!< minimum size of pieces of flushIfFull()
 
     private:
-      static const size_t maxPieceBytes = 1 << 20, fullPieceBytes = 1 << 14; // the allocator leaves room behind large pieces
+      static const size_t maxPieceBytes = 1 << 20; // the allocator wastes memory after larger pieces
 
       struct Waiting
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Sums of what a build compressed. Every task fills one and merges it; writers add their blocks. */
+/* Statistics of a build. Each task has its own and merges them at the end. Writers add their blocks. */
 
 #include "codec.h"
 #include "surface_statistics.h"
@@ -29,20 +29,20 @@ namespace embree
         firstUnsupportedFace = std::min(firstUnsupportedFace,face);
       }
 
-      /*! own: as its face evaluates it */
+      /*! own: vertex as its face evaluates it. */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
-      /*! square of how far a vertex is moved */
+      /*! square: squared distance by which a vertex moved. */
       void addDeviation (double square) { deviation2 = std::max(deviation2,square); }
 
-      /*! shared: as the face evaluates it that owns it */
+      /*! shared: vertex as the face that owns it evaluates it. */
       void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
       {
         addVertex(shared,stored);
         gap2 = std::max(gap2,distance2(own,shared));
       }
 
-      /*! what tasks have summed up */
+      /*! Adds the statistics of a task. */
       void merge (const BuildStatistics& other)
       {
         add(other);
@@ -52,7 +52,7 @@ namespace embree
         sums.maxBorderGap = float(std::sqrt(gap2));
       }
 
-      /*! a surface that was built */
+      /*! Adds the statistics of a surface that was built. */
       void add (const SurfaceStatistics& other)
       {
         cbvh::add(sums,other.sums);
@@ -67,7 +67,7 @@ namespace embree
       }
 
     private:
-      /*! of a vertex that is not finite 0 */
+      /*! Returns 0 if a vertex is not finite. */
       static double distance2 (const float a[3], const float b[3])
       {
         const double x = double(a[0])-b[0], y = double(a[1])-b[1], z = double(a[2])-b[2];

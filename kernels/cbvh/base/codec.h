@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The codec, kernels/cvert, as the kernels see it: its names are visible in embree::cbvh. The kernels' own inline code is compiled once for
- * each ISA, too, in the namespace CBVH_ISA. */
+/* Makes the names of the codec, kernels/cvert, visible in embree::cbvh. Inline code of the kernels is also compiled
+ * once per ISA, in the namespace CBVH_ISA. */
 
 #include "../../cvert/basics/isa_namespace.h"
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The environment variable EMBREE_CBVH: items with commas between, as "1,max_error=0.001,verbose". */
+/* The environment variable EMBREE_CBVH: items separated by commas, for example "1,max_error=0.001,verbose". */
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! without the blanks around them */
+  /*! Returns the items without surrounding blanks. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;
@@ -29,7 +29,7 @@ namespace embree
     return all;
   }
 
-  /*! A line on each commit, also below verbosity 1. */
+  /*! True if each commit prints a line, even at verbosity 0. */
   inline bool environmentAsksForCommitLines ()
   {
     const std::vector<std::string> items = environmentItems();

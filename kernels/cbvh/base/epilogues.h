@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The way of hits to Embree's epilogues, so that masks and filters behave as for every other geometry. */
+/* Reports hits through Embree's epilogues, so that masks and filters behave as for any other geometry. */
 
 #include "../embree/traversal.h"
 
@@ -13,7 +13,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! what Embree's single-hit epilogues expect */
+      /*! A hit as Embree's single-hit epilogues expect it. */
       struct SurfaceHit1
       {
         float u, v, t;
@@ -21,34 +21,42 @@ namespace embree
         __forceinline void finalize () {}
       };
 
-      /*! ID of the geometry in the scene that is traced */
-      __forceinline uint32_t idOf (const IntersectContext* context, uint32_t surface) { return context->scene->surfaceIDs[surface]; }
+      /*! ID of a geometry in the traced scene. surface: surface number. */
+      __forceinline uint32_t idOf (const IntersectContext* context, uint32_t surface) {
+        return context->scene->surfaceIDs[surface];
+      }
 
-      /*! runs the epilogue of closest hit or of any hit; whether it accepted */
-      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+      /*! Runs the epilogue of closest hits or any hits. Returns true if it accepted the hit. */
+      __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
+                                 SurfaceHit1& hit) {
         return Intersect1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
       }
-      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+      __forceinline bool report (Ray& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
+                                 SurfaceHit1& hit) {
         return Occluded1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! the same for ray k of a packet */
+      /*! The same for ray k of a packet. */
       template<int K>
-      __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+      __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
+                                 uint32_t primID, SurfaceHit1& hit) {
         return Intersect1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
       template<int K>
-      __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t surface, uint32_t primID, SurfaceHit1& hit) {
+      __forceinline bool report (RayK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
+                                 uint32_t primID, SurfaceHit1& hit) {
         return Occluded1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! the same for rays of a packet; those that accepted. hit(): u, v, t and Ng */
+      /*! The same for several rays of a packet. Returns the rays that accepted. hit(): returns u, v, t and Ng. */
       template<int K, typename Hit>
-      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t surface, uint32_t primID, const Hit& hit) {
+      __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
+                                     uint32_t surface, uint32_t primID, const Hit& hit) {
         return IntersectKEpilogMU<1,K,true>(rays,context,idOf(context,surface),primID)(lanes,hit);
       }
       template<int K, typename Hit>
-      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context, uint32_t surface, uint32_t primID, const Hit& hit) {
+      __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
+                                     uint32_t surface, uint32_t primID, const Hit& hit) {
         vbool<K> open = lanes;
         return OccludedKEpilogMU<1,K,true>(open,rays,context,idOf(context,surface),primID)(lanes,hit);
       }
@@ -57,12 +65,13 @@ namespace embree
       template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
 
-      /*! Whether what is reported of a hit is read: of any hit only filters do. */
+      /*! True if the details of a reported hit are used. For any hits, only filters use them. */
       template<typename Rays>
       __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>
       __forceinline bool isRead (const RayK<K>&, const IntersectContext* context, uint32_t surface) {
-        return unlikely(context->hasContextFilter() || context->scene->get(idOf(context,surface))->hasOcclusionFilter());
+        return unlikely(context->hasContextFilter()
+                        || context->scene->get(idOf(context,surface))->hasOcclusionFilter());
       }
     }
   }

@@ -16,13 +16,13 @@ namespace embree
     class GridSOAWriter
     {
     public:
-      /*! GRID cuts patches into grids of 8 x 8 quads */
+      /*! GRID divides patches into grids of up to 8 x 8 quads. */
       static const unsigned gridQuads = 8;
 
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : mesh(mesh), store(store), statistics(statistics) {}
 
-      /*! patch as stock Embree has it */
+      /*! patch: as stock Embree evaluates it. */
       void write (const SubdivPatch1Base& patch) const
       {
         const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;
@@ -34,19 +34,22 @@ namespace embree
       void write (const SubdivPatch1Base& patch, unsigned x0, unsigned x1, unsigned y0, unsigned y1) const
       {
         BBox3fa bounds;
-        const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0), gridBytes = 4*sizeof(float)*size_t(x1-x0+1)*size_t(y1-y0+1);
+        const size_t bvhBytes = GridSOA::getBVHBytes(GridRange(0,x1-x0,0,y1-y0),sizeof(BVH4::AABBNode),0),
+          gridBytes = 4*sizeof(float)*size_t(x1-x0+1)*size_t(y1-y0+1);
         void* memory = (*store.memory)(offsetof(GridSOA,data)+bvhBytes+gridBytes+sizeof(BVH4::NodeRef));
-        GridSOA* soa = new (memory) GridSOA(&patch,1,x0,x1,y0,y1,patch.grid_u_res,patch.grid_v_res,mesh,bvhBytes,gridBytes,&bounds);
+        GridSOA* soa = new (memory) GridSOA(&patch,1,x0,x1,y0,y1,patch.grid_u_res,patch.grid_v_res,mesh,bvhBytes,
+                                            gridBytes,&bounds);
         statistics.sums.gridBytes += offsetof(GridSOA,data) + soa->rootOffset + sizeof(BVH4::NodeRef);
         statistics.sums.numGridQuads += size_t(x1-x0)*size_t(y1-y0);
         store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
-      /*! Bytes of a patch in GRID: its grids, and its part of nodes with four children above them. */
+      /*! Size of a patch in GRID in bytes: its grids, and its share of the nodes with four children above them. */
       static size_t bytesInGrid (const Vec2i& quads)
       {
         const unsigned side = gridQuads;
-        const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side }, rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
+        const unsigned full[2] = { unsigned(quads.x)/side,unsigned(quads.y)/side },
+          rest[2] = { unsigned(quads.x)%side,unsigned(quads.y)%side };
         size_t bytes = 0;
         if (full[0] && full[1]) bytes += size_t(full[0])*size_t(full[1])*bytesOfGrid(side,side);
         if (rest[0] && full[1]) bytes += full[1]*bytesOfGrid(rest[0],side);
@@ -56,7 +59,7 @@ namespace embree
       }
 
     private:
-      /*! counted once for each size */
+      /*! Computed once per size. */
       static size_t bytesOfGrid (unsigned x, unsigned y)
       {
         static std::atomic<uint32_t> known[gridQuads+1][gridQuads+1];

@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The kinds of blocks, one number each. From the number follow the kind in the header of a block
- * with a frame (framed/block.h), references of flat scenes and on Vulkan devices (reference.h), the
- * value of RTCCompression, and by the rows below keys of device strings and the words of programs.
+/* Kinds of blocks. The number of a kind is stored in headers of blocks with frames (framed/block.h). References of flat
+ * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it. The tables below add keys of
+ * device strings and names for messages.
  *
- * A kind that goes takes with it its number and its rows here, its row where the encoder and the intersectors
- * choose (block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl), and its folder. The
- * numbers of others stay: blocks have them. framed/writer.h gives cGRID the blocks that no frame fits, and
- * cLEAF the patches with holes of kinds that take none. */
+ * To remove a kind, remove its number and its rows here, and its folder. Also remove its rows where code selects by
+ * kind: block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. The other numbers must not
+ * change because blocks store them. framed/writer.h stores blocks without a valid frame as cGRID, and patches with
+ * holes as cLEAF if their kind does not support holes. */
 
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H
@@ -23,34 +23,34 @@ CVERT_CONSTANT uint32_t kindVoxel = 1u;
 CVERT_CONSTANT uint32_t kindLeaf = 2u;
 CVERT_CONSTANT uint32_t kindVert = 3u;
 
-/*! numbers that references have room for, and, of those, headers of blocks with frames */
+/*! Number of kinds that references support, and that headers of blocks with frames support. */
 CVERT_CONSTANT uint32_t maxKinds = 18u;
 CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
-/*! bits of the numbers of those with frames */
+/*! Bit mask of the kinds with frames. */
 CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
 
-/*! quads of a patch in blocks with frames are at most 2^maxLevel along a side */
+/*! Blocks with frames support patches of up to 2^maxLevel quads per side. */
 CVERT_CONSTANT uint32_t maxLevel = 8u;
 
-/*! what the layout of a block with a frame depends on */
+/*! Parameters of the layout of a block with a frame. */
 struct KindFormat
 {
-  uint32_t leafLevels;    //!< log2 of the quads along a side of a leaf, where there are that many
-  uint32_t minNodeLevels; //!< leaves of smaller blocks are parts of a quad
-  uint32_t groupBytes;    //!< behind the words: for each word of the last level
-  uint32_t vertexBytes;   //!< for each vertex
-  uint32_t padding;       //!< bytes behind all
+  uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks that are large enough
+  uint32_t minNodeLevels; //!< in smaller blocks, leaves are parts of a quad
+  uint32_t groupBytes;    //!< after the words: bytes per word of the last level
+  uint32_t vertexBytes;   //!< bytes per vertex
+  uint32_t padding;       //!< bytes at the end
 };
 
-/*! by number, zeros where it is no kind's */
+/*! By number of the kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
-  /* cGRID: a leaf is 2 x 2 quads, as GRID's own; vectors that read its last row read 3 floats more */
+  /* cGRID: leaves are 2 x 2 quads, as in GRID; vectors that read the last row read 3 more floats */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
   { 0u, 0u, 0u, 0u, 0u },
-  /* cLEAF: words of the last level are groups of 2 x 2 leaves with heights; one quad is cut into four */
+  /* cLEAF: words of the last level are groups of 2 x 2 leaves with heights; a single quad is split into four */
   { 0u, 1u, 8u, 0u, 0u }
 };
 
@@ -63,22 +63,22 @@ CBVH_BEGIN
 
 enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf, VERT = kindVert };
 
-/*! what is to know of a kind besides its bytes */
+/*! Properties of a kind other than its layout. */
 struct KindDescription
 {
   Kind kind;
-  const char* key;           //!< in device strings, after "cbvh.", and in EMBREE_CBVH; after "c" in command lines of programs
+  const char* key;           //!< in device strings after "cbvh.", in EMBREE_CBVH, and in command lines after "c"
   const char* name;          //!< in messages
   bool alignsToLimit;        //!< frames align to corners before displacement, else after it
-  bool takesHoles;           //!< leaves can leave a quad out
-  bool hasThickness;         //!< leaves are not exact: a bound on their thickness means something
+  bool takesHoles;           //!< leaves can leave out a quad
+  bool hasThickness;         //!< leaves are not exact, so a bound on their thickness applies
 
   bool hasFrame () const { return ((framedKinds >> uint32_t(kind)) & 1u) != 0u; }
   RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_GRID + uint32_t(kind)); }
 };
 
-/*! Heights are best stored along the normal of the smooth surface; boxes are tightest around what
- *  they bound. */
+/*! alignsToLimit: heights are stored best along the normal of the smooth surface; boxes are tightest if they align to
+ *  the displaced surface. */
 static constexpr KindDescription kindDescriptions[] = {
 #if !defined(EMBREE_CBVH_NO_PAPER)
   { Kind::GRID,  "grid",  "cGRID",  false, true,  false },
@@ -90,11 +90,14 @@ static constexpr KindDescription kindDescriptions[] = {
 static constexpr uint32_t numKinds = sizeof(kindDescriptions)/sizeof(kindDescriptions[0]);
 
 static_assert(framedKinds < (1u << maxFramedKinds), "headers of blocks with frames have 4 bits for the kind");
-static_assert(RTC_COMPRESSION_VOXEL - RTC_COMPRESSION_GRID == kindVoxel, "a value of RTCCompression follows from the kind");
-static_assert(RTC_COMPRESSION_LEAF  - RTC_COMPRESSION_GRID == kindLeaf,  "a value of RTCCompression follows from the kind");
-static_assert(RTC_COMPRESSION_VERT  - RTC_COMPRESSION_GRID == kindVert,  "a value of RTCCompression follows from the kind");
+static_assert(RTC_COMPRESSION_VOXEL - RTC_COMPRESSION_GRID == kindVoxel,
+              "a value of RTCCompression follows from the kind");
+static_assert(RTC_COMPRESSION_LEAF - RTC_COMPRESSION_GRID == kindLeaf,
+              "a value of RTCCompression follows from the kind");
+static_assert(RTC_COMPRESSION_VERT - RTC_COMPRESSION_GRID == kindVert,
+              "a value of RTCCompression follows from the kind");
 
-/*! kind: one that this library was built with */
+/*! kind: must be one that this library was built with. */
 inline const KindDescription& describe (Kind kind)
 {
   uint32_t row = 0;
@@ -102,7 +105,7 @@ inline const KindDescription& describe (Kind kind)
   return kindDescriptions[row];
 }
 
-/*! kind of an RTCCompression; false for those that are none */
+/*! Finds the kind of a value of RTCCompression. Returns false if there is none. */
 inline bool findKind (int compression, Kind& kind)
 {
   for (const KindDescription& description : kindDescriptions)
@@ -110,8 +113,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Compression of a geometry in a file whose record has that one. A library that was built without it loads only
- *  files of cVERT blocks. */
+/*! Compression of a loaded geometry. compression: from its record in the file. A library that was built without this
+ *  kind loads only files of cVERT blocks. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The codec's language, cvert/basics/language.h, for headers of the kernels that are C++ and GLSL, too. */
+/* Macros of cvert/basics/language.h for headers of the kernels that are compiled as C++ and as GLSL. */
 
 #ifndef CBVH_LANGUAGE_H
 #define CBVH_LANGUAGE_H
@@ -18,7 +18,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /* Found next to the functions of the same names for Embree's vectors. */
+    /* overloads next to the functions for Embree's vectors */
     using cvert::lesser;
     using cvert::greater;
     using cvert::magnitude;

@@ -3,10 +3,12 @@
 
 #pragma once
 
-/* Blocks that lie in a mapped file. Nobody looked at them when the file was opened, as that would fetch all of it: each is checked before it
- * is decoded first, by whoever decodes it (files/mapped_blocks.h). Decoders and all who read more of a block than its header ask here. */
+/* Blocks in a mapped file. Opening a file does not check its blocks, because that would read the whole file. A block is
+ * checked before it is first decoded (files/mapped_blocks.h). Everything that reads more of a block than its header
+ * must call isUsable first. */
 
 #include "../embree/simd.h"
+#include "primitive_type.h"
 #include <atomic>
 #include <cstddef>
 
@@ -14,17 +16,22 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Addresses that hold all blocks that are mapped, and others; no bytes where none are. To be read in this order. */
+    /*! Range of addresses that contains all mapped blocks and may contain other memory. Empty if there are none. Must
+     *  be read in this order. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! The same as isUsable, of a block between those addresses. */
-    extern std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood;
+    /*! Implementation of isUsable for blocks in this range. Null until a file is mapped. */
+    extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood;
 
-    /*! Whether a block may be decoded. Of one that may not the device was told, once for its geometry; it has no surface. */
-    __forceinline bool isUsable (const void* block, bool isVert)
+    /*! True if a block may be decoded. If not, its surface is empty, and the device receives one error per geometry. */
+    __forceinline bool isUsable (const void* block, BlockForm form)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
-      return likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed)) || isMappedBlockGood.load(std::memory_order_relaxed)(block,isVert);
+      if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
+      /* The loads are relaxed: while another thread maps the first file, this thread may see the addresses before the
+       * function. It cannot trace a mapped block then, because its rays come after the commit of a scene with one. */
+      bool (*const isGood) (const void*, BlockForm) = isMappedBlockGood.load(std::memory_order_relaxed);
+      return !isGood || isGood(block,form);
     }
   }
 }

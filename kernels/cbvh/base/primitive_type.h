@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* What a leaf of the top-level BVH4 refers to. Types 0 and 1 are Embree's own (GridSOA's
- * inner leaves and its root), so that patches that are not compressed live in the same tree
- * as blocks. Embree's reference has 3 bits for it, too few for a type a kind: a type is a form of
- * blocks, and where several kinds have one form the block's header has the kind. */
+/* Types of the leaves of the top-level BVH4. Types 0 and 1 are Embree's own (GridSOA's inner leaves and its root), so
+ * that patches that are not compressed are in the same tree as blocks. Embree's references have 3 bits for the type,
+ * too few for one type per kind. A type therefore denotes a form of blocks. If several kinds have the same form, the
+ * block's header stores the kind. */
 
 #include "codec.h"
 #include <cstddef>
@@ -14,18 +14,30 @@
 
 namespace embree
 {
+  namespace cbvh
+  {
+    /*! Layout of the bytes of a block. Not in CBVH_ISA, so that code of all instruction sets shares the type. */
+    enum BlockForm : uint32_t { FRAMED_FORM, VERT_FORM, MESH_FORM };
+  }
+
   namespace cbvh { inline namespace CBVH_ISA
   {
     enum PrimitiveType : uint32_t
     {
       GRID_SOA_QUADS = 0,
       GRID_SOA_ROOT = 1,
-      FRAMED_BLOCK = 2,   //!< framed/block.h, whose info has the kind
+      FRAMED_BLOCK = 2,   //!< framed/block.h; its info has the kind
       VERT_BLOCK = 3,     //!< cvert/format/block.h
-      MOVING_VERT_BLOCK = 4 //!< cvert/format/motion.h; in a tree of its own
+      MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a separate tree
+      MESH_BLOCK = 5        //!< cvert/format/mesh_block.h
     };
 
-    /*! whether it is none of Embree's own */
+    /*! type: must be the type of a block. */
+    constexpr BlockForm formOfBlock (std::size_t type) {
+      return type == FRAMED_BLOCK ? FRAMED_FORM : type == MESH_BLOCK ? MESH_FORM : VERT_FORM;
+    }
+
+    /*! True if a type is not one of Embree's. */
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }
   }}
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Embree's vectors grow to a power of two. A vector that is large and is sized once does not need the rest. */
+/* Embree's vectors grow to powers of two. Large vectors that are resized only once do not need the spare memory. */
 
 #include <cstddef>
 
@@ -11,7 +11,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Resizes an empty vector without room for more. */
+    /*! Resizes an empty vector without spare capacity. */
     template<typename Vector>
     void resizeToFit (Vector& vector, size_t size)
     {

@@ -7,7 +7,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! where a block is at a time step; empty if it has no finite vertex there */
+    /*! Bounds of a block at a time step. Empty if the block has no finite vertex at it. */
     struct StepBox
     {
       float lower[3], upper[3];

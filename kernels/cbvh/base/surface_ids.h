@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Names of surfaces. A geometry may be in several scenes, in each under another ID, and its blocks are the same in all: so they
- * hold a number that is the process's, and each scene has a table of its own that takes it to the geometry's ID there. Surfaces that
- * move have a bit more in theirs, so that it is no ID: beside them Embree may trace surfaces that do not move, whose grids have IDs. */
+/* Surface numbers. A geometry may be in several scenes with different IDs, while its blocks are the same in all of
+ * them. Blocks therefore store a number that is unique in the process, and each scene has a table that maps numbers to
+ * the IDs of its geometries. Numbers of moving surfaces have an additional bit, so that they differ from IDs: Embree
+ * may trace static surfaces in the same scene, whose grids store IDs. */
 
 #include "codec.h"
 #include "../../cvert/format/limits.h"
@@ -18,12 +19,12 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! A number that no other surface has while this object exists. */
+    /*! A number that no other surface has during the lifetime of this object. */
     class SurfaceNumber
     {
     public:
-      /*! Takes the lowest number that is free, or `fileNumber`, a number that the blocks of a file have, unless another
-       *  surface has that one. Thread-safe. */
+      /*! Allocates `fileNumber`, the number that blocks of a file have, if no other surface has it, else the lowest
+       *  free number. Thread-safe. */
       explicit SurfaceNumber (uint32_t fileNumber = none);
       ~SurfaceNumber ();
       SurfaceNumber (const SurfaceNumber&) = delete;
@@ -35,11 +36,11 @@ namespace embree
       uint32_t value;
     };
 
-    /*! IDs of the geometries of a scene by the numbers of their surfaces; looked up for each hit. */
+    /*! IDs of the geometries of a scene by surface number. Each hit looks up an ID. */
     class SurfaceIDs
     {
     public:
-      /*! numbers and IDs */
+      /*! surfaces: pairs of number and ID. */
       void set (const std::vector<std::pair<uint32_t,uint32_t>>& surfaces)
       {
         size_t size = 1;
@@ -54,7 +55,7 @@ namespace embree
         }
       }
 
-      /*! of a surface of the scene; a number that is not in the table is an ID */
+      /*! Returns the ID of a surface of the scene. Numbers that are not in the table are IDs. */
       uint32_t operator[] (uint32_t number) const
       {
         if (slots.empty()) return number;
@@ -72,7 +73,7 @@ namespace embree
       static const uint32_t none = 0xFFFFFFFFu;
       struct Slot { uint32_t number, id; };
 
-      std::vector<Slot> slots; //!< by the number's low bits, or the next that was free
+      std::vector<Slot> slots; //!< hash table: indexed by the low bits of the number, with linear probing
       uint32_t mask = 0;
     };
   }

@@ -9,11 +9,12 @@ namespace embree
 {
   namespace isa
   {
-    /*! how often, in quads, a task of a build reports progress: enough to cancel, too seldom to be felt */
+    /*! Number of quads after which a task of a build reports progress: often enough to cancel, too rarely to cost
+     *  time. */
     static const size_t progressQuads = 1 << 15;
 
-    /*! Calls closure(range) for ranges of 0 to n, by all threads: as parallel_for does it, but what is one task anyway is none, as a scene
-     *  may have a hundred thousand geometries of a face. */
+    /*! Calls closure(range) for ranges of 0 to n, like parallel_for, but without tasks if there is only one range: a
+     *  scene may have a hundred thousand geometries of one face. */
     template<typename Closure>
     inline void forRanges (size_t n, size_t perTask, const Closure& closure)
     {
@@ -21,7 +22,7 @@ namespace embree
       else if (n) closure(range<size_t>(0,n));
     }
 
-    /*! Sums up what closure(range) returns. */
+    /*! Sums the results of closure(range). */
     template<typename Value, typename Closure, typename Sum>
     inline Value reduceRanges (size_t n, size_t perTask, const Value& none, const Closure& closure, const Sum& sum)
     {

@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* What a thread has decoded of blocks lately. Rays that follow each other, of a picture or a packet,
- * mostly meet the blocks that the last ones met, and decoding these is most of what a ray costs.
+/* Cache of recently decoded data of blocks, per thread. Consecutive rays, of a picture or a packet, mostly reach the
+ * same blocks, and decoding them is most of the cost of a ray.
  *
- * Entries (vert/cache.h, framed/node_cache.h) are found by the address of a block, in one place each. A block
- * that is built may come to lie where another was, which may have been traced and released since the build
- * began: at its end a build makes all that threads keep outdated. */
+ * Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by the address of a block. A new block may have the
+ * address of an old one that was traced and released during the build. Each build therefore invalidates all caches at
+ * its end. */
 
 #include "../embree/simd.h"
 #include <atomic>
@@ -18,27 +18,27 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! comes after blocks are built, and before one of them is traced */
+    /*! Invalidates all caches. Must be called after blocks are built and before they are traced. */
     void outdateThreadCaches ();
 
-    /*! counts the builds */
+    /*! Number of calls of outdateThreadCaches. */
     extern std::atomic<unsigned> cacheGeneration;
 
-    /*! where a block is found, before it is cut to the number of entries */
+    /*! Hash of a block, before it is reduced to the number of entries. */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
-    /*! The same, with one place for so many bytes of memory, so that neighboring blocks never share a place. A hash
-     *  shifts each range of 256 KiB: blocks at equal distances would otherwise share a few places. */
+    /*! Like hashOfBlock, with one entry per `bytes` bytes of memory, so that neighboring blocks never share an entry. A
+     *  hash shifts each range of 256 KiB: otherwise, blocks at equal distances would share a few entries. */
     __forceinline size_t placeOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
 
-    /*! Entries: plain data, with clear(), which makes them no block's */
+    /*! Entries: plain data with clear(), which invalidates all entries. */
     template<typename Entries>
     class ThreadCache : public Entries
     {
     public:
-      /*! the calling thread's, without what is outdated */
+      /*! Returns the cache of the calling thread without outdated entries. */
       static __forceinline ThreadCache& ofThread ()
       {
         ThreadCache* cache = current;
@@ -49,7 +49,7 @@ namespace embree
     private:
       static ThreadCache& renew (unsigned now);
 
-      unsigned made; //!< generation
+      unsigned made; //!< value of cacheGeneration
 
       static __thread ThreadCache* current __attribute__((tls_model("initial-exec")));
     };

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The functions of cvert/basics/language.h for Embree's vectors, so that shared code takes rays of a packet and
- * quads of a group in lanes; and products that are fused with a sum, or not, as is written: elsewhere the compiler may do it
- * in one way here and in another there. */
+/* The functions of cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or of
+ * quads. Also products that are fused with a sum or not, as written, whereas compilers may fuse differently in
+ * different places. */
 
 #include "language.h"
 #include "../../cvert/rule/reciprocal.h"
@@ -13,18 +13,22 @@
 
 namespace embree
 {
-  template<int N> __forceinline vfloat_impl<N> lesser (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return min(a,b); }
-  template<int N> __forceinline vfloat_impl<N> greater (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return max(a,b); }
+  template<int N>
+  __forceinline vfloat_impl<N> lesser (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return min(a,b); }
+  template<int N>
+  __forceinline vfloat_impl<N> greater (const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return max(a,b); }
   template<int N> __forceinline vfloat_impl<N> magnitude (const vfloat_impl<N>& a) { return abs(a); }
-  template<int N> __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a, const vfloat_impl<N>& b) { return select(condition,a,b); }
+  template<int N>
+  __forceinline vfloat_impl<N> choose (const vboolf_impl<N>& condition, const vfloat_impl<N>& a,
+                                       const vfloat_impl<N>& b) { return select(condition,a,b); }
   template<int N> __forceinline vfloat_impl<N> product (const vfloat_impl<N>& a, const vfloat_impl<N>& b)
   {
     vfloat_impl<N> p = a*b;
 #if defined(__GNUC__) && defined(__AVX512F__)
     asm("" : "+v"(p.v));
-#elif defined(__GNUC__) && defined(__SSE2__)
+#elif defined(__GNUC__) && defined(__x86_64__)
     asm("" : "+x"(p.v));
-#endif
+#endif // elsewhere -ffp-contract=off, kernels/upstream/arm64.cmake
     return p;
   }
 
@@ -34,7 +38,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! the widest vectors that the instruction set has, for sixteen things in a row */
+      /*! The widest vectors of the instruction set, up to 16 floats. */
 #if defined(__AVX512F__)
       static const int vectorWidth = 16;
 #elif defined(__AVX__)
@@ -46,8 +50,8 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! directionReciprocal of x, y and z of a direction. Components of about one size need no bound, and then nothing is waited for
-       *  but the division. */
+      /*! directionReciprocal of x, y and z of a direction. Components of normal magnitude need no clamping, so only the
+       *  division has latency then. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);
@@ -55,10 +59,11 @@ namespace embree
         return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
       }
 
-      /*! a b + c, and c - a b, fused where the instruction set can. Embree's madd of floats clears the rest of a vector first. */
+      /*! a b + c and c - a b, fused if the instruction set supports it. Embree's madd of floats would clear the rest of
+       *  a vector first. */
       __forceinline float fused (float a, float b, float c)
       {
-#if defined(__FMA__)
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
         return __builtin_fmaf(a,b,c);
 #else
         return product(a,b) + c;

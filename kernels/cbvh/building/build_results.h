@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the tasks of a build leave behind, together. */
+/* Combined results of the tasks of a build. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -16,7 +16,8 @@ namespace embree
   {
     struct BuildResults
     {
-      /*! Blocks of primitives, or of strips of a patch, which begin with one. */
+      /*! Blocks of primitives, or of a strip of a patch. The key is the first primitive, its first patch, and the
+       *  strip. */
       struct List
       {
         size_t primitive;
@@ -24,7 +25,9 @@ namespace embree
         mvector<PrimRef> prims;
         mvector<cbvh::StepBox> boxes;
 
-        bool operator< (const List& other) const { return std::tie(primitive,patch,strip) < std::tie(other.primitive,other.patch,other.strip); }
+        bool operator< (const List& other) const {
+          return std::tie(primitive,patch,strip) < std::tie(other.primitive,other.patch,other.strip);
+        }
       };
 
       std::vector<std::unique_ptr<List>> lists;
@@ -36,13 +39,15 @@ namespace embree
       {
         store.flush();
         std::unique_ptr<List> list;
-        if (store.prims.size()) list.reset(new List{ primitive,patch,strip,takeAll(store.device,store.prims),takeAll(store.device,store.boxes) });
+        if (store.prims.size())
+          list.reset(new List{ primitive,patch,strip,takeAll(store.device,store.prims),
+            takeAll(store.device,store.boxes) });
         Lock<MutexSys> lock(mutex);
         hitBounds.extend(store.hitBounds);
         if (list) lists.push_back(std::move(list));
       }
 
-      /*! without the room that it grew by */
+      /*! Moves all items to a vector of exactly that size. */
       template<typename T>
       static mvector<T> takeAll (Device* device, mvector<T>& from)
       {
@@ -59,10 +64,11 @@ namespace embree
         statistics.merge(ofTask);
       }
 
-      /*! the lists of all tasks, in the order of their primitives, whichever task was through first */
+      /*! Concatenates the lists of all tasks, in the order of their primitives, whichever task ended first. */
       void collect (mvector<PrimRef>& prims, mvector<cbvh::StepBox>& boxes)
       {
-        std::sort(lists.begin(),lists.end(),[](const std::unique_ptr<List>& a, const std::unique_ptr<List>& b) { return *a < *b; });
+        std::sort(lists.begin(),lists.end(),
+          [](const std::unique_ptr<List>& a, const std::unique_ptr<List>& b) { return *a < *b; });
         size_t n = 0, b = 0;
         for (const auto& list : lists) { n += list->prims.size(); b += list->boxes.size(); }
         cbvh::resizeToFit(prims,n);

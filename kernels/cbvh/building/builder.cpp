@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builder of a scene's compressed surfaces, those that move, or those that do not: blocks of the geometries that changed
- * (surface_builder.h), and one tree over the parts of all, or over the blocks that move (motion_tree.h). */
+/* Builds a scene's compressed surfaces, either the moving or the still ones: blocks of the geometries that changed
+ * (surface_builder.h), and one tree over the parts of all still surfaces, or over all moving blocks (motion_tree.h). */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
@@ -23,6 +23,16 @@ namespace embree
 
     typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
 
+    /*! Returns the builder of a mesh: of its grids, and of its primitives that are in no grid. */
+    template<typename Grids>
+    static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
+    {
+      std::unique_ptr<LooseBlocks> loose;
+      const std::shared_ptr<const QuadRegions> parts = partsOf(mesh);
+      if (parts->hasLoose()) loose.reset(new LooseBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
+      return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(loose)));
+    }
+
     static BuilderPointer newSurfaceBuilder (CompressibleGeometry* geometry, const Number& number,
                                              const CompressionPlan& plan)
     {
@@ -30,9 +40,9 @@ namespace embree
       case Geometry::GTY_GRID_MESH:
         return BuilderPointer(new BuilderOf<GridSource<GridsOfGridMesh>>((GridMesh*)geometry,number,plan));
       case Geometry::GTY_QUAD_MESH:
-        return BuilderPointer(new BuilderOf<GridSource<GridsOfQuadMesh>>((QuadMesh*)geometry,number,plan));
+        return newMeshBuilder<GridsOfQuadMesh>((QuadMesh*)geometry,number,plan);
       case Geometry::GTY_TRIANGLE_MESH:
-        return BuilderPointer(new BuilderOf<GridSource<GridsOfTriangleMesh>>((TriangleMesh*)geometry,number,plan));
+        return newMeshBuilder<GridsOfTriangleMesh>((TriangleMesh*)geometry,number,plan);
       default:
         return BuilderPointer(new BuilderOf<CageSource>((SubdivMesh*)geometry,number,plan));
       }
@@ -42,34 +52,35 @@ namespace embree
     {
       ALIGNED_CLASS_(64);
 
-      static const size_t surfacesPerTask = 16; //!< small ones
+      static const size_t surfacesPerTask = 16; //!< small surfaces
 
       BVH4* bvh;
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> treeOf; //!< builds of the blocks that the tree stands over; empty if there is none
+      std::vector<uint64_t> treeOf; //!< builds of the blocks under the tree; empty if there is no tree
       size_t treeBytes = 0;
 
-      /*! a geometry of the scene */
+      /*! A geometry of the scene. */
       struct Surface
       {
         CompressibleGeometry* geometry;
         unsigned geomID;
         Number number;
-        CompressionPlan plan;                        //!< of the blocks, also for messages
+        CompressionPlan plan;                        //!< plan of the blocks, also used for messages
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)
           : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
             blocks(cbvh::blocksOf(geometry)) {}
 
-        /*! whether it came as grids, quads or triangles */
+        /*! True for grids, quads and triangles. */
         bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
       };
 
     public:
-      CompressedBuilder (BVH4* bvh, Scene* scene, CompressionReport* report, bool moves) : bvh(bvh), scene(scene), report(report), moves(moves) {}
+      CompressedBuilder (BVH4* bvh, Scene* scene, CompressionReport* report, bool moves)
+        : bvh(bvh), scene(scene), report(report), moves(moves) {}
 
       void clear ()
       {
@@ -81,12 +92,14 @@ namespace embree
       {
         report->clear();
         std::vector<Surface> surfaces = findSurfaces();
-        ((CompressedTree*)bvh)->hasGrids = std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
+        ((CompressedTree*)bvh)->hasGrids =
+          std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
         const std::vector<uint64_t> before = treeOf;
         const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;
-        const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder" : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
+        const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder"
+          : TOSTRING(isa) "::BVH4CompressedSubdivBuilder");
         buildBlocks(surfaces);
         cbvh::BuildStatistics all;
         std::set<const void*> counted;
@@ -120,7 +133,7 @@ namespace embree
         return surfaces;
       }
 
-      /*! 0 for blocks that are to be built */
+      /*! Returns the build of each surface's blocks; 0 for blocks that must be built. */
       static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
       {
         std::vector<uint64_t> builds;
@@ -128,7 +141,8 @@ namespace embree
         return builds;
       }
 
-      /*! Beside each other, but large ones one after the other: each uses all threads, and takes memory while it is built. */
+      /*! Builds small surfaces in parallel. Large surfaces are built one after the other, because each uses all threads
+       *  and temporary memory. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
         std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
@@ -150,11 +164,12 @@ namespace embree
 
       void build (Surface& surface, std::unique_ptr<SurfaceBuilder>& builder)
       {
-        surface.blocks = cbvh::keepBlocks(surface.geometry,builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
+        surface.blocks = cbvh::keepBlocks(surface.geometry,
+          builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
         builder.reset();
       }
 
-      /*! what the scene has of a surface besides its tree */
+      /*! Adds a surface's blocks to the report and its statistics to `all`. */
       void add (const Surface& surface, cbvh::BuildStatistics& all)
       {
         report->surfaces.push_back(surface.blocks);
@@ -162,15 +177,16 @@ namespace embree
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports faces that are left out, unless the previous commit reported them: its tree had the same blocks.
-       *  before: the builds of those blocks. */
+      /*! Reports faces that are left out, unless the previous commit reported them, whose tree had the same blocks.
+       *  before: builds of these blocks. */
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
-        if (isNew && std::find(before.begin(),before.end(),surface.blocks->build) == before.end()) report->errors.push_back(describeInvalid(surface));
+        if (isNew && std::find(before.begin(),before.end(),surface.blocks->build) == before.end())
+          report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! nodes that are its own */
+      /*! Builds the tree over still surfaces. Returns the number of nodes that are not a surface's. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);
@@ -196,7 +212,7 @@ namespace embree
         return nodes;
       }
 
-      /*! bytes of its nodes */
+      /*! Builds the tree over moving blocks. Returns the bytes of its nodes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
@@ -206,9 +222,11 @@ namespace embree
         for (const auto& surface : report->surfaces) blocks.add(*surface,[&] { scene->progressMonitor(0.0); });
         bvh->alloc.init_estimate(blocks.size()*sizeof(BVH4::AABBNodeMB)/2);
         MotionTree tree;
-        const BVH4::NodeRef root = tree.build(scene->device,bvh->alloc,blocks.all(),[&] { scene->progressMonitor(0.0); });
+        const BVH4::NodeRef root =
+          tree.build(scene->device,bvh->alloc,blocks.all(),[&] { scene->progressMonitor(0.0); });
         bvh->set(root,tree.bounds,blocks.size());
-        for (const auto& surface : report->surfaces) std::atomic_store(&surface->boxes,std::shared_ptr<const mvector<cbvh::StepBox>>());
+        for (const auto& surface : report->surfaces)
+          std::atomic_store(&surface->boxes,std::shared_ptr<const mvector<cbvh::StepBox>>());
         return tree.bytes;
       }
 
@@ -222,14 +240,15 @@ namespace embree
           else line.addLeft(surface.geometry);
         }
         for (size_t i=0; i<scene->size(); i++) {
-          const CompressibleGeometry* const geometry = scene->get(i) && scene->get(i)->isEnabled() ? compressible(scene->get(i)) : nullptr;
+          const CompressibleGeometry* const geometry = scene->get(i)
+            && scene->get(i)->isEnabled() ? compressible(scene->get(i)) : nullptr;
           if (geometry && !geometry->isCompressed() && geometry->surface.whyNot) line.addLeft(geometry);
         }
         Lock<MutexSys> lock(g_printMutex);
         std::cerr << line.text(treeBytes,report->statistics.inputBytes) << std::endl;
       }
 
-      /*! what of a compressed geometry is stored otherwise than asked for */
+      /*! Reports what is stored differently than requested. */
       void reportAtVerbosity1 (const Surface& surface) const
       {
         if (!scene->device->verbosity(1)) return;
@@ -241,38 +260,53 @@ namespace embree
                     << (surface.plan.sharesBorders() ? cbvh::maxVertRate : 1u << cbvh::maxLevel)
                     << " are traced by GRID" << std::endl;
         if (total.refusedQuads)
-          std::cerr << geometry << total.refusedQuads << " quads of blocks that have no good frame (lines, outliers) keep full precision" << std::endl;
+          std::cerr << geometry << total.refusedQuads
+                    << " quads of blocks without a good frame (lines, outliers) are stored in full precision" << std::endl;
         if (total.sums.numExactQuads)
           std::cerr << geometry << total.sums.numExactQuads
-                    << " quads of faces that leaves hold badly (borders, creases, walls, folds) are stored as cVERT" << std::endl;
+                    << " quads of faces that leaves represent badly (borders, creases, walls, folds) are stored as cVERT"
+                    << std::endl;
         if (total.sums.numRawBlocks)
           std::cerr << geometry << total.sums.numRawBlocks
-                    << " blocks of cVERT keep floats (a vertex that is not finite, a spacing too fine for their width, or a neighbour that GRID traces)" << std::endl;
+                    << " cVERT blocks store floats (because of a vertex that is not finite, a spacing that is too fine "
+                       "for their width, or a neighbor that GRID traces)" << std::endl;
         if (total.sums.numInvalidQuads && surface.isDiced())
-          std::cerr << geometry << total.sums.numInvalidQuads << " quads with vertices that are not finite are left out" << std::endl;
-        if (total.sums.numUnsupportedFaces) // no error: Embree leaves them out in silence, and programs rely on it
-          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, the first of them face " << total.firstUnsupportedFace << ", are left out: they, or faces at their vertices, have fewer than 3 or more than "
-                    << MAX_PATCH_VALENCE << " corners, or a vertex has more than " << MAX_RING_FACE_VALENCE << " faces, which Embree's subdivision does not support" << std::endl;
+          std::cerr << geometry << total.sums.numInvalidQuads
+                    << " quads with vertices that are not finite are left out" << std::endl;
+        if (total.sums.numUnsupportedFaces) // not an error: Embree skips them silently, and programs rely on that
+          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, the first of which is face "
+                    << total.firstUnsupportedFace << ", are left out: expected 3 to "
+                    << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
+                    << MAX_RING_FACE_VALENCE << " faces per vertex" << std::endl;
         if (total.sums.numMeshQuads)
-          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of " << total.sums.numMeshQuads << " quads lie in grids, "
-                    << total.sums.numLooseQuads << " are stored in blocks of fewer than " << looseSide << " quads along a side" << std::endl;
+          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of "
+                    << total.sums.numMeshQuads << " quads are in grids, "
+                    << total.sums.numLooseQuads << " are stored in mesh blocks, or in grids of fewer than "
+                    << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
-          std::cerr << geometry << total.quadsForHoles << " quads of patches with holes are stored as cLEAF, as cVOXEL cannot leave a quad out" << std::endl;
+          std::cerr << geometry << total.quadsForHoles
+                    << " quads of patches with holes are stored as cLEAF, because cVOXEL cannot leave out quads" << std::endl;
       }
 
       static std::string describeInvalid (const Surface& surface)
       {
         const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
         if (surface.isDiced())
-          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace) + ": it has no quads, or vertices outside of their buffer; left out: "
+          return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace)
+            + ": it has no quads, or vertices outside of their buffer; left out: "
             + std::to_string(total.invalidFaces) + " grid(s)";
-        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace) + ": vertices are not finite; left out of "
+        return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace)
+          + ": vertices are not finite; left out of "
           + std::to_string(total.invalidFaces) + " face(s): " + std::to_string(total.sums.numInvalidQuads) + " quads";
       }
     };
 
-    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, CompressionReport* report) { return new CompressedBuilder((BVH4*)bvh,scene,report,false); }
-    Builder* BVH4CompressedMotionBuilder (void* bvh, Scene* scene, CompressionReport* report) { return new CompressedBuilder((BVH4*)bvh,scene,report,true); }
+    Builder* BVH4CompressedSubdivBuilder (void* bvh, Scene* scene, CompressionReport* report) {
+      return new CompressedBuilder((BVH4*)bvh,scene,report,false);
+    }
+    Builder* BVH4CompressedMotionBuilder (void* bvh, Scene* scene, CompressionReport* report) {
+      return new CompressedBuilder((BVH4*)bvh,scene,report,true);
+    }
 
     void buildBlocksOfGeometry (CompressibleGeometry* geometry)
     {
@@ -282,7 +316,8 @@ namespace embree
       const CompressionPlan plan(geometry,*number);
       cbvh::keepBlocks(geometry,newSurfaceBuilder(geometry,number,plan)->build([&](double primitives) {
           done += size_t(primitives);
-          if (settings.progress && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
+          if (settings.progress
+            && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
             throw_RTCError(RTC_ERROR_CANCELLED,"progress monitor forced termination");
         }));
       cbvh::outdateThreadCaches();

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Faces of a cage, for surface_builder.h. Every patch is evaluated where it is written, as blocks of the kind that is asked for, as
- * cVERT, or, where its edge rates are such that no block takes it, and of geometries that opt out, as Embree's own grids. */
+/* Faces of a cage, as a source (surface/source.h). Each patch is evaluated where it is written: as blocks of the
+ * requested kind, or as cVERT. Patches whose edge rates blocks do not support, and geometries that are not compressed,
+ * become Embree's own grids. */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -33,7 +34,7 @@ namespace embree
 
       size_t size () const { return mesh->size(); }
 
-      /*! if no frame level follows from an error bound and no patch is stored exactly instead */
+      /*! Exact if no frame level follows from an error bound, and no patch is stored exactly instead. */
       size_t estimateBlocks () const
       {
         return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
@@ -45,9 +46,11 @@ namespace embree
           },std::plus<size_t>());
       }
 
-      /*! a face is worth milliseconds at high levels, and those of one geometry may differ a lot; of small ones all */
+      /*! Faces can take milliseconds at high levels, and can differ much within a geometry. Small surfaces are one
+       *  task. */
       size_t perTask (bool isSmall) const {
-        return isSmall ? max(mesh->size(),size_t(1)) : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));
+        return isSmall ? max(mesh->size(),size_t(1))
+          : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));
       }
 
       template<typename Progress>
@@ -72,26 +75,27 @@ namespace embree
           });
       }
 
-      /*! A displacement returned what is not finite; where the cage's own vertices are not, the face has no surface. */
+      /*! True if a displacement function returned a value that is not finite. If the cage's own vertices are not
+       *  finite, the face has no surface. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
 
-      /*! what Embree takes for it */
       size_t bytesInEmbree (const SurfacePatch& patch) const {
         const Vec2i quads(int(patch.quads[0]),int(patch.quads[1]));
         return bytesOfMovingGrids(GridSOAWriter::bytesInGrid(quads),plan.numTimeSteps);
       }
 
-      /*! writes patches, for one task */
+      /*! Writes the patches of one task. */
       class Writer
       {
       public:
         Writer (const CageSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
-          : source(source), plan(source.plan), store(store), statistics(statistics), framed(plan,source.mesh,store,statistics),
+          : source(source), plan(source.plan), store(store), statistics(statistics),
+            framed(plan,source.mesh,store,statistics),
             vert(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
 
-        /*! false for a patch that is to be written in strips */
+        /*! Returns false if the patch must be written in strips. */
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
@@ -126,7 +130,8 @@ namespace embree
       size_t estimateBlocks (const PatchOfFace& patch) const
       {
         const CompressionPlan::Storage storage = plan.storage(patch.rate);
-        if (storage == CompressionPlan::FRAMED) return isa::tilingOf(plan.kind(),patch.rate,plan.frameLevel(levelOf(patch.rate))).size();
+        if (storage == CompressionPlan::FRAMED)
+          return isa::tilingOf(plan.kind(),patch.rate,plan.frameLevel(levelOf(patch.rate))).size();
         const Vec2i size = SubdivPatch1Base::computeGridSize(patch.rate);
         const unsigned side = storage == CompressionPlan::VERT ? cbvh::vertBlockQuads : GridSOAWriter::gridQuads;
         return size_t(unsigned(size.x-2)/side+1)*size_t(unsigned(size.y-2)/side+1);
@@ -136,7 +141,8 @@ namespace embree
         return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
-      /*! the least levels that keep to the bound; asked once, as a displacement may answer differently */
+      /*! Chooses the lowest levels that keep the bound. Called once, because a displacement function may return other
+       *  values when it is called again. */
       template<typename Progress>
       void chooseFrameLevels (size_t perTask, const Progress& progress)
       {
@@ -163,7 +169,7 @@ namespace embree
       SubdivMesh* mesh;
       const CompressionPlan& plan;
       mvector<unsigned char> frameLevel;      //!< by face; empty unless the plan bounds errors
-      std::unique_ptr<CageBorders> borders;   //!< of faces that share their borders, while it is needed
+      std::unique_ptr<CageBorders> borders;   //!< null unless faces share their borders, and after release()
     };
   }
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A line about a commit of a scene, for users of programs that they cannot change: what is compressed, what is not and why,
- * and how much memory each needs. */
+/* A line that reports the commit of a scene: what is compressed, what is not and why, and how much memory each takes.
+ * Intended for users who cannot change the program. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
@@ -21,7 +21,8 @@ namespace embree
     class CommitLine
     {
     public:
-      void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind, const cbvh::SurfaceStatistics& statistics)
+      void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind,
+                          const cbvh::SurfaceStatistics& statistics)
       {
         Compressed& of = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
         of.names = namesOf(geometry);
@@ -29,27 +30,32 @@ namespace embree
         all.add(statistics);
       }
 
-      /*! Adds a geometry that is not compressed at all, whichever acceleration structure holds it. */
+      /*! Adds a geometry that is not compressed, whatever acceleration structure it is in. */
       void addLeft (const CompressibleGeometry* geometry)
       {
         if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.whyNot) notAsked++;
-        else if (geometry->surface.whyNot && *geometry->surface.whyNot) left[{ namesOf(geometry).primitives,geometry->surface.whyNot }] += geometry->size();
+        else if (geometry->surface.whyNot && *geometry->surface.whyNot)
+          left[{ namesOf(geometry).primitives,geometry->surface.whyNot }] += geometry->size();
       }
 
-      /*! treeBytes: of the scene's own tree; inputBytes: of buffers that the geometries keep */
+      /*! Returns the line. treeBytes: the scene's own tree. inputBytes: buffers that the geometries keep. */
       std::string text (size_t treeBytes, size_t inputBytes) const
       {
         const cbvh::CompressionStatistics& sums = all.sums;
         std::ostringstream line;
         line.imbue(std::locale::classic());
-        const size_t bytes = treeBytes + sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes + sums.gridBytes;
-        line << "compression: " << geometries() << ": " << sums.numQuads + sums.numGridQuads << " quads in " << mebibytes(bytes) << " MiB, Embree would use about "
+        const size_t bytes = treeBytes + sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes
+          + sums.gridBytes;
+        line << "compression: " << geometries() << ": " << sums.numQuads + sums.numGridQuads << " quads in "
+          << mebibytes(bytes) << " MiB, Embree would use about "
              << mebibytes(all.bytesInEmbree) << " MiB";
-        if (sums.maxVertexDeviation > 0) line << "; vertices move by up to " << std::setprecision(3) << sums.maxVertexDeviation;
+        if (sums.maxVertexDeviation > 0)
+          line << "; vertices move by up to " << std::setprecision(3) << sums.maxVertexDeviation;
         if (inputBytes) line << "; buffers that stay: " << mebibytes(inputBytes) << " MiB";
         const char* between = "; not compressed: ";
         auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
-        add(notAsked,notAsked == 1 ? " subdivision surface that does not ask for it" : " subdivision surfaces that do not ask for it");
+        add(notAsked,notAsked == 1 ? " subdivision surface that does not ask for it"
+          : " subdivision surfaces that do not ask for it");
         add(all.highRateQuads," quads with too high edge rates");
         add(all.refusedInGrid," quads of blocks without a good frame");
         add(sums.numUnsupportedFaces," faces that Embree does not support");
@@ -78,21 +84,24 @@ namespace embree
         }
       }
 
-      /*! "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT" */
+      /*! For example "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT". */
       std::string geometries () const
       {
         std::string text;
         for (const auto& entry : compressed) {
           const Compressed& of = entry.second;
-          text += (text.empty() ? "" : ", ") + std::to_string(of.count) + " " + (of.count == 1 ? of.names.geometry : of.names.geometries) + " as " + cbvh::describe(entry.first.second).name;
+          text += (text.empty() ? "" : ", ") + std::to_string(of.count) + " "
+            + (of.count == 1 ? of.names.geometry : of.names.geometries) + " as "
+              + cbvh::describe(entry.first.second).name;
         }
         return text.empty() ? "nothing" : text;
       }
 
       struct Compressed { Names names; size_t count = 0; };
       std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< geometries of each type and kind
-      cbvh::BuildStatistics all;                                         //!< of them
-      std::map<std::pair<std::string,std::string>,size_t> left;          //!< primitives, by what they are and why they are not compressed
+      cbvh::BuildStatistics all;                                         //!< sums over these
+      /*! Number of primitives, by their type and the reason why they are not compressed. */
+      std::map<std::pair<std::string,std::string>,size_t> left;
       size_t notAsked = 0;                                               //!< subdivision surfaces of the scene's tree
     };
   }

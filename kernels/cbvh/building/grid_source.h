@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Grids that an application diced, for surface_builder.h: all are stored as cVERT. */
+/* Grids that an application diced, as a source (surface/source.h). All are stored as cVERT. */
 
 #include "../surface/grid_patch.h"
 #include "../vert/writer.h"
@@ -12,7 +12,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h */
+    /*! Grids: see diced_grids.h. */
     template<typename Grids>
     class GridSource
     {
@@ -30,9 +30,16 @@ namespace embree
 
       size_t size () const { return borders.size(); }
 
-      size_t estimateBlocks () const { return sumOverGrids([](const Grid& grid) { return size_t(cbvh::vertBlocksAlong(grid.quads(0)))*cbvh::vertBlocksAlong(grid.quads(1)); }); }
+      size_t estimateBlocks () const
+      {
+        return sumOverGrids([](const Grid& grid) {
+          return size_t(cbvh::vertBlocksAlong(grid.quads(0)))*cbvh::vertBlocksAlong(grid.quads(1));
+        });
+      }
 
-      /*! some blocks a task */
+      /*! For primitives of the mesh that are in no grid. */
+      const StoredBorders& storedBorders () const { return borders; }
+
       size_t perTask (bool isSmall) const
       {
         if (isSmall) return max(size(),size_t(1));
@@ -44,7 +51,7 @@ namespace embree
       void prepare (size_t perTask, const Progress& progress) { borders.build(perTask,[&] { progress(0.0); }); }
       void release () { borders.release(); }
 
-      /*! Vertices that are not finite are left out without an error, as Embree does it. */
+      /*! Vertices that are not finite are left out without an error, as in Embree. */
       bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !borders.isValid(grid); }
 
       bool isUnsupported (size_t) const { return false; }
@@ -57,16 +64,18 @@ namespace embree
         closure(patch);
       }
 
-      size_t bytesInEmbree (const SurfacePatch& patch) const { return Grids::bytesInEmbree(patch.quads[0],patch.quads[1],plan.numTimeSteps); }
+      size_t bytesInEmbree (const SurfacePatch& patch) const {
+        return Grids::bytesInEmbree(patch.quads[0],patch.quads[1],plan.numTimeSteps);
+      }
 
-      /*! writes grids, for one task */
+      /*! Writes the grids of one task. */
       class Writer
       {
       public:
         Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), vert(source.plan,source.mesh->device,store,statistics) {}
 
-        /*! false for a grid that is to be written in strips */
+        /*! Returns false if the grid must be written in strips. */
         bool write (size_t, Patch& patch)
         {
           if (patch.quads[1] > VertWriter::rowsOfStrip(patch,source.plan.numTimeSteps)) return false;

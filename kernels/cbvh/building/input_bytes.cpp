@@ -54,11 +54,17 @@ namespace embree
   size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted)
   {
     InputBytes input(counted);
-    /* what was loaded from a file is none of these, whatever its type is */
+    /* A geometry that was loaded from a file is none of these, whatever its type is. */
     if (const SubdivMesh* cage = dynamic_cast<const SubdivMesh*>(geometry)) input.addCage(cage);
-    else if (const GridMesh* grids = dynamic_cast<const GridMesh*>(geometry)) { input.addVertices(grids); input.add(grids->grids); }
-    else if (const QuadMesh* quads = dynamic_cast<const QuadMesh*>(geometry)) { input.addVertices(quads); input.add(quads->quads); }
-    else if (const TriangleMesh* triangles = dynamic_cast<const TriangleMesh*>(geometry)) { input.addVertices(triangles); input.add(triangles->triangles); }
+    else if (const GridMesh* grids = dynamic_cast<const GridMesh*>(geometry)) {
+      input.addVertices(grids); input.add(grids->grids);
+    }
+    else if (const QuadMesh* quads = dynamic_cast<const QuadMesh*>(geometry)) {
+      input.addVertices(quads); input.add(quads->quads);
+    }
+    else if (const TriangleMesh* triangles = dynamic_cast<const TriangleMesh*>(geometry)) {
+      input.addVertices(triangles); input.add(triangles->triangles);
+    }
     return input.bytes;
   }
 }

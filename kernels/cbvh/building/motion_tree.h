@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The tree above blocks that move: Embree's BVH4 for motion blur, whose boxes are linear in time, with splits of time where they pay. The
- * nodes are Embree's; what they hold is conservative in the floats that traversal computes (Planes, below). */
+/* The tree over moving blocks: Embree's BVH4 for motion blur, with boxes that are linear in time, and with splits of
+ * time where they pay off. The nodes are Embree's. Their boxes are conservative in the floats that traversal computes
+ * (see Planes). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"
@@ -22,19 +23,19 @@ namespace embree
       typedef BVHNodeRecordMB4D<NodeRef> NodeRecord;
 
     public:
-      /*! a block, its box at each time step, and when these are */
+      /*! A block, and its box at each time step. */
       struct Block
       {
         NodeRef leaf;
-        const cbvh::StepBox* boxes; //!< not all are empty
-        BBox1f range;          //!< between the first step and the last
-        unsigned segments;     //!< between two steps each
+        const cbvh::StepBox* boxes; //!< not all boxes are empty
+        BBox1f range;          //!< times of the first and the last step
+        unsigned segments;     //!< number of steps, less 1
       };
 
       LBBox3fa bounds = LBBox3fa(empty); //!< at times 0 and 1
-      size_t bytes = 0;                  //!< of its nodes
+      size_t bytes = 0;                  //!< bytes of the nodes
 
-      /*! The root of the tree over blocks. progress() may throw. */
+      /*! Returns the root of a tree over the blocks. progress() may throw. */
       template<typename Progress>
       NodeRef build (Device* device, FastAllocator& memory, const mvector<Block>& blocks, const Progress& progress)
       {
@@ -70,9 +71,12 @@ namespace embree
           used += splitsTime ? sizeof(BVH4::AABBNodeMB4D) : sizeof(BVH4::AABBNodeMB);
           return BVH4::AABBNodeMB4D::Create()((BuildRecord*)nullptr,0,alloc,splitsTime);
         };
-        const NodeRecord root = BVHBuilderMSMBlur::build<NodeRef>(prims,all,device,recalculate,FastAllocator::Create(&memory),createNode,SetNode(),createLeaf,monitor,settings);
+        const NodeRecord root =
+          BVHBuilderMSMBlur::build<NodeRef>(prims,all,device,recalculate,FastAllocator::Create(&memory),createNode,
+            SetNode(),createLeaf,monitor,settings);
         for (int k=0; k<3; k++) {
-          const Planes lower(root.lbounds.bounds0.lower[k],root.lbounds.bounds1.lower[k],root.dt,false), upper(root.lbounds.bounds0.upper[k],root.lbounds.bounds1.upper[k],root.dt,true);
+          const Planes lower(root.lbounds.bounds0.lower[k],root.lbounds.bounds1.lower[k],root.dt,false),
+            upper(root.lbounds.bounds0.upper[k],root.lbounds.bounds1.upper[k],root.dt,true);
           bounds.bounds0.lower[k] = lower.at0; bounds.bounds1.lower[k] = lower.at0+lower.difference;
           bounds.bounds0.upper[k] = upper.at0; bounds.bounds1.upper[k] = upper.at0+upper.difference;
         }
@@ -81,7 +85,7 @@ namespace embree
       }
 
     private:
-      /*! What Embree's builder asks for when it splits time. */
+      /*! Callbacks with which Embree's builder splits time. */
       struct Recalculate
       {
         const mvector<Block>& blocks;
@@ -90,24 +94,32 @@ namespace embree
         {
           const Block& block = blocks[i];
           const int active = max(1,int(getTimeSegmentRange(range,block.range,float(block.segments)).size()));
-          return PrimRefMB(MotionTree::linearBounds(block,range),unsigned(active),widened(block.range),block.segments,i);
+          return PrimRefMB(MotionTree::linearBounds(block,range),unsigned(active),widened(block.range),block.segments,
+            i);
         }
         PrimRefMB operator() (const PrimRefMB& prim, const BBox1f& range) const { return (*this)(prim.ID(),range); }
-        LBBox3fa linearBounds (const PrimRefMB& prim, const BBox1f& range) const { return MotionTree::linearBounds(blocks[prim.ID()],range); }
+        LBBox3fa linearBounds (const PrimRefMB& prim, const BBox1f& range) const {
+          return MotionTree::linearBounds(blocks[prim.ID()],range);
+        }
 
       private:
-        /*! Embree's builder leaves out of a part of the time what ends within 10^-4 of its beginning, or begins so near to its end. */
-        static BBox1f widened (const BBox1f& range) { return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,range.upper < 1.0f ? range.upper*1.0002f : range.upper); }
+        /*! Widens a range, because Embree's builder leaves a block out of a part of the time if the block ends within
+         *  1e-4 of the part's beginning, or begins as close to its end. */
+        static BBox1f widened (const BBox1f& range) {
+          return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,
+            range.upper < 1.0f ? range.upper*1.0002f : range.upper);
+        }
       };
 
-      /*! A plane of a block's boxes where the block is within a range of times: knots, between which it is linear. */
+      /*! A plane of a block's boxes in a range of times in which the block exists: knots, between which it is
+       *  linear. */
       class Knots
       {
       public:
-        /*! first, last: of the range, in steps */
-        Knots (const Block& block, int k, bool isUpper, double first, double last) : block(block), k(k), isUpper(isUpper), first(first), last(last) {}
+        /*! first, last: ends of the range, in steps. */
+        Knots (const Block& block, int k, bool isUpper, double first, double last)
+          : block(block), k(k), isUpper(isUpper), first(first), last(last) {}
 
-        /*! closure(position,plane) */
         template<typename Closure>
         void forEach (const Closure& closure) const
         {
@@ -116,7 +128,7 @@ namespace embree
           if (last > first) at(last,closure);
         }
 
-        /*! at any step where the block is at all */
+        /*! Returns the plane at any step at which the block exists. */
         double anywhere () const
         {
           unsigned i = 0;
@@ -144,12 +156,14 @@ namespace embree
         const double first, last;
       };
 
-      /*! Boxes at the ends of a range of times, between which linear ones contain a block's boxes where the block is at all: a line from the
-       *  first to the last, moved until no step is outside. */
+      /*! Returns boxes at the ends of a range of times. Boxes interpolated linearly between them contain the block's
+       *  boxes at all times at which the block exists. Each plane is a line from the first to the last knot, moved
+       *  until no knot is outside. */
       static LBBox3fa linearBounds (const Block& block, const BBox1f& range)
       {
         const double n = double(block.segments), scale = n/(double(block.range.upper)-double(block.range.lower));
-        const double begin = (double(range.lower)-double(block.range.lower))*scale, end = (double(range.upper)-double(block.range.lower))*scale;
+        const double begin = (double(range.lower)-double(block.range.lower))*scale,
+          end = (double(range.upper)-double(block.range.lower))*scale;
         const double first = std::min(std::max(begin,0.0),n), last = std::max(std::min(end,n),first);
         LBBox3fa out(empty);
         for (int k=0; k<3; k++)
@@ -157,14 +171,14 @@ namespace embree
           {
             const Knots knots(block,k,isUpper,first,last);
             size_t count = 0;
-            double positions[2] = { first,first }, planes[2] = { 0,0 }; // of the first and the last knot
+            double positions[2] = { first,first }, planes[2] = { 0,0 }; // at the first and the last knot
             knots.forEach([&](double position, double plane) {
                 const int i = count++ > 0;
                 positions[i] = position; planes[i] = plane;
               });
             if (count == 0) planes[0] = knots.anywhere(); // nothing is hit within the range
             const double slope = count > 1 ? (planes[1]-planes[0])/(positions[1]-positions[0]) : 0.0;
-            double outside = 0; // how far knots are
+            double outside = 0; // largest distance of a knot from the line
             knots.forEach([&](double position, double plane) {
                 const double line = planes[0] + slope*(position-positions[0]);
                 outside = std::max(outside,isUpper ? plane-line : line-plane);
@@ -173,7 +187,8 @@ namespace embree
             (isUpper ? out.bounds0.upper : out.bounds0.lower)[k] = outwards(from + slope*(begin-positions[0]),isUpper);
             (isUpper ? out.bounds1.upper : out.bounds1.lower)[k] = outwards(from + slope*(end-positions[0]),isUpper);
           }
-        // the lines may cross where the block is not there: the builder compares areas
+        // Lines can cross at times at which the block does not exist. The builder compares areas, so this must not
+        // happen.
         out.bounds0.upper = max(out.bounds0.upper,out.bounds0.lower);
         out.bounds1.upper = max(out.bounds1.upper,out.bounds1.lower);
         return out;
@@ -181,24 +196,28 @@ namespace embree
 
       static float outwards (double x, bool isUpper)
       {
-        const float largest = std::numeric_limits<float>::max()/8, f = float(std::min(std::max(x,-double(largest)),double(largest)));
+        const float largest = std::numeric_limits<float>::max()/8,
+          f = float(std::min(std::max(x,-double(largest)),double(largest)));
         if (isUpper) return double(f) >= x ? f : std::nextafter(f,largest);
         return double(f) <= x ? f : std::nextafter(f,-largest);
       }
 
-      /*! Planes of a child as traversal has them, lower + time*difference in float, with the widening that this needs. In units of 2^-24: of
-       *  both together the sum is rounded by 1, the product by 1 where it is not fused, the stored difference by 1; the block finds
-       *  its place between two steps by the ray's time with 4 roundings, each worth at most the difference; and the vertices there are
-       *  rounded by 3. These are less than 16. */
+      /*! Planes of a child as traversal computes them, lower + time*difference in floats, widened by an error bound. In
+       *  units of 2^-24 of the sum of both absolute values: the sum is rounded by 1, the product by 1 if it is not
+       *  fused, and the stored difference by 1. The block derives its position between two steps from the ray's time
+       *  with 4 roundings, each worth at most the difference. The vertices at that position are rounded by 3. Together
+       *  this is less than 16. */
       struct Planes
       {
         float at0, difference;
 
-        /*! at times 0 and 1, as line between the ends of a range */
+        /*! Extrapolates to times 0 and 1 from the ends of a range. */
         Planes (double begin, double end, const BBox1f& range, bool isUpper)
         {
-          const double slope = (end-begin)/(double(range.upper)-double(range.lower)), from = begin - slope*double(range.lower);
-          const double wide = (std::fabs(from) + std::fabs(slope))*(1.0/(1 << 20)) + double(std::numeric_limits<float>::min());
+          const double slope = (end-begin)/(double(range.upper)-double(range.lower)),
+            from = begin - slope*double(range.lower);
+          const double wide = (std::fabs(from) + std::fabs(slope))*(1.0/(1 << 20))
+            + double(std::numeric_limits<float>::min());
           at0 = outwards(isUpper ? from+wide : from-wide,isUpper);
           difference = float(slope);
         }
@@ -206,7 +225,8 @@ namespace embree
 
       struct SetNode
       {
-        void operator() (const BuildRecord&, const BuildRecord* records, NodeRef ref, NodeRecord* children, size_t count) const
+        void operator() (const BuildRecord&, const BuildRecord* records, NodeRef ref, NodeRecord* children,
+                         size_t count) const
         {
           BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
           for (size_t i=0; i<count; i++)
@@ -215,18 +235,21 @@ namespace embree
             node->setRef(i,child.ref);
             vfloat4* const planes = &node->lower_x; // lower and upper of each axis, then their differences
             for (int k=0; k<3; k++) {
-              const Planes lower(child.lbounds.bounds0.lower[k],child.lbounds.bounds1.lower[k],child.dt,false), upper(child.lbounds.bounds0.upper[k],child.lbounds.bounds1.upper[k],child.dt,true);
+              const Planes lower(child.lbounds.bounds0.lower[k],child.lbounds.bounds1.lower[k],child.dt,false),
+                upper(child.lbounds.bounds0.upper[k],child.lbounds.bounds1.upper[k],child.dt,true);
               planes[2*k][i] = lower.at0; planes[2*k+6][i] = lower.difference;
               planes[2*k+1][i] = upper.at0; planes[2*k+7][i] = upper.difference;
             }
             if (ref.isAABBNodeMB()) continue;
             BVH4::AABBNodeMB4D* const split = ref.getAABBNodeMB4D();
             split->lower_t[i] = child.dt.lower;
-            split->upper_t[i] = endsThere(records[i],child.dt.upper) ? std::nextafter(child.dt.upper,2.0f) : child.dt.upper;
+            split->upper_t[i] = endsThere(records[i],child.dt.upper) ? std::nextafter(child.dt.upper,2.0f)
+              : child.dt.upper;
           }
         }
 
-        /*! Whether a block ends at that time, which belongs to it then; else time was split there, and the next child begins. */
+        /*! True if a block ends at that time, which then belongs to it. Otherwise time was split there, and the next
+         *  child begins. */
         static bool endsThere (const BuildRecord& record, float time)
         {
           for (size_t i=record.prims.begin(); i!=record.prims.end(); i++)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The blocks of a scene that move, with their boxes at each time step, for the tree above them. The first scene that traces a geometry finds the
- * boxes with its blocks, and lets them go; others find them again. */
+/* The moving blocks of a scene, with their boxes at each time step, for the tree over them. The first scene that traces
+ * a geometry gets the boxes from the build of its blocks, and then frees them. Later scenes compute them again. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -21,10 +21,9 @@ namespace embree
     public:
       explicit MovingBlocks (Device* device) : device(device), blocks(device,0) {}
 
-      /*! room for so many */
       void reserve (size_t numBlocks) { blocks.reserve(numBlocks); }
 
-      /*! calls progress() now and then, which may cancel */
+      /*! Adds the blocks of a surface. Calls progress() from time to time, which may throw to cancel. */
       template<typename Progress>
       void add (const SurfaceBlocks& surface, const Progress& progress)
       {
@@ -54,19 +53,20 @@ namespace embree
     private:
       typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
 
-      /*! False for blocks of a geometry that no ray can hit, whose time is 0 to 1. Embree's builder does not support them. */
+      /*! Returns false for blocks that no ray can hit, because the times of rays are 0 to 1. Embree's builder does not
+       *  support them. */
       static bool isInTimesOfRays (BVH4::NodeRef leaf)
       {
         const cbvh::VertMotion motion = cbvh::motionOf(headerOf(leaf));
         return motion.begin <= 1.0f && motion.end >= 0.0f;
       }
 
-      /*! of the blocks from one on */
+      /*! Returns the boxes of the blocks from `begin` on. */
       template<typename Progress>
       Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
       {
         std::shared_ptr<mvector<cbvh::StepBox>> found = std::make_shared<mvector<cbvh::StepBox>>(device,numBoxes);
-        std::vector<size_t> firsts; // of every 64 blocks
+        std::vector<size_t> firsts; // first box of every 64 blocks
         size_t n = 0;
         for (size_t i=begin; i<blocks.size(); i++) {
           if ((i-begin) % 64 == 0) firsts.push_back(n);
@@ -93,13 +93,13 @@ namespace embree
         return (const cbvh::VertHeader*)leaf.leaf(type);
       }
 
-      /*! a block's vertices, two steps at a time */
+      /*! Decodes the vertices of a block, two steps at a time. */
       class alignas(64) Decoded
       {
         ALIGNED_CLASS_(64);
 
       public:
-        /*! boxes: of each step */
+        /*! boxes: one per step. */
         void bound (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)
@@ -113,7 +113,8 @@ namespace embree
               decoder.vertices(shared,uint32_t(bsf(rest)),group);
               for (unsigned e=0; e<2; e++) bounds[e].extend(group.ends[e]);
             }
-            for (unsigned e=0; e<2; e++) boxes[segment+e] = decoder.isRaw(segment+e) ? boundRaw(block,segment+e) : bounds[e].box();
+            for (unsigned e=0; e<2; e++)
+              boxes[segment+e] = decoder.isRaw(segment+e) ? boundRaw(block,segment+e) : bounds[e].box();
           }
         }
 
@@ -158,7 +159,7 @@ namespace embree
 
       Device* const device;
       mvector<MotionTree::Block> blocks;
-      std::vector<Boxes> boxes; //!< that blocks point to
+      std::vector<Boxes> boxes; //!< boxes of the blocks; keeps them alive
     };
   }
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The writer of a library without the paper's representations, framed/writer.h: no plan stores a patch in blocks with frames, so it is never
- * called. */
+/* Replaces framed/writer.h in a library without the paper's representations. It is never called, because no plan stores
+ * patches in blocks with frames. */
 
 #include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"

@@ -3,14 +3,15 @@
 
 #pragma once
 
-/* Builds the blocks of one geometry. The primitives are the source's (surface/source.h). Every task takes primitives,
- * or a strip of a large patch, encodes their blocks into the surface's own memory and drops the vertices. Embree's
- * binned SAH BVH4 is built over the blocks; scenes build their trees over its lower parts. */
+/* Builds the blocks of one geometry, whose primitives a source enumerates (surface/source.h). Each task processes
+ * primitives, or a strip of a large patch: it encodes their blocks into the surface's own memory and frees the
+ * vertices. Embree's binned SAH BVH4 is built over the blocks. Scenes build their trees over its lower parts. */
 
 #include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
 #include "../vert/writer.h"
 #include "build_results.h"
+#include "loose_blocks.h"
 #include "../stored/surface_blocks.h"
 #include "../stored/tree.h"
 #include <functional>
@@ -24,18 +25,23 @@ namespace embree
     public:
       virtual ~SurfaceBuilder () {}
 
-      /*! whether it is built in no time, and takes no memory worth mention meanwhile */
+      /*! True if building it takes little time and no significant temporary memory. */
       virtual bool isSmall () const = 0;
 
-      /*! whether it takes all threads, and memory worth mention meanwhile */
+      /*! True if building it uses all threads and significant temporary memory. */
       virtual bool isLarge () const = 0;
 
-      /*! progress(primitives): those of the geometry that are through, or 0; it may throw, which ends the build */
+      /*! Builds the blocks. progress(primitives): number of the geometry's primitives that were completed since the
+       *  last call, or 0; may throw to end the build. */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
-    /*! bytes that are reserved for each block: those of cLEAF with 16 x 16 quads, more than most blocks of cVERT take */
+    /*! Bytes that are reserved per block: the size of a cLEAF block of 16 x 16 quads, more than most cVERT blocks
+     *  take. */
     static const size_t expectedBlockBytes = 928;
+
+    /*! As above, for mesh blocks: about the size of a block of 256 triangles. */
+    static const size_t expectedMeshBlockBytes = 1664;
 
     template<typename Source>
     class BuilderOf final : public SurfaceBuilder
@@ -45,12 +51,14 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan outlive it */
+      /*! mesh and plan must outlive it. loose: primitives of a mesh that the source does not have, or null. */
       template<typename Mesh>
-      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan)
-        : device(mesh->device), number(number), plan(plan), source(mesh,plan),
-          ofGeometry(double(mesh->size())/double(max(source.size(),size_t(1)))),
-          estimatedBlocks(source.estimateBlocks()), perTask(source.perTask(isSmall())) {}
+      BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
+                 std::unique_ptr<LooseBlocks> loose = nullptr)
+        : device(mesh->device), number(number), plan(plan), source(mesh,plan), loose(std::move(loose)),
+          ofGeometry(double(mesh->size()-looseSize())/double(max(source.size(),size_t(1)))),
+          estimatedBlocks(source.estimateBlocks() + (this->loose ? this->loose->estimateBlocks() : 0)),
+          perTask(source.perTask(isSmall())) {}
 
       bool isSmall () const override { return estimatedBlocks <= isa::blocksOfPart; }
       bool isLarge () const override { return estimatedBlocks > 4096; }
@@ -58,13 +66,21 @@ namespace embree
       std::shared_ptr<const SurfaceBlocks> build (const Progress& progress) override
       {
         std::shared_ptr<SurfaceBlocks> blocks = std::make_shared<SurfaceBlocks>(device,number);
-        blocks->memory.expect(isSmall() ? 0 : estimatedBlocks*(sizeof(BVH4::AABBNode)/2 + expectedBlockBytes));
+        const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
+        size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
+          + meshBlocks*expectedMeshBlockBytes;
+        /* Embree's allocator allocates a twentieth of this at a time. If this is not many pieces of a store, it should
+         * be less than one piece, because a remainder that is smaller than a piece stays unused. */
+        if (meshBlocks && bytes < size_t(3) << 20) bytes = min(bytes,size_t(20)*BlockStore::fullPieceBytes);
+        blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
+        if (loose) loose->prepare(bordersOf(source,0),progress);
         mvector<PrimRef> prims(device,0);
         {
           BuildResults results;
           buildPrimitives(*blocks,results,progress);
           source.release();
+          if (loose) loose->release();
           std::shared_ptr<mvector<cbvh::StepBox>> boxes = std::make_shared<mvector<cbvh::StepBox>>(device,0);
           results.collect(prims,*boxes);
           if (plan.moves()) blocks->boxes = boxes;
@@ -77,19 +93,22 @@ namespace embree
     private:
       void buildPrimitives (SurfaceBlocks& blocks, BuildResults& results, const Progress& progress)
       {
-        forRanges(source.size(),perTask,[&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
+        forRanges(source.size(),perTask,
+          [&](const range<size_t>& primitives) { buildPrimitives(primitives,blocks.memory,results,progress); });
+        if (loose) loose->build(blocks.memory,results,source.size(),progress);
         blocks.statistics = results.statistics;
         blocks.bounds = results.hitBounds.isEmpty() ? BBox3fa(empty) : toBBox(results.hitBounds);
       }
 
-      void buildPrimitives (const range<size_t>& primitives, cbvh::BlockMemory& memory, BuildResults& results, const Progress& progress)
+      void buildPrimitives (const range<size_t>& primitives, cbvh::BlockMemory& memory, BuildResults& results,
+                            const Progress& progress)
       {
         typename Source::Scratch scratch(device);
         BlockStore store(device,&memory);
         cbvh::BuildStatistics statistics;
         typename Source::Writer writer(source,store,statistics);
         size_t reported = primitives.begin(), quads = 0, first = primitives.begin();
-        unsigned firstPatch = 0; // of those whose primitives the store has
+        unsigned firstPatch = 0; // first patch in the store, of primitive `first`
         for (size_t i=primitives.begin(); i!=primitives.end(); i++)
         {
           const size_t invalid = statistics.sums.numInvalidQuads;
@@ -117,13 +136,15 @@ namespace embree
         results.add(statistics);
       }
 
-      /*! A patch of so many quads that several tasks write it. */
-      void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory, BuildResults& results,
+      /*! Writes a patch with so many quads that several tasks write it. */
+      void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory,
+                        BuildResults& results,
                         cbvh::BuildStatistics& statistics, const Progress& progress)
       {
-        const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0], quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
+        const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0],
+          quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
         const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
-        /* rows between strips, at each time step */
+        /* Rows between strips, at each time step. */
         mvector<float> seams(device,Source::isDeterministic ? 0 : 3*ofSeam*(strips-1));
         auto seam = [&](unsigned s) {
           return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s);
@@ -134,7 +155,9 @@ namespace embree
               Patch own(patch,scratch);
               for (unsigned s=r.begin(); s!=r.end(); s++)
                 for (unsigned step=0; step<plan.numTimeSteps; step++)
-                  memcpy(seam(s-1) + width*step,own.evaluate(quadsX,quadsY,PatchPart{ 0,quadsX,s*rows,s*rows },step).displaced(),width*sizeof(float[3]));
+                  memcpy(seam(s-1) + width*step,
+                    own.evaluate(quadsX,quadsY,PatchPart{ 0,quadsX,s*rows,s*rows },step).displaced(),
+                      width*sizeof(float[3]));
             });
         MutexSys mutex;
         parallel_for(0u,strips,1u,[&](const range<unsigned>& r) {
@@ -144,7 +167,8 @@ namespace embree
             for (unsigned s=r.begin(); s!=r.end(); s++) {
               BlockStore store(device,&memory);
               const PatchPart strip = { 0,quadsX,s*rows,min((s+1)*rows,quadsY) };
-              VertWriter(plan,device,store,ofStrips).write(own,strip,s == 0 ? nullptr : seam(s-1),s+1 == strips ? nullptr : seam(s));
+              VertWriter(plan,device,store,ofStrips).write(own,strip,s == 0 ? nullptr : seam(s-1),
+                s+1 == strips ? nullptr : seam(s));
               results.add(primitive,number,s+1,store);
               progress(0.0);
             }
@@ -153,7 +177,7 @@ namespace embree
           });
       }
 
-      /*! few primitives are left to the trees of scenes, and those that move */
+      /*! Builds the tree. Moving blocks, and few blocks, are left to the trees of scenes. */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimitives = prims.size();
@@ -171,11 +195,23 @@ namespace embree
         isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
       }
 
+      /*! Returns null if the source has no storedBorders(). */
+      template<typename S>
+      static auto bordersOf (const S& source, int) -> decltype(&source.storedBorders()) {
+        return &source.storedBorders();
+      }
+      template<typename S>
+      static const StoredBorders* bordersOf (const S&, long) { return nullptr; }
+
+      /*! Number of primitives of the geometry that the source does not have. */
+      size_t looseSize () const { return loose ? loose->numPrimitives() : 0; }
+
       Device* device;
       const std::shared_ptr<const cbvh::SurfaceNumber> number;
       const CompressionPlan& plan;
       Source source;
-      const double ofGeometry; //!< its primitives, for each of the source's
+      const std::unique_ptr<LooseBlocks> loose;
+      const double ofGeometry; //!< primitives of the geometry per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;
     };

@@ -16,7 +16,7 @@ namespace embree
     {
       void validateCompression (const RTCCompression& value)
       {
-        int compression; // an enumeration may not hold what the application wrote
+        int compression; // the application's value may be outside of the enumeration
         std::memcpy(&compression,&value,sizeof(compression));
         cbvh::Kind kind;
         if (compression == RTC_COMPRESSION_INHERIT || compression == RTC_COMPRESSION_NONE
@@ -26,7 +26,7 @@ namespace embree
             : "unknown compression ") + std::to_string(compression));
       }
 
-      /*! name: of the member */
+      /*! name, value: of the member, for the message. */
       template<typename T>
       void require (bool isValid, const char* name, T value, const std::string& expected) {
         if (!isValid) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,std::string("invalid ") + name + " "

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* How geometries are compressed, and what came of it. */
+/* Compression settings and statistics of geometries. */
 
 #include "../base/surface_statistics.h"
 #include "../state/settings.h"
@@ -15,32 +15,32 @@ namespace embree
 
   namespace core
   {
-    /*! Throws RTC_ERROR_INVALID_ARGUMENT, with the name of the member and its value, for an unknown compression, or one
+    /*! Throws RTC_ERROR_INVALID_ARGUMENT, with the name and the value of the member, for an unknown compression or one
      *  that this library was built without, a frameLevel outside of -2 to 8, a maxError that is not finite, a
-     *  maxPixelError that is negative or not finite, a camera without which it means nothing, and an exactFaces above
-     *  1. */
+     *  maxPixelError that is negative or not finite, an invalid camera if maxPixelError is not 0, and an exactFaces
+     *  above 1. */
     void validate (const CompressionSettings& settings);
 
-    /*! Chooses how a geometry is stored, by its next commit (releasesInput) or by the next commit of its scene. Blocks
-     *  that exist are built again then. Errors: those of validate(); RTC_ERROR_INVALID_OPERATION unless it is a
-     *  subdivision surface, grids, quads or triangles, and for a geometry of a file. The geometry keeps its settings if
-     *  there is an error. Thread safety: no other thread may use the geometry meanwhile. Cost: constant. */
+    /*! Sets how a geometry is stored from its next commit (releasesInput) or the next commit of its scene on. Existing
+     *  blocks are then built again. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for geometry that is not a
+     *  subdivision surface, grids, quads or triangles, and for geometry that was loaded from a file. After an error the
+     *  geometry keeps its settings. Thread safety: no other thread may use the geometry during this call. Cost:
+     *  constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
-    /*! Returns true if a geometry is stored as blocks: it was compressed by its own commit, or by the commit of a
-     *  scene, and not changed since then. Thread safety: no other thread may commit the geometry meanwhile. Cost:
-     *  constant. */
+    /*! True if a geometry is stored as blocks: its own commit or the commit of a scene compressed it, and it did not
+     *  change since then. Thread safety: no other thread may commit the geometry during this call. Cost: constant. */
     bool hasBlocks (Geometry* geometry);
 
-    /*! Returns why a geometry that asks for compression was left to Embree's kernels by its last commit, as the end of
-     *  a sentence: "do not lie in grids". Null if it was not, or if it has no primitives. The text is of static
-     *  storage. */
+    /*! Returns why the last commit left a geometry that requests compression to Embree's kernels, as the end of a
+     *  sentence: "are too few to matter". Returns null if it did not, or if the geometry has no primitives. The text
+     *  has static storage. */
     const char* whyNotCompressed (Geometry* geometry);
 
-    /*! Returns what the last commit of a scene compressed; all zero if the scene has no compressed geometry. Geometry
-     *  of instanced scenes belongs to those scenes. Errors: RTC_ERROR_INVALID_OPERATION if the scene or one of its
-     *  geometries was modified since its last commit. Thread safety: any thread, but no other may change the scene
-     *  meanwhile. Cost: constant per geometry. */
+    /*! Returns the statistics of the last commit of a scene, all zero if it has no compressed geometry. Does not
+     *  include geometry of instanced scenes. Errors: RTC_ERROR_INVALID_OPERATION if the scene or one of its geometries
+     *  was modified since its last commit. Thread safety: no other thread may change the scene during this call. Cost:
+     *  constant per geometry. */
     cbvh::CompressionStatistics statisticsOf (Scene* scene);
   }
 }

@@ -10,17 +10,21 @@ namespace embree
 {
   namespace
   {
-    /*! What the value of a key is checked for here. Embree checks the names of accelerators and builders when it builds. */
+    /*! How the value of a key is checked here. Builds check the names of accelerators and builders. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
 
-    /*! of State::parse in kernels/common/state.cpp, and of CompressionSettings::parse */
+    /*! Keys of State::parse in kernels/common/state.cpp and of CompressionSettings::parse. */
     const Key keys[] = {
-      { "threads",Value::Number },{ "user_threads",Value::Number },{ "set_affinity",Value::Number },{ "affinity",Value::Number },{ "start_threads",Value::Number },
-      { "isa",Value::Isa },{ "max_isa",Value::Isa },{ "max_builder_isa",Value::Isa },{ "frequency_level",Value::Frequency },
-      { "enable_selockmemoryprivilege",Value::Number },{ "hugepages",Value::Number },{ "float_exceptions",Value::Number },
-      { "accel",Value::Any },{ "builder",Value::Any },{ "traverser",Value::Any },{ "accel_mb",Value::Any },{ "builder_mb",Value::Any },{ "traverser_mb",Value::Any },
+      { "threads",Value::Number },{ "user_threads",Value::Number },{ "set_affinity",Value::Number },
+      { "affinity",Value::Number },{ "start_threads",Value::Number },
+      { "isa",Value::Isa },{ "max_isa",Value::Isa },{ "max_builder_isa",Value::Isa },
+      { "frequency_level",Value::Frequency },
+      { "enable_selockmemoryprivilege",Value::Number },{ "hugepages",Value::Number },
+      { "float_exceptions",Value::Number },
+      { "accel",Value::Any },{ "builder",Value::Any },{ "traverser",Value::Any },
+      { "accel_mb",Value::Any },{ "builder_mb",Value::Any },{ "traverser_mb",Value::Any },
       { "tri_accel",Value::Any },{ "tri_builder",Value::Any },{ "tri_traverser",Value::Any },
       { "tri_accel_mb",Value::Any },{ "tri_builder_mb",Value::Any },{ "tri_traverser_mb",Value::Any },
       { "quad_accel",Value::Any },{ "quad_builder",Value::Any },{ "quad_traverser",Value::Any },
@@ -29,16 +33,24 @@ namespace embree
       { "line_accel_mb",Value::Any },{ "line_builder_mb",Value::Any },{ "line_traverser_mb",Value::Any },
       { "hair_accel",Value::Any },{ "hair_builder",Value::Any },{ "hair_traverser",Value::Any },
       { "hair_accel_mb",Value::Any },{ "hair_builder_mb",Value::Any },{ "hair_traverser_mb",Value::Any },
-      { "object_accel",Value::Any },{ "object_builder",Value::Any },{ "object_accel_min_leaf_size",Value::Number },{ "object_accel_max_leaf_size",Value::Number },
-      { "object_accel_mb",Value::Any },{ "object_builder_mb",Value::Any },{ "object_accel_mb_min_leaf_size",Value::Number },{ "object_accel_mb_max_leaf_size",Value::Number },
-      { "instancing_open_min",Value::Number },{ "instancing_block_size",Value::Number },{ "instancing_open_max_depth",Value::Number },
+      { "object_accel",Value::Any },{ "object_builder",Value::Any },
+      { "object_accel_min_leaf_size",Value::Number },{ "object_accel_max_leaf_size",Value::Number },
+      { "object_accel_mb",Value::Any },{ "object_builder_mb",Value::Any },
+      { "object_accel_mb_min_leaf_size",Value::Number },{ "object_accel_mb_max_leaf_size",Value::Number },
+      { "instancing_open_min",Value::Number },{ "instancing_block_size",Value::Number },
+      { "instancing_open_max_depth",Value::Number },
       { "instancing_open_factor",Value::Number },{ "instancing_open_max",Value::Number },
-      { "subdiv_accel",Value::Any },{ "subdiv_accel_mb",Value::Any },{ "grid_accel",Value::Any },{ "grid_accel_mb",Value::Any },
-      { "verbose",Value::Number },{ "benchmark",Value::Number },{ "quality",Value::Quality },{ "scene_flags",Value::SceneFlags },
-      { "max_spatial_split_replications",Value::Number },{ "presplits",Value::Number },{ "tessellation_cache_size",Value::Number },{ "cache_size",Value::Number },
-      { "alloc_main_block_size",Value::Number },{ "alloc_num_main_slots",Value::Number },{ "alloc_thread_block_size",Value::Number },{ "alloc_single_thread_alloc",Value::Number },
+      { "subdiv_accel",Value::Any },{ "subdiv_accel_mb",Value::Any },
+      { "grid_accel",Value::Any },{ "grid_accel_mb",Value::Any },
+      { "verbose",Value::Number },{ "benchmark",Value::Number },
+      { "quality",Value::Quality },{ "scene_flags",Value::SceneFlags },
+      { "max_spatial_split_replications",Value::Number },{ "presplits",Value::Number },
+      { "tessellation_cache_size",Value::Number },{ "cache_size",Value::Number },
+      { "alloc_main_block_size",Value::Number },{ "alloc_num_main_slots",Value::Number },
+      { "alloc_thread_block_size",Value::Number },{ "alloc_single_thread_alloc",Value::Number },
       { "cbvh_frame_level",Value::Any },{ "cbvh_max_error",Value::Any },{ "cbvh_exact_faces",Value::Any },
-      { "cbvh_grids",Value::Any },{ "cbvh_quads",Value::Any },{ "cbvh_triangles",Value::Any },{ "cbvh_release_input",Value::Any }
+      { "cbvh_grids",Value::Any },{ "cbvh_quads",Value::Any },{ "cbvh_triangles",Value::Any },
+      { "cbvh_release_input",Value::Any }
     };
 
     const Key* find (const std::string& name)
@@ -47,7 +59,7 @@ namespace embree
       return key == std::end(keys) ? nullptr : key;
     }
 
-    /*! how many letters to insert, to delete or to replace make one word of the other */
+    /*! Levenshtein distance of two words. */
     size_t distance (const std::string& a, const std::string& b)
     {
       std::vector<size_t> row(b.size()+1);
@@ -68,7 +80,8 @@ namespace embree
     std::vector<std::string> wordsOf (Value value)
     {
       switch (value) {
-      case Value::Isa: return { "sse","sse2","sse3","ssse3","sse41","sse4.1","sse42","sse4.2","avx","avxi","avx2","avx512" };
+      case Value::Isa:
+        return { "sse","sse2","sse3","ssse3","sse41","sse4.1","sse42","sse4.2","avx","avxi","avx2","avx512" };
       case Value::Frequency: return { "simd128","simd256","simd512" };
       case Value::Quality: return { "low","medium","high" };
       case Value::SceneFlags: return { "dynamic","compact","robust" };
@@ -79,7 +92,8 @@ namespace embree
     bool isNumber (const std::string& text)
     {
       const size_t sign = !text.empty() && (text[0] == '-' || text[0] == '+');
-      return text.size() > sign && text.find_first_not_of("0123456789.eE+-",sign) == std::string::npos && std::strchr("0123456789.",text[sign]);
+      return text.size() > sign && text.find_first_not_of("0123456789.eE+-",sign) == std::string::npos
+        && std::strchr("0123456789.",text[sign]);
     }
 
     std::string whatIsWrongWith (const Key& key, std::string value)
@@ -89,7 +103,8 @@ namespace embree
       if (key.value == Value::Number) return isNumber(value) ? "" : begin + "expected a number";
       const std::vector<std::string> words = wordsOf(key.value);
       if (words.empty()) return "";
-      for (char& c : value) if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // as Embree reads it
+      for (char& c : value)
+        if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // as Embree does
       for (size_t at = 0; at <= value.size(); ) {
         const size_t end = key.value == Value::SceneFlags ? std::min(value.find('|',at),value.size()) : value.size();
         const std::string word = value.substr(at,end-at);
@@ -97,7 +112,7 @@ namespace embree
         if (std::find(words.begin(),words.end(),word) != words.end()) continue;
         std::string all;
         for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
-        return begin + "did you mean " + nearestWord(word,words) + "? Accepted are " + all;
+        return begin + "did you mean " + nearestWord(word,words) + "? Expected one of " + all;
       }
       return "";
     }
@@ -109,7 +124,9 @@ namespace embree
   {
     for (const std::string& w : words)
       if (!word.empty() && w.compare(0,word.size(),word) == 0) return w;
-    return *std::min_element(words.begin(),words.end(),[&](const std::string& a, const std::string& b) { return distance(word,a) < distance(word,b); });
+    return *std::min_element(words.begin(),words.end(),[&](const std::string& a, const std::string& b) {
+        return distance(word,a) < distance(word,b);
+      });
   }
 
   bool isDeviceKey (const std::string& key) { return find(key) != nullptr; }
@@ -125,7 +142,8 @@ namespace embree
   {
     const std::string text = deviceString ? deviceString : "";
     const char* const blanks = " \t\r\n";
-    for (size_t at = text.find_first_not_of(" \t\r\n,"); at != std::string::npos; at = text.find_first_not_of(" \t\r\n,",at))
+    for (size_t at = text.find_first_not_of(" \t\r\n,"); at != std::string::npos;
+         at = text.find_first_not_of(" \t\r\n,",at))
     {
       const size_t end = std::min(text.find_first_of(" \t\r\n,=",at),text.size());
       const std::string name = text.substr(at,end-at);
@@ -134,7 +152,7 @@ namespace embree
       at = std::min(text.find_first_not_of(blanks,end),text.size());
       std::string value;
       if (at < text.size() && text[at] == '=') {
-        /* up to the next comma or blank, but for blanks around | */
+        /* ends at the next comma or blank, except for blanks around | */
         for (at++; at < text.size() && text[at] != ','; at++) {
           if (!std::strchr(blanks,text[at])) { value += text[at]; continue; }
           const size_t next = text.find_first_not_of(blanks,at);

@@ -40,7 +40,7 @@ namespace embree
         if (camera.transform) requireFinite("transform",camera.transform,12);
         if (camera.maxRates) for (size_t i=0; i<numEdges; i++)
           if (!(camera.maxRates[i] >= 1.0f)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid maxRates: "
-              + std::to_string(camera.maxRates[i]) + " of index " + std::to_string(i) + ": expected at least 1");
+              + std::to_string(camera.maxRates[i]) + " at index " + std::to_string(i) + ": expected at least 1");
         if (!(camera.width > 0.0f && camera.height > 0.0f)) return;
         requireFinite("direction",camera.direction,3);
         requireFinite("up",camera.up,3);
@@ -49,10 +49,10 @@ namespace embree
         const double lengths2 = dot(direction,direction)*dot(up,up);
         const double right2 = dot(cross(direction,up),cross(direction,up));
         if (!(right2 > 1e-14*lengths2)) throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-            "invalid direction or up: both have a length, and are not parallel");
+            "invalid direction or up: expected vectors that are not zero and not parallel");
       }
 
-      /*! of both faces, and of any number of them: what the neediest wants. rates: one an index */
+      /*! Sets the rate of each edge to the highest rate of its faces. rates: one per index. */
       void agree (const SubdivMesh* mesh, std::vector<float>& rates)
       {
         struct Edge
@@ -82,7 +82,7 @@ namespace embree
         }
       }
 
-      /*! the power of two that is the nearest, in times, up to a bound, which may be none */
+      /*! Returns the power of two nearest to rate by ratio, up to a bound, which may be infinite. */
       float rounded (float rate, float bound)
       {
         const float power = std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f)))));
@@ -110,8 +110,8 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* A patch a corner, of half an edge ahead and half an edge behind; what is opposite of them follows
-                 * from both. Embree numbers 16. */
+                /* One patch per corner. It has half of the edge ahead and half of the edge behind; its opposite sides
+                 * count for both. Embree supports 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];
@@ -132,13 +132,13 @@ namespace embree
     {
       const CompressibleGeometry* const own = compressible(geometry);
       if (!own || own->ownType != Geometry::GTY_SUBDIV_MESH) throw_RTCError(RTC_ERROR_INVALID_OPERATION,
-          "the geometry is no subdivision surface");
+          "only subdivision surfaces can be diced");
       requireEditable(geometry);
       SubdivMesh* const mesh = (SubdivMesh*) geometry;
       if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
           || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
-        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not committed");
-      checkIndices(mesh); // a commit of what is not compressed has not
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry must be committed before it is diced");
+      checkIndices(mesh); // the commit of a geometry that is not compressed does not
       validate(camera,mesh->numEdges());
       const std::vector<float> rates = ratesOf(mesh,camera);
       Ref<Buffer> levels = new Buffer(geometry->device,rates.size()*sizeof(float));

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Subdivision surfaces as fine as a picture of them needs: the rate of each edge by the size at which a camera sees
- * what lies along it. */
+/* Dicing of subdivision surfaces for a camera: selects the rate of each edge by the size of the edge in the picture. */
 
 #include "../surface/dicing_camera.h"
 #include <vector>
@@ -15,21 +14,20 @@ namespace embree
 
   namespace core
   {
-    /*! Sets the level buffer of a subdivision surface so that its quads are about as large in a picture as the camera
-     *  asks for, and returns the levels, one per index. Commit the geometry afterwards. A buffer that was there is
+    /*! Sets the level buffer of a subdivision surface so that its quads have about the size in the picture that the
+     *  camera requests. Returns the levels, one per index. Commit the geometry afterwards. An existing level buffer is
      *  replaced, not written.
      *
-     *  Edges are measured on the limit surface, moved by the displacement function, which is called by several threads
-     *  for points of all faces, about 1/16 as many as quads. Lengths count as if they were seen from the front, so that
-     *  silhouettes, shadows and reflections have quads as fine as what is seen. The rate of an edge is the nearest
-     *  power of two: quads are between 0.7 and 1.4 times as long as asked for. Both faces at an edge get the higher of
-     *  the rates that they need. Of several time steps the one that needs most counts. Vertices that are not finite
-     *  count as if they were not there.
+     *  Measures edges on the limit surface with displacement. Several threads call the displacement function, for
+     *  points of all faces, about 1/16 as many as quads. Lengths are measured as if seen from the front, so that
+     *  silhouettes, shadows and reflections have quads as fine as visible surfaces. The rate of an edge is the nearest
+     *  power of two: quads are 0.7 to 1.4 times as long as requested. Both faces at an edge get the higher of their
+     *  rates. With several time steps the highest rate of all steps is used. Vertices that are not finite are ignored.
      *
-     *  Errors: RTC_ERROR_INVALID_ARGUMENT, with the name of the member and its value, for numbers of the camera that
-     *  are not finite or out of range, and for indices that are no vertices; RTC_ERROR_INVALID_OPERATION for other
-     *  geometry, a geometry of a file, and one that was not committed since its buffers were changed. The geometry
-     *  keeps its levels if there is an error. Thread safety: no other thread may use the geometry meanwhile. */
+     *  Errors: RTC_ERROR_INVALID_ARGUMENT, with the name and the value of the member, for camera values that are not
+     *  finite or out of range, and for indices that are out of range. RTC_ERROR_INVALID_OPERATION for other geometry,
+     *  for geometry that was loaded from a file, and if the geometry was not committed since its buffers changed. After
+     *  an error the geometry keeps its levels. Thread safety: no other thread may use the geometry during this call. */
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera);
   }
 }

@@ -3,6 +3,8 @@
 
 #include "errors.h"
 #include "../embree/scene.h"
+#include <exception>
+#include <new>
 
 namespace embree
 {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Errors of the functions in this folder, for interfaces that see nothing of Embree's internals. The functions throw
- * Embree's rtcore_error, and std::bad_alloc if memory runs out. rtc functions catch them by RTC_CATCH_END; other
- * interfaces call caughtError(). */
+/* Errors of the functions in this folder, for interfaces that do not include Embree. The functions throw Embree's
+ * rtcore_error, and std::bad_alloc if memory runs out. rtc functions catch them with RTC_CATCH_END. Other interfaces
+ * call caughtError(). */
 
 #include "../../../include/embree3/rtcore.h"
 #include <string>
@@ -20,8 +20,8 @@ namespace embree
       std::string text;
     };
 
-    /*! Returns the code and the text of the exception that is being handled. Call it in a catch block. An exception
-     *  that is not Embree's is RTC_ERROR_UNKNOWN. */
+    /*! Returns the code and the text of the exception that is being handled. Must be called in a catch block.
+     *  Exceptions that are not Embree's are RTC_ERROR_UNKNOWN. */
     CaughtError caughtError ();
 
     /*! Throws RTC_ERROR_INVALID_ARGUMENT. */

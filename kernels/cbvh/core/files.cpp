@@ -26,13 +26,14 @@ namespace embree
         explicit Saved (Geometry* of) : geometry(compressible(of))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
-          /* a scene that compresses others has trees of surfaces that do not ask for it, too */
+          /* scenes with compressed surfaces also build blocks for surfaces that do not request compression */
           const auto asks = [&] {
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
           if (!blocks || !asks()) notCompressed();
           if (of->state != unsigned(Geometry::State::COMMITTED))
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was changed since it was committed");
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                           "the geometry cannot be saved: it changed since its last commit");
         }
 
         void addTo (cvert::FileWriter& writer) const
@@ -56,7 +57,7 @@ namespace embree
       const cvert::FileGeometry& recordOf (const cvert::File& file, size_t index)
       {
         if (index >= file.size())
-          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"index " + std::to_string(index) + ": the file has "
+          throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"invalid index " + std::to_string(index) + ": the file has "
               + std::to_string(file.size()) + " geometries");
         return file.geometry(index);
       }
@@ -64,7 +65,7 @@ namespace embree
 
     void saveGeometry (Geometry* geometry, const char* path)
     {
-      const Saved saved(geometry); // before a file is begun
+      const Saved saved(geometry); // throws before the file is created
       withEmbreeErrors([&] {
         cvert::FileWriter writer(path);
         saved.addTo(writer);
@@ -123,7 +124,7 @@ namespace embree
       const cvert::FileGeometry& record = recordOf(*file,index);
       Ref<Geometry> geometry = new LoadedGeometry(device,record,
           withEmbreeErrors([&] { return cbvh::loadSurface(file,device,index); }));
-      geometry->refInc(); // the caller's
+      geometry->refInc(); // reference of the caller
       return geometry.ptr;
     }
 

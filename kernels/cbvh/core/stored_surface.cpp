@@ -36,7 +36,8 @@ namespace embree
       const SurfaceBlocks& blocks = requireBlocks(geometry);
       if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
           && format != cbvh::ClusterFormat::DGF1)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"unknown format of clusters: " + std::to_string(int(format)));
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+                       "unknown cluster format " + std::to_string(int(format)));
       cbvh::forEachCluster(blocks,traversalTime(geometry,time),format,closure,report);
     }
   }

@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Compressed surfaces out again: triangles, parts and clusters as they are stored.
+/* Reads compressed surfaces: triangles, parts and clusters as they are stored.
  *
- * All functions throw RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, for one that is stored as anything
- * but cVERT or cGRID, if in part (cLEAF and cVOXEL have no triangles), and for one whose file is damaged.
+ * All functions throw RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, is not completely stored as cVERT
+ * or cGRID, or was loaded from a file that is damaged. cLEAF and cVOXEL have no triangles.
  *
- * Thread safety: any number of threads may call them for a geometry at a time, and trace it; no thread may commit it
- * meanwhile. Closures are called by the calling thread. What they are passed is valid until they return.
+ * Thread safety: any number of threads may call them for a geometry and trace it at the same time. No thread may commit
+ * it during a call. Closures run on the calling thread. Their arguments are valid until they return.
  *
- * time: as rays have it. Of geometry that does not move the time does not matter. Vertices are the same floats that
- * rays meet at that time. Outside of the geometry's time range there are no triangles. */
+ * time: time of rays; ignored for geometry that does not move. Vertices are the same floats as in traversal at that
+ * time. Outside of the geometry's time range there are no triangles. */
 
 #include "../stored/cluster.h"
 #include <functional>
@@ -26,37 +26,37 @@ namespace embree
     /*! Returns the time of a geometry's first time step. */
     float firstTime (Geometry* geometry);
 
-    /*! Looks up the triangle that a hit is on.
+    /*! Finds the triangle of a hit.
      *
-     *  primID, u, v: of the hit. Ng: of the hit, 3 floats; it chooses between triangles on whose common edge (u,v)
-     *  lies. Null takes any of them. triangle: written if there is one. Its vertices are in the order of the patch:
-     *  quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Of quad meshes and
-     *  triangle meshes they are in the order of the primitive: v0, v1, v3 or v2, v3, v1 of a quad.
+     *  primID, u, v: of the hit. Ng: of the hit, 3 floats, or null; selects the triangle if (u,v) is on an edge of
+     *  several. triangle: set if the result is true. Its vertices are in the order of the patch: quad (x,y) has the
+     *  triangles (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). For quad meshes and triangle meshes they are
+     *  in the order of the primitive; for quads this is v0, v1, v3 or v2, v3, v1.
      *
-     *  Returns false if (u,v) is on no triangle of the primitive: for an unknown primID, where triangles were left out,
-     *  and for numbers that are not finite.
+     *  Returns false if (u,v) is on no triangle of the primitive: for an unknown primID, for triangles that were left
+     *  out, and for numbers that are not finite.
      *
-     *  Cost: decodes a block or a few. The first call after a commit makes an index of the geometry's blocks, of 16
-     *  bytes each, and for quad meshes and triangle meshes of 4 bytes for each primitive. */
+     *  Cost: decodes one or a few blocks. The first call after a commit builds an index of the geometry's blocks. It
+     *  needs 16 bytes per block, plus 4 bytes per primitive for quad meshes and triangle meshes. */
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
         cbvh::StoredTriangle& triangle);
 
-    /*! Calls closure(part) for all parts of a surface until it returns false, in an order that is not specified. Cost:
-     *  decodes each block once. */
+    /*! Calls closure(part) for all parts of a surface until it returns false, in unspecified order. Cost: decodes each
+     *  block once. */
     void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
 
-    /*! Calls closure(cluster) for all clusters of a surface until it returns false, in an order that is the same each
-     *  time.
+    /*! Calls closure(cluster) for all clusters of a surface until it returns false. The order is the same for each
+     *  call.
      *
-     *  No vertex is moved: a decoder of the format gets the floats that rays meet, but 0 for -0, so clusters share
-     *  borders as blocks do. Triangles with a vertex that is not finite, or with two vertices in the same place, are
-     *  left out: no ray hits them. Clusters that a format cannot hold are FLOAT3, with the reason.
+     *  Vertices do not move: a decoder of the format returns the same floats as traversal uses, with 0 for -0, so
+     *  clusters share borders as blocks do. Triangles with a vertex that is not finite, or with two equal vertices, are
+     *  left out; no ray hits them. Clusters that a format cannot represent are FLOAT3, with the reason.
      *
-     *  format: RTC_ERROR_INVALID_ARGUMENT for an unknown one.
-     *  report: sums of the clusters so far, starting with zeros; also valid after an error.
+     *  format: an unknown format is RTC_ERROR_INVALID_ARGUMENT.
+     *  report: set to sums over the clusters; also valid after an error.
      *
-     *  Also throws RTC_ERROR_INVALID_OPERATION if DGF has more triangles than the 29 bits of its primitive indices
-     *  count. */
+     *  Also throws RTC_ERROR_INVALID_OPERATION if there are more triangles than the 29 bits of DGF's primitive indices
+     *  support. */
     void forEachCluster (Geometry* geometry, float time, cbvh::ClusterFormat format,
         const std::function<bool(const cbvh::StoredCluster&)>& closure,
                          cbvh::ClusterReport& report);

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Public structs that may grow: the rule that include/cbvh/cbvh.h and include/embree3/rtcore_compression.h state. Each
- * of them begins with size_t structSize, the sizeof that the application was compiled with. Later versions append
- * members, for which zero means what the library did before, and begin them at the sizeof of the version before:
- * structs that the library reads have no padding at their end.
+/* Public structs that may grow, as specified in include/cbvh/cbvh.h and include/embree3/rtcore_compression.h. Each
+ * begins with size_t structSize, the sizeof that the application was compiled with. Later versions append members, for
+ * which zero selects the previous behavior. They begin at the sizeof of the previous version, so structs that the
+ * library reads have no padding at their end.
  *
- * An application's struct may be smaller than the type that this version declares. Functions therefore accept a pointer
- * to it, and their callers may access only its structSize directly.
+ * The application's struct may be smaller than the type that this version declares. Functions therefore receive
+ * pointers, and their callers may access only structSize directly.
  *
  * All functions throw RTC_ERROR_INVALID_ARGUMENT with the struct's name if structSize is out of range. */
 
@@ -19,11 +19,10 @@ namespace embree
 {
   namespace core
   {
-    /*! Specialized by CBVH_GROWING_STRUCT: name(), and firstSize, the size of the struct in the first version that had
-     *  it. */
+    /*! Specialized by CBVH_GROWING_STRUCT. firstSize: size of the struct in the first version that has it. */
     template<typename T> struct GrowingStruct;
 
-    /*! Declares a struct that may grow. lastOfFirst: the last member in the first version. For use in namespace
+    /*! Declares a struct that may grow. lastOfFirst: last member in the first version. Use in namespace
      *  embree::core. */
 #define CBVH_GROWING_STRUCT(T,lastOfFirst) \
     template<> struct GrowingStruct<T> \
@@ -37,10 +36,10 @@ namespace embree
     struct KnownStruct
     {
       const char* name;
-      size_t firstSize, size;  //!< in the first version, and in this one
+      size_t firstSize, size;  //!< size in the first version and in this one
     };
 
-    /*! A larger structSize is taken for memory that was not initialized. */
+    /*! Larger values of structSize indicate uninitialized memory. */
     const size_t maxStructSize = 1024;
 
     void checkStructSize (const KnownStruct& known, const void* data);
@@ -50,8 +49,8 @@ namespace embree
     template<typename T>
     KnownStruct knownStruct () { return KnownStruct{ GrowingStruct<T>::name(),GrowingStruct<T>::firstSize,sizeof(T) }; }
 
-    /*! Returns a struct that an application passed, as this version knows it: members that the application lacks are
-     *  zero, structSize is sizeof(T). Also throws if a byte that this version does not know is not zero. */
+    /*! Returns the application's struct as this version declares it. Members that the application lacks are zero,
+     *  structSize is sizeof(T). Also throws if a byte that this version does not know is not zero. */
     template<typename T>
     T readStruct (const T* from)
     {
@@ -60,12 +59,12 @@ namespace embree
       return to;
     }
 
-    /*! Checks a struct that will be written. Call it before the work whose result it receives. */
+    /*! Checks a struct that will be written. Call it before computing the result. */
     template<typename T>
     void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
 
-    /*! Writes the members that the application has, and zeros after the members that this version knows. Keeps
-     *  structSize. */
+    /*! Writes the members that the application's struct has, and sets its remaining bytes to zero. structSize keeps its
+     *  value. */
     template<typename T>
     void writeStruct (T* to, const T& from) { copyToApplication(knownStruct<T>(),to,&from); }
   }

@@ -3,6 +3,6 @@
 
 #pragma once
 
-/* Geometries, for headers that those of scenes include. */
+/* Embree's geometries, for headers that Embree's scene headers include. */
 
 #include "../../common/geometry.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Embree's builder of trees for motion blur. */
+/* Embree's BVH builder for motion blur. */
 
 #include "scene.h"
 #include "../../builders/bvh_builder_msmblur.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays, single and in packets, hits, and the context of a query. */
+/* Embree's rays, ray packets, hits and query context. */
 
 #include "simd.h"
 #include "../../common/ray.h"

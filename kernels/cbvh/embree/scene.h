@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What is built, and of what: devices, scenes and their geometries, patches of surfaces and how they are evaluated, BVHs with
- * their memory and builders, and tasks. */
+/* Embree's devices, scenes, geometries, subdivision patches and their evaluation, BVHs with their allocators and
+ * builders, and tasks. */
 
 #include "../../common/default.h"
 #include "../../common/rtcore.h"

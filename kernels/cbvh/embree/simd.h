@@ -3,8 +3,10 @@
 
 #pragma once
 
-/* The door to Embree: the headers of this folder alone include what is Embree's own and not its API, so that they are what
- * another version of Embree changes. This one: the platform, instruction sets, and vectors of lanes. */
+/* Embree's platform, instruction sets and vector types.
+ *
+ * Only the headers in this folder include Embree's internal headers. A port to another version of Embree changes this
+ * folder first. */
 
 #include "../../common/isa.h"
 #include "../../../common/sys/platform.h"

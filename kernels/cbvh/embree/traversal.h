@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What is traced: Embree's tests of boxes and triangles, its traversal of single rays, packets and streams, and its epilogues,
- * which report a hit and call filters. */
+/* Embree's box and triangle tests, its traversal of single rays, packets and streams, and its epilogues, which report
+ * hits and call filters. */
 
 #include "ray.h"
 #include "../../geometry/grid_soa.h"

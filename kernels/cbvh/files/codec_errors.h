@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Errors of the codec as Embree's. */
+/* Converts errors of the codec to Embree's errors. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -13,13 +13,15 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls function() and returns its result. Throws Embree's error in place of the codec's. */
+    /*! Calls function() and returns its result. Throws an error of Embree if function() throws an error of the
+     *  codec. */
     template<typename Function>
     auto withEmbreeErrors (const Function& function) -> decltype(function())
     {
       try { return function(); }
       catch (const cvert::Error& error) {
-        throw_RTCError(error.code == cvert::ErrorCode::INVALID_OPERATION ? RTC_ERROR_INVALID_OPERATION : RTC_ERROR_INVALID_ARGUMENT,error.what());
+        throw_RTCError(error.code == cvert::ErrorCode::INVALID_OPERATION ? RTC_ERROR_INVALID_OPERATION
+                                                                         : RTC_ERROR_INVALID_ARGUMENT,error.what());
       }
     }
   }

@@ -13,23 +13,25 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls closure(count) for the counts of a surface's statistics, in the order of FileGeometry::counts. */
+    /*! Calls closure(count) for each count, in the order of FileGeometry::counts. */
     template<typename Statistics, typename Closure>
     void forEachCount (Statistics& s, const Closure& closure)
     {
-      closure(s.sums.topLevelBytes); closure(s.sums.frameBytes); closure(s.sums.nodeBytes); closure(s.sums.leafBytes); closure(s.sums.gridBytes);
-      closure(s.sums.numBlocks); closure(s.sums.numQuads); closure(s.sums.numGridQuads); closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks);
-      closure(s.sums.numSolidLeaves); closure(s.sums.numRawBlocks); closure(s.sums.numExactQuads); closure(s.sums.numFlippedQuads);
-      closure(s.sums.numMeshQuads); closure(s.sums.numLooseQuads); closure(s.sums.numMovingQuads); closure(s.sums.motionBytes);
-      closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid); closure(s.quadsForHoles); closure(s.bytesInEmbree);
+      closure(s.sums.topLevelBytes); closure(s.sums.frameBytes); closure(s.sums.nodeBytes); closure(s.sums.leafBytes);
+      closure(s.sums.gridBytes); closure(s.sums.numBlocks); closure(s.sums.numQuads); closure(s.sums.numGridQuads);
+      closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks); closure(s.sums.numSolidLeaves);
+      closure(s.sums.numRawBlocks); closure(s.sums.numExactQuads); closure(s.sums.numFlippedQuads);
+      closure(s.sums.numMeshQuads); closure(s.sums.numLooseQuads); closure(s.sums.numMovingQuads);
+      closure(s.sums.motionBytes); closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid);
+      closure(s.quadsForHoles); closure(s.bytesInEmbree);
     }
     template<typename Statistics, typename Closure>
     void forEachMeasure (Statistics& s, const Closure& closure)
     {
-      closure(s.sums.maxLeafThickness); closure(s.sums.maxVertexSpacing); closure(s.sums.maxVertexDeviation); closure(s.sums.maxBorderGap);
+      closure(s.sums.maxLeafThickness); closure(s.sums.maxVertexSpacing); closure(s.sums.maxVertexDeviation);
+      closure(s.sums.maxBorderGap);
     }
 
-    /*! Statistics of a record. */
     inline SurfaceStatistics statisticsOf (const FileGeometry& record)
     {
       SurfaceStatistics statistics;

@@ -7,7 +7,9 @@
 
 namespace embree
 {
-  const char* const LoadedGeometry::whyNot = "the geometry was loaded from a file: it has compressed blocks, and no cage, vertices or indices that could be read, interpolated or changed";
+  const char* const LoadedGeometry::whyNot =
+    "the geometry was loaded from a file: its compressed blocks can be traced, but it has no vertices, faces or "
+    "indices to read, interpolate or change";
 
   static Geometry::GType typeOf (const cvert::FileGeometry& record)
   {
@@ -19,8 +21,10 @@ namespace embree
     }
   }
 
-  LoadedGeometry::LoadedGeometry (Device* device, const cvert::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks)
-    : CompressibleGeometry(device,typeOf(record),record.numPrimitives,record.numTimeSteps), ownTimes(record.numTimeSteps > 1 ? BBox1f(record.begin,record.end) : BBox1f(0.0f,1.0f))
+  LoadedGeometry::LoadedGeometry (Device* device, const cvert::FileGeometry& record,
+                                  const std::shared_ptr<const SurfaceBlocks>& blocks)
+    : CompressibleGeometry(device,typeOf(record),record.numPrimitives,record.numTimeSteps),
+      ownTimes(record.numTimeSteps > 1 ? BBox1f(record.begin,record.end) : BBox1f(0.0f,1.0f))
   {
     setCompressed(true);
     if (numTimeSteps > 1) time_range = ownTimes;
@@ -36,7 +40,9 @@ namespace embree
   void LoadedGeometry::commit ()
   {
     if (numTimeSteps > 1 && (time_range.lower != ownTimes.lower || time_range.upper != ownTimes.upper))
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry was loaded from a file, where its time steps are from " + std::to_string(ownTimes.lower) + " to " + std::to_string(ownTimes.upper) + ": its time range cannot be changed");
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the time range of a geometry that was loaded from a file cannot be "
+                     "changed: expected " + std::to_string(ownTimes.lower) + " to " + std::to_string(ownTimes.upper)
+                     + ", the time range in the file");
     Geometry::commit();
     surface.commit(modCounter_);
   }

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* A geometry that came from a file: it has blocks, and nothing that they were made from. It has a mask, filters and user data, is enabled or
- * not, and is attached and instanced as any other. What asks for a cage, or would change it, is refused. */
+/* A geometry that was loaded from a file. It has blocks but not the input that they were built from. Its mask, filters,
+ * user data and enabled state can be set, and it can be attached and instanced as any other geometry. Functions that
+ * read or change its input fail. */
 
 #include "../base/codec.h"
 #include "../embree/scene.h"
@@ -15,9 +16,10 @@ namespace embree
   class LoadedGeometry : public CompressibleGeometry
   {
   public:
-    static const char* const whyNot; //!< it cannot be edited
+    static const char* const whyNot; //!< message of functions that fail
 
-    LoadedGeometry (Device* device, const cvert::FileGeometry& record, const std::shared_ptr<const SurfaceBlocks>& blocks);
+    LoadedGeometry (Device* device, const cvert::FileGeometry& record,
+                    const std::shared_ptr<const SurfaceBlocks>& blocks);
 
     void commit () override;
     void setMask (unsigned mask) override;
@@ -26,7 +28,9 @@ namespace embree
     void setNumPrimitives (unsigned) override { refuse(); }
     void setNumTimeSteps (unsigned numTimeSteps) override;
     void updateBuffer (RTCBufferType, unsigned) override { refuse(); }
-    void setBuffer (RTCBufferType, unsigned, RTCFormat, const Ref<Buffer>&, size_t, size_t, unsigned) override { refuse(); }
+    void setBuffer (RTCBufferType, unsigned, RTCFormat, const Ref<Buffer>&, size_t, size_t, unsigned) override {
+      refuse();
+    }
     void* getBuffer (RTCBufferType, unsigned) override { refuse(); }
     void setVertexAttributeCount (unsigned) override { refuse(); }
     void setTopologyCount (unsigned) override { refuse(); }
@@ -45,10 +49,10 @@ namespace embree
   private:
     [[noreturn]] static void refuse ();
 
-    const BBox1f ownTimes; //!< of the first step and of the last
+    const BBox1f ownTimes; //!< times of the first and the last step
   };
 
-  /*! Throws for a geometry of a file. */
+  /*! Throws if a geometry was loaded from a file. */
   inline void requireEditable (Geometry* geometry) {
     if (dynamic_cast<const LoadedGeometry*>(geometry))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::whyNot);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "loaded_surface.h"
 #include "../base/primitive_type.h"
@@ -13,7 +13,9 @@
 #include "file_statistics.h"
 #include "mapped_blocks.h"
 #include "validate_framed.h"
+#include <new>
 #include <sys/mman.h>
+#include <unistd.h>
 
 namespace embree
 {
@@ -21,55 +23,78 @@ namespace embree
   {
     namespace
     {
-      /*! Private pages of a part of a file, allocated when they are written. */
+      /*! Copy-on-write mapping of a part of a file. It begins before the part if the pages of this machine are larger than
+       *  the pages of files, as on ARM64. */
       struct PrivatePages
       {
+        const size_t before;
         char* const data;
         const size_t bytes;
 
         PrivatePages (int file, uint64_t offset, size_t bytes)
-          : data((char*)::mmap(nullptr,bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,off_t(offset))), bytes(bytes) {
-          if (data == MAP_FAILED) throw std::bad_alloc();
+          : before(size_t(offset % uint64_t(::sysconf(_SC_PAGESIZE)))),
+            data((char*)::mmap(nullptr,before+bytes,PROT_READ | PROT_WRITE,MAP_PRIVATE | MAP_NORESERVE,file,
+                               off_t(offset-before)) + before),
+            bytes(bytes) {
+          if (data-before == MAP_FAILED) throw std::bad_alloc();
         }
-        ~PrivatePages () { ::munmap(data,bytes); }
+        ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
-      /*! the file that contains the blocks of a geometry, and their private pages, if there are any */
+      /*! The file of the blocks of a geometry, and their private pages, if any. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;
         std::unique_ptr<PrivatePages> pages;
       };
 
-      BBox3fa boundsOf (const float lower[3], const float upper[3]) { return BBox3fa(Vec3fa(lower[0],lower[1],lower[2]),Vec3fa(upper[0],upper[1],upper[2])); }
+      BBox3fa boundsOf (const float lower[3], const float upper[3]) {
+        return BBox3fa(Vec3fa(lower[0],lower[1],lower[2]),Vec3fa(upper[0],upper[1],upper[2]));
+      }
 
-      /*! Makes Embree's tree of the tree of a file: a sink of TreeReader. */
+      /*! Sink of TreeReader that builds Embree's tree. */
       class SurfaceLoader
       {
       public:
         typedef BVH4::NodeRef Ref;
 
-        SurfaceLoader (const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface) : file(file), i(i), mapped(mapped), surface(surface)
+        SurfaceLoader (const File& file, size_t i, const MappedBlocks& mapped, SurfaceBlocks& surface)
+          : file(file), i(i), mapped(mapped), surface(surface)
         {
           const FileGeometry& record = file.geometry(i);
-          if (record.form == FILE_TREE) surface.memory.expect(size_t(record.treeBytes/sizeof(FileNode))*sizeof(BVH4::AABBNode));
+          if (record.form == FILE_TREE)
+            surface.memory.expect(size_t(record.treeBytes/sizeof(FileNode))*sizeof(BVH4::AABBNode));
         }
 
         Ref leaf (FileChild type, uint64_t offset)
         {
-          if (type == FILE_MOVING_VERT) { // its boxes are decoded at once
-            if (const Reason reason = mapped.validate(size_t(offset),true)) file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-            mapped.number(size_t(offset),true);
+          if (type == FILE_MOVING_VERT) { // scenes decode its boxes when they are committed
+            if (const Reason reason = mapped.validate(size_t(offset),VERT_FORM))
+              file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
+            mapped.number(size_t(offset),VERT_FORM);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
-          if (type == FILE_FRAMED) file.failUnsupported(i,"it has blocks with frames, and this library was built without the paper's representations");
+          if (type == FILE_FRAMED)
+            file.failUnsupported(i,"it has blocks with frames: expected a library that was built with the paper's "
+                                   "representations");
 #endif
-          return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),type == FILE_MOVING_VERT ? MOVING_VERT_BLOCK : type == FILE_VERT ? VERT_BLOCK : FRAMED_BLOCK);
+          return BVH4::encodeTypedLeaf((void*)(mapped.first()+offset),typeOf(type));
+        }
+
+        static PrimitiveType typeOf (FileChild child)
+        {
+          switch (child) {
+          case FILE_MOVING_VERT: return MOVING_VERT_BLOCK;
+          case FILE_VERT: return VERT_BLOCK;
+          case FILE_MESH: return MESH_BLOCK;
+          default: return FRAMED_BLOCK;
+          }
         }
 
         BVH4::AABBNode* beginNode ()
         {
-          BVH4::AABBNode* const node = (BVH4::AABBNode*)surface.memory.pool()->getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
+          BVH4::AABBNode* const node = (BVH4::AABBNode*)
+            surface.memory.pool()->getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
           node->clear();
           return node;
         }
@@ -94,7 +119,8 @@ namespace embree
         const MappedBlocks& mapped;
         SurfaceBlocks& surface;
       };
-      static_assert(TreeReader<SurfaceLoader>::maxDepth <= BVH4::maxBuildDepthLeaf,"traversal has room for the trees of files");
+      static_assert(TreeReader<SurfaceLoader>::maxDepth <= BVH4::maxBuildDepthLeaf,
+                    "traversal supports the depth of trees in files");
     }
 
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const File>& file, Device* device, size_t i)
@@ -105,16 +131,19 @@ namespace embree
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 
-      /* A second surface of the same blocks has pages of its own: its number is written into the blocks. */
+      /* A second surface of the same blocks needs private pages: its number is written into the blocks. */
       std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
       memory->file = file;
       char* first = (char*)file->blocks(i);
       if (ownNumber != record.surface && record.blockBytes) {
-        memory->pages.reset(new PrivatePages(file->descriptor(),record.blocks,size_t(record.blockBytes+fileReadBehind)));
+        memory->pages.reset(new PrivatePages(file->descriptor(),record.blocks,
+                                             size_t(record.blockBytes+fileReadBehind)));
         first = memory->pages->data;
       }
       const std::shared_ptr<const File> owner(memory,file.get());
-      const std::shared_ptr<const MappedBlocks> mapped = std::make_shared<MappedBlocks>(device,owner,first,record,ownNumber,file->path + ": geometry " + std::to_string(i));
+      const std::shared_ptr<const MappedBlocks> mapped =
+        std::make_shared<MappedBlocks>(device,owner,first,record,ownNumber,
+                                       file->path + ": geometry " + std::to_string(i));
       surface->mapped = mapped;
       surface->bounds = areBounds(record.lower,record.upper) ? boundsOf(record.lower,record.upper) : BBox3fa(empty);
       surface->numPrimitives = size_t(record.numBlocks);
@@ -128,7 +157,7 @@ namespace embree
         isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);
       }
       surface->memory.end();
-      outdateThreadCaches(); // others may have lain here
+      outdateThreadCaches(); // other blocks may have had the same addresses
       return surface;
     }
 
@@ -137,7 +166,7 @@ namespace embree
       file.verify([](const FileGeometry& record, const void* block, size_t bytes) {
           const Reason reason = validateFramedBlock(block,bytes,record.numPrimitives);
           return !reason && ((const BlockHeader*)block)->surface != record.surface
-              ? Reason::damaged("it belongs to another surface") : reason;
+              ? Reason::damaged("its surface number differs from its geometry's") : reason;
         });
     }
   }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Surfaces of a file, as scenes trace them. The tree of a surface is read and checked when it is loaded, its blocks when rays first hit them
- * (mapped_blocks.h). */
+/* Surfaces of a file as scenes trace them. The tree of a surface is read and checked when the surface is loaded, its
+ * blocks when rays first reach them (mapped_blocks.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/file/file.h"
@@ -17,11 +17,12 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Returns the blocks of geometry i of a file, and the tree above them. Throws cvert::Error if the tree is damaged, or if a block of a surface
-     *  that moves is. */
-    std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device, size_t i);
+    /*! Returns the blocks of geometry i of a file and the tree above them. Throws cvert::Error if the tree is damaged,
+     *  or if a moving block is. */
+    std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
+                                                      size_t i);
 
-    /*! Reads all of a file. Throws cvert::Error if a checksum differs or a block is damaged. */
+    /*! Reads a whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
     void verifyFile (const cvert::File& file);
   }
 }

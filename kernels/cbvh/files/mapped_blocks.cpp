@@ -1,25 +1,27 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "mapped_blocks.h"
 #include "../embree/scene.h"
+#include "../stored/block_bytes.h"
 #include "validate_framed.h"
 #include "../../cvert/file/record.h"
 #include <algorithm>
 #include <cstdlib>
+#include <new>
 #include <vector>
 
 namespace embree
 {
   namespace cbvh
   {
-    /*! The places of all mapped blocks of the process. */
+    /*! Address ranges of all mapped blocks of the process. */
     class MappedPlaces
     {
-      /*! Where blocks lie, by value: other threads may delete blocks of geometries that this one does not trace, and those
-       *  that it traces stay. */
+      /*! An address range, by value: other threads may delete blocks of geometries that the calling thread does not
+       *  trace, but not those that it traces. */
       struct Place
       {
         const char* begin;
@@ -28,10 +30,10 @@ namespace embree
 
         bool holds (const void* block) const { return size_t((const char*)block-begin) < bytes; }
       };
-      typedef std::vector<Place> List; //!< by address
+      typedef std::vector<Place> List; //!< sorted by address
 
     public:
-      /*! Throws std::bad_alloc, and then changes nothing. */
+      /*! Throws std::bad_alloc without changing anything. */
       static void add (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -47,7 +49,7 @@ namespace embree
         changed();
       }
 
-      /*! Without memory for a new list there is none until the next one is made, and threads look at all blocks. */
+      /*! If there is no memory for a new list, threads search all blocks until the next list is made. */
       static void remove (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -59,26 +61,27 @@ namespace embree
       }
 
     private:
-      /*! What the calling thread knows of them: a list is used while a geometry of it is traced, and another may be added to a new one. */
+      /*! Cache of the calling thread. Its list may be outdated while a geometry of the list is traced. */
       struct Known
       {
         uint64_t generation = 0;
         std::shared_ptr<const List> list;
-        Place last = { nullptr, 0, nullptr }; //!< whose block was the last that was asked for
+        Place last = { nullptr, 0, nullptr }; //!< range of the last block that was found
       };
 
-      static bool isGood (const void* block, bool isVert)
+      static bool isGood (const void* block, BlockForm form)
       {
         const Known* const mine = known;
-        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block))) return mine->last.blocks->isGood(block,isVert);
-        return find(block,isVert);
+        if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block)))
+          return mine->last.blocks->isGood(block,form);
+        return find(block,form);
       }
 
-      static bool find (const void* block, bool isVert)
+      static bool find (const void* block, BlockForm form)
       {
         struct Owner { ~Owner () { delete known; known = nullptr; } };
         if (!known) {
-          static thread_local Owner owner; // ends with the thread
+          static thread_local Owner owner; // frees the cache when the thread ends
           (void)owner;
           known = new Known;
         }
@@ -91,14 +94,15 @@ namespace embree
         const Place place = known->list ? placeIn(*known->list,block) : placeOfLiving(block);
         if (!place.blocks) return true;
         known->last = place;
-        return place.blocks->isGood(block,isVert);
+        return place.blocks->isGood(block,form);
       }
 
       static Place placeOf (const MappedBlocks* blocks) { return Place{ blocks->begin, blocks->bytes, blocks }; }
 
       static Place placeIn (const List& list, const void* block)
       {
-        const auto next = std::upper_bound(list.begin(),list.end(),block,[](const void* block, const Place& place) { return (const char*)block < place.begin; });
+        const auto next = std::upper_bound(list.begin(),list.end(),block,
+          [](const void* block, const Place& place) { return (const char*)block < place.begin; });
         return next == list.begin() || !(next-1)->holds(block) ? Place{ nullptr, 0, nullptr } : *(next-1);
       }
 
@@ -110,7 +114,7 @@ namespace embree
         return Place{ nullptr, 0, nullptr };
       }
 
-      /*! With the mutex: a list of those that live, and of one more. */
+      /*! Returns a list of all existing mapped blocks and another. The mutex must be locked. */
       static std::shared_ptr<const List> listOf (const MappedBlocks* another)
       {
         const std::shared_ptr<List> made = std::make_shared<List>();
@@ -120,7 +124,8 @@ namespace embree
         return made;
       }
 
-      /*! With the mutex. The addresses that others read hold all blocks at any moment. */
+      /*! Publishes a change. The mutex must be locked. The range that other threads read contains all blocks at any
+       *  time. */
       static void changed ()
       {
         if (!first) {
@@ -136,11 +141,11 @@ namespace embree
         generation.fetch_add(1);
       }
 
-      static MutexSys mutex;                    //!< of the next three
+      static MutexSys mutex;                    //!< protects the next four
       static MappedBlocks* first;
       static std::shared_ptr<const List> list;  //!< null if there was no memory for it
       static size_t hullBegin, hullEnd;
-      static std::atomic<uint64_t> generation;  //!< of them
+      static std::atomic<uint64_t> generation;  //!< number of changes of them
       static __thread Known* known __attribute__((tls_model("initial-exec")));
     };
 
@@ -151,11 +156,13 @@ namespace embree
     std::atomic<uint64_t> MappedPlaces::generation(0);
     __thread MappedPlaces::Known* MappedPlaces::known = nullptr;
 
-    MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin, const FileGeometry& record, uint32_t number, const std::string& name)
-      : device(device), file(file), begin(begin), record(record), bytes(size_t(record.blockBytes)), surfaceNumber(number), name(name), good(nullptr), isReported(false)
+    MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin,
+                                const FileGeometry& record, uint32_t number, const std::string& name)
+      : device(device), file(file), begin(begin), record(record), bytes(size_t(record.blockBytes)),
+        surfaceNumber(number), name(name), good(nullptr), isReported(false)
     {
-      static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"zeros are bits");
-      /* pages of zeros, which take memory where blocks are met */
+      static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"calloc initializes the bits");
+      /* calloc maps pages of zeros, which need memory only where rays reach blocks */
       good = (std::atomic<uint64_t>*)calloc(bytes/(16*64)+1,sizeof(uint64_t));
       if (!good) throw std::bad_alloc();
       try { MappedPlaces::add(this); }
@@ -168,41 +175,47 @@ namespace embree
       free(good);
     }
 
-    Reason MappedBlocks::validate (size_t offset, bool isVert) const
+    Reason MappedBlocks::validate (size_t offset, BlockForm form) const
     {
-      if (offset >= bytes || offset % blockAlignment) return Reason::damaged("no block can be at %",offset);
-      const Reason reason = isVert ? validateVertBlock(record,begin+offset,bytes-offset) : validateFramedBlock(begin+offset,bytes-offset,record.numPrimitives);
+      if (offset >= bytes || offset % blockAlignment)
+        return Reason::damaged("its offset is %: expected a multiple of 16 within the blocks of the geometry",offset);
+      const char* const block = begin+offset;
+      const Reason reason = form == MESH_FORM ? validateMeshBlock(record,block,bytes-offset)
+        : form == VERT_FORM ? validateVertBlock(record,block,bytes-offset)
+        : validateFramedBlock(block,bytes-offset,record.numPrimitives);
       if (reason) return reason;
-      return isOwnSurface(offset,isVert) ? Reason() : Reason::damaged("it belongs to another surface");
+      return isOwnSurface(offset,form) ? Reason() : Reason::damaged("its surface number differs from its geometry's");
     }
 
-    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, bool isVert) const {
-      return AtomicRef<uint32_t>(isVert ? ((VertHeader*)(begin+offset))->surface : ((BlockHeader*)(begin+offset))->surface);
+    AtomicRef<uint32_t> MappedBlocks::surfaceOf (size_t offset, BlockForm form) const {
+      return AtomicRef<uint32_t>(*(uint32_t*)(begin+offset+offsetOfSurface(form)));
     }
 
-    bool MappedBlocks::isOwnSurface (size_t offset, bool isVert) const
+    bool MappedBlocks::isOwnSurface (size_t offset, BlockForm form) const
     {
-      const uint32_t surface = surfaceOf(offset,isVert).load(std::memory_order_acquire);
+      const uint32_t surface = surfaceOf(offset,form).load(std::memory_order_acquire);
       return surface == record.surface || surface == surfaceNumber;
     }
 
-    void MappedBlocks::number (size_t offset, bool isVert) const
+    void MappedBlocks::number (size_t offset, BlockForm form) const
     {
-      /* Several threads may check a block at the same time; one of them writes, before any of them calls it good. */
+      /* Several threads may check a block at the same time. One of them writes before any of them marks the block. */
       uint32_t expected = record.surface;
-      if (record.surface != surfaceNumber) surfaceOf(offset,isVert).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
+      if (record.surface != surfaceNumber)
+        surfaceOf(offset,form).exchange(expected,surfaceNumber,std::memory_order_acq_rel);
     }
 
-    bool MappedBlocks::check (size_t offset, bool isVert) const
+    bool MappedBlocks::check (size_t offset, BlockForm form) const
     {
-      if (const Reason reason = validate(offset,isVert)) {
+      if (const Reason reason = validate(offset,form)) {
         if (!isReported.exchange(true)) {
-          const std::string message = name + ": the block at " + std::to_string(offset) + " is damaged, and maybe others: " + reason.message() + "; rays miss it";
+          const std::string message = name + ": the block at " + std::to_string(offset)
+            + " is damaged, possibly others too: " + reason.message() + "; rays miss it";
           Device::process_error(device,RTC_ERROR_INVALID_ARGUMENT,message.c_str());
         }
         return false;
       }
-      number(offset,isVert);
+      number(offset,form);
       good[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
       return true;
     }

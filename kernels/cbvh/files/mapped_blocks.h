@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The blocks of one geometry in a mapped file: where they lie, and which were found to be good. A block is looked at when rays meet it first,
- * so that what no ray meets stays on disk; a bit for each 16 bytes remembers it. Whatever the bytes of a block are, one that is good is decoded and
- * traced without a step outside of it, and what hits say of it are numbers that the geometry has. */
+/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that blocks that no ray
+ * reaches are never read from disk. A bit per 16 bytes stores that a block is good. Whatever bytes a good block has,
+ * decoders and traversal stay inside of it, and hits report primitives that the geometry has. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
@@ -24,45 +24,49 @@ namespace embree
     class MappedBlocks
     {
     public:
-      /*! begin: of the blocks; the file, which must exist as long as this, has at least fileReadBehind bytes after them. number: of the surface,
-       *  written into blocks that have another; these must be writable then. name: of the geometry in messages */
-      MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin, const cvert::FileGeometry& record, uint32_t number, const std::string& name);
+      /*! begin: of the blocks. file: must outlive this object; must have at least fileReadBehind bytes after the
+       *  blocks. number: surface number, written into blocks that have another; they must then be writable. name: of
+       *  the geometry, for messages. */
+      MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
+                    const cvert::FileGeometry& record, uint32_t number, const std::string& name);
       ~MappedBlocks ();
       MappedBlocks (const MappedBlocks&) = delete;
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
-      /*! Checks the block at an offset from the first. */
-      cvert::Reason validate (size_t offset, bool isVert) const;
+      /*! Checks the block at an offset from the first block. */
+      cvert::Reason validate (size_t offset, BlockForm form) const;
 
-      /*! Returns true if a block may be decoded. Remembers the result. Reports an error to the device for the first block that is damaged. */
-      bool isGood (const void* block, bool isVert) const
+      /*! True if a block may be decoded. Stores the result. Reports an error to the device for the first damaged
+       *  block. */
+      bool isGood (const void* block, BlockForm form) const
       {
         const size_t offset = size_t((const char*)block-begin);
-        return likely(((good[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0) || check(offset,isVert);
+        return likely(((good[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0)
+          || check(offset,form);
       }
 
-      /*! Writes the number of the surface into a block that has another. */
-      void number (size_t offset, bool isVert) const;
+      /*! Writes the surface number into a block that has another. */
+      void number (size_t offset, BlockForm form) const;
 
       const char* first () const { return begin; }
 
     private:
       friend class MappedPlaces;
 
-      bool check (size_t offset, bool isVert) const;
-      AtomicRef<uint32_t> surfaceOf (size_t offset, bool isVert) const;
-      bool isOwnSurface (size_t offset, bool isVert) const;
+      bool check (size_t offset, BlockForm form) const;
+      AtomicRef<uint32_t> surfaceOf (size_t offset, BlockForm form) const;
+      bool isOwnSurface (size_t offset, BlockForm form) const;
 
       Device* device;
       std::shared_ptr<const cvert::File> file;
       char* const begin;
-      const cvert::FileGeometry record; //!< as it was when the geometry was loaded, whatever becomes of the file
+      const cvert::FileGeometry record; //!< as it was when the geometry was loaded, even if the file changes
       const size_t bytes;
       const uint32_t surfaceNumber;
       const std::string name;
-      std::atomic<uint64_t>* good; //!< a bit for each place where a block may begin
+      std::atomic<uint64_t>* good; //!< a bit for each position at which a block may begin
       mutable std::atomic<bool> isReported;
-      MappedBlocks* next, * previous; //!< of all that live
+      MappedBlocks* next, * previous; //!< list of all existing mapped blocks
     };
   }
 }

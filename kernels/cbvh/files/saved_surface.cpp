@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "saved_surface.h"
 #include "../base/kinds.h"
@@ -19,11 +19,12 @@ namespace embree
   namespace cbvh
   {
     static_assert(fileFramedVersion == formatVersion,"files have the version of blocks with frames");
-    static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_GRID) && FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_VERT),"files have values of RTCCompression");
+    static_assert(FILE_COMPRESSION_GRID == uint32_t(RTC_COMPRESSION_GRID)
+                  && FILE_COMPRESSION_VERT == uint32_t(RTC_COMPRESSION_VERT),"files have values of RTCCompression");
 
     namespace
     {
-      /*! Writes the tree of a surface and its blocks, in the order of the file. */
+      /*! Lays out the tree of a surface and its blocks in the order of the file. */
       class Layout
       {
       public:
@@ -43,11 +44,24 @@ namespace embree
           size_t type;
           const void* const block = ref.leaf(type);
           if (!isBlock(type))
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"a part of the geometry is left to GRID, for its edge rates or because it has no good frame: only compressed blocks can be saved, which cVERT has of all");
-          const bool moves = type == MOVING_VERT_BLOCK, vert = type != FRAMED_BLOCK;
-          if (!moves && !isUsable(block,vert))
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's own file is damaged: one of its blocks cannot be read");
-          return to.append(moves ? FILE_MOVING_VERT : vert ? FILE_VERT : FILE_FRAMED,block,bytesOfBlock(block,vert),vert ? offsetof(VertHeader,surface) : offsetof(BlockHeader,surface));
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry cannot be saved: a part of it is left to GRID "
+                           "because of its edge rates or because it has no valid frame; expected compressed blocks "
+                           "only, as with cVERT");
+          const BlockForm form = formOfBlock(type);
+          if (type != MOVING_VERT_BLOCK && !isUsable(block,form))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                           "the geometry cannot be saved: the file that it was loaded from has a damaged block");
+          return to.append(childOf(type),block,bytesOfBlock(block,form),offsetOfSurface(form));
+        }
+
+        static FileChild childOf (size_t type)
+        {
+          switch (type) {
+          case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;
+          case VERT_BLOCK: return FILE_VERT;
+          case MESH_BLOCK: return FILE_MESH;
+          default: return FILE_FRAMED;
+          }
         }
 
         uint64_t child (BVH4::NodeRef ref)
@@ -62,11 +76,13 @@ namespace embree
           const size_t begin = to.tree.size();
           to.tree.resize(begin + sizeof(FileNode));
           FileNode node;
-          const vfloat4* const planes[3][2] = { { &from->lower_x,&from->upper_x },{ &from->lower_y,&from->upper_y },{ &from->lower_z,&from->upper_z } };
+          const vfloat4* const planes[3][2] = { { &from->lower_x,&from->upper_x },{ &from->lower_y,&from->upper_y },
+                                                { &from->lower_z,&from->upper_z } };
           for (size_t i=0; i<4; i++) {
             node.children[i] = child(from->child(i));
             for (int k=0; k<3; k++)
-              for (int side=0; side<2; side++) node.planes[k][side][i] = node.children[i] == FILE_NONE ? 0.0f : (*planes[k][side])[i];
+              for (int side=0; side<2; side++)
+                node.planes[k][side][i] = node.children[i] == FILE_NONE ? 0.0f : (*planes[k][side])[i];
             if (node.children[i] == FILE_NONE) continue;
             float lower[3], upper[3];
             for (int k=0; k<3; k++) { lower[k] = node.planes[k][0][i]; upper[k] = node.planes[k][1][i]; }
@@ -76,10 +92,11 @@ namespace embree
           return begin | FILE_NODE;
         }
 
-        /*! Files with other bounds cannot be loaded. */
+        /*! Throws for bounds with which the file could not be loaded. */
         static void requireBounds (const float lower[3], const float upper[3]) {
           if (areBounds(lower,upper)) return;
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"blocks without finite bounds cannot be saved");
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                         "the geometry cannot be saved: the bounds of a block are not finite");
         }
 
         void entry (const BBox3fa& bounds, BVH4::NodeRef ref)
@@ -117,7 +134,8 @@ namespace embree
       record.numTimeSteps = geometry->numTimeSteps;
       record.begin = geometry->time_range.lower;
       record.end = geometry->time_range.upper;
-      record.compression = moves || record.source != FILE_CAGE ? RTC_COMPRESSION_VERT : geometry->compression.resolve(geometry->device->compression).compression;
+      record.compression = moves || record.source != FILE_CAGE
+        ? RTC_COMPRESSION_VERT : geometry->compression.resolve(geometry->device->compression).compression;
       for (int k=0; k<3; k++) { record.lower[k] = blocks.bounds.lower[k]; record.upper[k] = blocks.bounds.upper[k]; }
       setStatistics(record,blocks.statistics);
       return surface;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Checks blocks with frames. */
+/* Validates blocks with frames. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! False for frames that are not finite, and for those that map all points to one, such as that of a header of zeros. */
+    /*! False if a frame is not finite, or maps all points to the same point, as a header of zeros does. */
     inline bool isFrame(const BlockHeader& header)
     {
       bool isZero = true;
@@ -28,7 +28,8 @@ namespace embree
       return !isZero;
     }
 
-    /*! Checks a block that starts at data and takes at most that many bytes. Whatever its fields are, decoders then read only the block. */
+    /*! Returns the first error in the block at data, which has at most `bytes` bytes. Whatever the fields of a valid
+     *  block are, decoders read only the block. */
     inline Reason validateFramedBlock(const void* data, size_t bytes)
     {
       if (bytes < blockHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
@@ -36,19 +37,22 @@ namespace embree
       const uint32_t kind = kindOf(header.info), height = heightOf(header.info);
       if (kind >= numKindFormats || !((framedKinds >> kind) & 1)) return Reason::damaged("its kind % is unknown",kind);
       if (height > maxLevel) return Reason::damaged("its height % is out of range: expected 0 to %",height,maxLevel);
-      if (!isFrame(header)) return Reason::damaged("its frame is not finite, or maps all points to one");
-      if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling))) return Reason::damaged("its patch starts outside of its face");
-      if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling)) return Reason::damaged("it lies outside of its patch");
+      if (!isFrame(header)) return Reason::damaged("its frame is not finite, or maps all points to one point");
+      if (!isPatchCorner(cornerUOf(header.tiling),cornerVOf(header.tiling)))
+        return Reason::damaged("its patch starts outside of its face");
+      if (blockXOf(header.info) > lastXOf(header.tiling) || blockYOf(header.info) > lastYOf(header.tiling))
+        return Reason::damaged("it lies outside of its patch");
       const size_t needed = blockLayout(kind,height).bytes;
       return bytes < needed ? Reason::damaged("it has % bytes: its nodes and leaves need %",bytes,needed) : Reason();
     }
 
-    /*! The same for a block of a geometry with that many primitives. */
+    /*! Like above, and checks its primitive. */
     inline Reason validateFramedBlock(const void* data, size_t bytes, uint32_t numPrimitives)
     {
       if (const Reason reason = validateFramedBlock(data,bytes)) return reason;
       const uint32_t primID = ((const BlockHeader*)data)->primID;
-      return primID < numPrimitives ? Reason() : Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
+      return primID < numPrimitives
+        ? Reason() : Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
     }
   }}
 }

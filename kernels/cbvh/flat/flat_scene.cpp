@@ -21,7 +21,6 @@ namespace embree
   {
     namespace
     {
-      /*! what a FlatScene points to */
       struct OwnedScene : public FlatScene
       {
         std::vector<FlatNode> ownNodes;
@@ -34,7 +33,7 @@ namespace embree
 
       void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
 
-      /*! Copies a tree of surfaces, that of each grid included. */
+      /*! Copies a tree of surfaces, including the trees of grids. */
       class TreeCopy
       {
       public:
@@ -54,11 +53,14 @@ namespace embree
 
       private:
         typedef isa::GridSOA GridSOA;
-        static_assert(offsetof(GridSOA,width) == 4*gridWidthWord && offsetof(GridSOA,height) == 4*gridHeightWord && offsetof(GridSOA,dim_offset) == 4*gridPlaneWord &&
-                      offsetof(GridSOA,_geomID) == 4*gridGeometryWord && offsetof(GridSOA,_primID) == 4*gridPrimitiveWord &&
-                      offsetof(GridSOA,gridOffset) == 4*gridOffsetWord && offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
+        static_assert(offsetof(GridSOA,width) == 4*gridWidthWord && offsetof(GridSOA,height) == 4*gridHeightWord &&
+                      offsetof(GridSOA,dim_offset) == 4*gridPlaneWord &&
+                      offsetof(GridSOA,_geomID) == 4*gridGeometryWord &&
+                      offsetof(GridSOA,_primID) == 4*gridPrimitiveWord &&
+                      offsetof(GridSOA,gridOffset) == 4*gridOffsetWord &&
+                      offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
-        /*! grid: that a node belongs to, index gridIndex of blocks, or null above the grids */
+        /*! grid: grid that the node belongs to, gridIndex its index in blocks; null above the grids. */
         uint32_t reference (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above = 0)
         {
           if (ref == BVH4::emptyNode) return emptyReference;
@@ -101,7 +103,7 @@ namespace embree
           return makeReference(movingNodeReference,index(n));
         }
 
-        /*! planes: lower and upper of each axis, as Embree's nodes have them */
+        /*! planes: lower and upper planes of each axis, in the order of Embree's nodes. */
         static void copyPlanes (const vfloat4* planes, const uint32_t children[4], FlatNode& to)
         {
           for (size_t i=0; i<4; i++) {
@@ -124,22 +126,28 @@ namespace embree
           }
           if (type == GRID_SOA_ROOT) {
             const GridSOA* root = (const GridSOA*)data;
-            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,ids[root->geomID()] });
+            out.ownBlocks.push_back(FlatBlock{ root,uint32_t(offsetof(GridSOA,data)) + root->rootOffset,cellReference,
+                                               ids[root->geomID()] });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
-          const bool moves = type == MOVING_VERT_BLOCK, isVert = type == VERT_BLOCK || moves;
-          if (!moves && !isUsable(data,isVert))
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the file of one of the scene's geometries is damaged: one of its blocks is none");
-          const uint32_t kind = isVert ? kindVert : kindOf(((const BlockHeader*)data)->info);
-          const uint32_t surface = isVert ? ((const VertHeader*)data)->surface : ((const BlockHeader*)data)->surface;
-          const uint32_t referenceType = moves ? movingBlockReference : blockReference(kind);
-          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,isVert),referenceType,ids[surface] });
+          const bool moves = type == MOVING_VERT_BLOCK;
+          if (!moves && !isUsable(data,formOfBlock(type)))
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                           "the scene cannot be flattened: the file of one of its geometries has a damaged block");
+          const BlockForm form = formOfBlock(type);
+          uint32_t surface;
+          memcpy(&surface,data+offsetOfSurface(form),sizeof(surface));
+          const uint32_t referenceType = moves ? movingBlockReference : form == MESH_FORM ? meshBlockReference
+            : blockReference(form == VERT_FORM ? kindVert : kindOf(((const BlockHeader*)data)->info));
+          out.ownBlocks.push_back(FlatBlock{ data,bytesOfBlock(data,form),referenceType,ids[surface] });
           return makeReference(referenceType,index(out.ownBlocks.size()-1));
         }
 
         static uint32_t index (size_t i)
         {
-          if (i > referenceMask) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene has more than " + std::to_string(size_t(referenceMask)+1) + " nodes, blocks or leaves of grids");
+          if (i > referenceMask)
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the scene cannot be flattened: expected at most "
+                           + std::to_string(size_t(referenceMask)+1) + " nodes, blocks or leaves of grids");
           return uint32_t(i);
         }
 
@@ -204,7 +212,8 @@ namespace embree
             copyTransform(instance->getWorld2Local(),out.worldToLocal);
             copyTransform(instance->getLocal2World(),scene.ownTransforms.back().get());
           }
-          else for (uint32_t i=0; i<out.timeSteps; i++) copyTransform(AffineSpace3fa(instance->local2world[i]),scene.ownTransforms.back().get()+12*i);
+          else for (uint32_t i=0; i<out.timeSteps; i++)
+            copyTransform(AffineSpace3fa(instance->local2world[i]),scene.ownTransforms.back().get()+12*i);
           out.localToWorld = scene.ownTransforms.back().get();
           out.begin = instance->time_range.lower;
           out.end = instance->time_range.upper;
@@ -221,7 +230,6 @@ namespace embree
         return out;
       }
 
-      /*! whether a tree is of surfaces that move */
       bool moves (BVH4::NodeRef root)
       {
         if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
@@ -240,7 +248,7 @@ namespace embree
         bool isAllTraced = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
-        /* what uses this names the geometry */
+        /* if false, the caller reports the geometry by name */
         for (const FlatGeometry& geometry : flat->ownGeometries)
           isAllTraced &= geometry.type == FLAT_NONE || geometry.isTraced;
 
@@ -280,8 +288,9 @@ RTC_API const cbvh::FlatScene* rtcFlattenScene (RTCScene hscene, unsigned int ve
   if (hscene == nullptr)
     throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"scene is NULL");
   if (version != cbvh::flatSceneVersion)
-    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"libembree3 and libembree3_vulkan are of different builds: one has scenes of version "
-                   + std::to_string(cbvh::flatSceneVersion) + ", the other of " + std::to_string(version));
+    throw_RTCError(RTC_ERROR_INVALID_OPERATION,"libembree3 and libembree3_vulkan are from different builds: libembree3 "
+                   "has flat scenes of version " + std::to_string(cbvh::flatSceneVersion)
+                   + ", libembree3_vulkan expects version " + std::to_string(version));
   bool modified = scene->isModified();
   for (size_t i=0; i<scene->size(); i++)
     modified |= scene->get(i) && scene->get(i)->isEnabled() && scene->isGeometryModified(i);
@@ -292,7 +301,9 @@ RTC_API const cbvh::FlatScene* rtcFlattenScene (RTCScene hscene, unsigned int ve
   return nullptr;
 }
 
-RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const char* message) { Device::process_error((Device*)device,code,message); }
+RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const char* message) {
+  Device::process_error((Device*)device,code,message);
+}
 
 RTC_API void rtcReleaseFlatScene (const cbvh::FlatScene* flat) { delete static_cast<const cbvh::OwnedScene*>(flat); }
 

@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* A committed scene as plain data: nodes in an array, blocks by their address, geometries. It is
- * what a traversal outside of this library needs to know of a scene (kernels/vulkan), so that
- * nobody else reads Embree's own structures. No Embree type is in it, and nothing is copied but
- * the top-level tree: blocks, vertices and indices stay where they are, and live as long as the
- * scene is neither committed again nor released. */
+/* A committed scene as plain data: arrays of nodes, blocks and geometries. Traversal outside of this library
+ * (kernels/vulkan) uses it instead of Embree's own structures. It contains no types of Embree and copies only the
+ * top-level tree. Blocks, vertices and indices are referenced. They remain valid until the scene is committed again or
+ * released. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -18,19 +17,19 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! of the structures below: a library of another number does not fit */
-    static const uint32_t flatSceneVersion = 5;
+    /*! Version of the structures below. Libraries with different versions are incompatible. */
+    static const uint32_t flatSceneVersion = 6;
 
-    /*! Four children, bounds by axis. Those that are none have the reference emptyReference and bounds
-     *  that nothing meets: all are infinite. */
+    /*! Four children with bounds by axis. Unused children have the reference emptyReference and infinite bounds, which
+     *  no ray hits. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
-      uint32_t children[4];           //!< references, reference.h: to nodes, blocks and cells by index
+      uint32_t children[4];           //!< see reference.h; indices of nodes, blocks and cells
     };
 
-    /*! Four children that move. A plane at a time is that at 0 plus the time times its difference; it is conservative in float, fused or
-     *  not. A child is there at times from begin on, before end. */
+    /*! Four moving children. The position of a plane is its position at time 0 plus time times its difference; this is
+     *  conservative in float, fused or not. A child exists at times t with begin <= t < end. */
     struct FlatMovingNode
     {
       FlatNode atZero;
@@ -38,16 +37,17 @@ namespace embree
       float begin[4], end[4];
     };
 
-    /*! a block, or a grid of GRID */
+    /*! A block, or a grid of GRID. */
     struct FlatBlock
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      uint32_t type;     //!< reference.h: blockReference of the kind, movingBlockReference, or cellReference for a grid
-      uint32_t geomID;   //!< in this scene; in the block is the number of its surface, which is the same in all
+      /*! See reference.h: blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid. */
+      uint32_t type;
+      uint32_t geomID;   //!< in this scene; blocks store the surface number, which is the same in all scenes
     };
 
-    /*! 2 x 2 quads of a grid */
+    /*! 2 x 2 quads of a grid. */
     struct FlatCell
     {
       uint32_t block;    //!< index of the grid in blocks
@@ -62,33 +62,33 @@ namespace embree
       const char* typeName;
       uint32_t mask;
       uint32_t timeSteps;
-      bool isTraced;             //!< FlatScene has it: it stands still, is compressed, or is an instance that moves linearly
+      bool isTraced;             //!< FlatScene contains it: it is static, compressed, or an instance with linear motion
       bool hasFilter;
-      uint64_t build;            //!< of a compressed surface: scenes that have the same number have the same blocks. 0 of others
+      uint64_t build;            //!< of a compressed surface: scenes with the same number have the same blocks; else 0
       /* of triangles */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
       size_t vertexStride, numVertices, indexStride, numTriangles;
       /* of an instance */
-      float worldToLocal[12];    //!< column by column: x, y, z, translation; of one that moves not anything
-      const float* localToWorld; //!< the same the other way round, of each time step, linear between them
-      float begin, end;          //!< times of the first step and of the last, between which one that moves is there
+      float worldToLocal[12];    //!< column by column: x, y, z, translation; undefined for moving instances
+      const float* localToWorld; //!< the inverse at each time step, linear between steps
+      float begin, end;          //!< times of the first and the last step; moving instances exist only between them
       RTCScene instanced;
-      float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
+      float lower[3], upper[3];  //!< bounds of the instanced scene at all times, in its own space
     };
 
     struct FlatTree
     {
       uint32_t root;             //!< reference, or emptyReference
-      uint32_t depth;            //!< nodes on the longest way from the root to a leaf
-      float lower[3], upper[3];  //!< at all times
+      uint32_t depth;            //!< number of nodes on the longest path from the root to a leaf
+      float lower[3], upper[3];  //!< bounds at all times
     };
 
     struct FlatScene
     {
       uint32_t version;          //!< flatSceneVersion
       bool isRobust;             //!< RTC_SCENE_FLAG_ROBUST
-      FlatTree still, moving;    //!< over the surfaces that do not move, and over those that do
+      FlatTree still, moving;    //!< over static and moving surfaces
 
       FlatNode* nodes;
       FlatMovingNode* movingNodes;
@@ -104,15 +104,15 @@ namespace embree
 extern "C" {
 #endif
 
-/* Describes a committed scene. NULL, with the error set at the scene's device, if it is not
- * committed, or if it has more than references can count. version: flatSceneVersion. Not for
- * applications: rtcore_vulkan.h is. */
+/* Returns a description of a committed scene. Returns NULL and sets the error of the scene's device if the scene is not
+ * committed, or if it has more nodes than references support. version: flatSceneVersion. Internal; applications use
+ * rtcore_vulkan.h. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
-/* Sets the error of a device, or of the calling thread where it is NULL, and calls the device's error function. */
+/* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */
 RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const char* message);
 
-/* Takes NULL, too. */
+/* flat: may be NULL. */
 RTC_API void rtcReleaseFlatScene (const struct embree::cbvh::FlatScene* flat);
 
 #if defined(__cplusplus)

@@ -1,14 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame.
- * (Those of cVERT have no frame, see cvert/format/block.h.) It is a header, then
- * the words of a complete quadtree level by level, each level in Morton order, then the
- * leaves in Morton order (cLEAF) or the vertices row by row (cGRID). Nothing points
- * anywhere: positions, parameters and vertex indices follow from the index.
- * docs/formats/framed_block.md has the table of bytes.
+/* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. (cVERT blocks have no
+ * frame, see cvert/format/block.h.) A block consists of a header, the words of a complete quadtree level by level, each
+ * level in Morton order, and the leaves in Morton order (cLEAF) or the vertices row by row (cGRID). It contains no
+ * pointers or offsets: positions, parameters and vertex indices follow from the index. docs/formats/framed_block.md has
+ * the table of bytes.
  *
- * Only layout lives here; local_ray.h, node.h and leaf.h give the bytes their meaning. */
+ * This file defines only the layout. local_ray.h, node.h and leaf/format.h define what the bytes mean. */
 
 #ifndef CBVH_BLOCK_H
 #define CBVH_BLOCK_H
@@ -18,26 +17,26 @@
 
 CBVH_BEGIN
 
-/*! of the bytes described here; a change that readers have to know of counts up */
+/*! Version of the layout. Incremented by each change that affects readers. */
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
-/*! whether a block has words of groups, leaf.h, for its last level of nodes */
+/*! True if a block has words of groups (leaf/format.h) in its last level of nodes. */
 CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
 CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 
-/*! sizes and offsets in bytes of everything behind the header */
+/*! Sizes and offsets in bytes of everything after the header. */
 struct BlockLayout
 {
-  uint32_t nodeLevels;  //!< levels of words
-  uint32_t leaves;      //!< along a side
-  uint32_t nodes;       //!< words
+  uint32_t nodeLevels;  //!< levels of node words
+  uint32_t leaves;      //!< leaves along a side
+  uint32_t nodes;       //!< number of node words
   uint32_t leafOffset;
   uint32_t leafBytes;
-  uint32_t bytes;       //!< all, a multiple of 4
-  uint32_t stride;      //!< distance between blocks that follow each other
+  uint32_t bytes;       //!< size of the block, a multiple of 4
+  uint32_t stride;      //!< distance between consecutive blocks
 };
 
 CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
@@ -59,16 +58,16 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 
 /* --- header -------------------------------------------------------------------------- */
 
-/*! Header of a block. 76 bytes are 12 modulo 16 and a tree of nodes is 4 modulo 16, so
- *  that together they leave no gap in front of the next block. */
+/*! Header of a block. 76 bytes are 12 modulo 16, and a tree of nodes takes 4 modulo 16, so that together they leave no
+ *  gap before the next block. */
 struct BlockHeader
 {
   float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
-  uint32_t surface;     //!< number of the geometry's surface, surface_ids.h
+  uint32_t surface;     //!< number of the geometry's surface, see surface_ids.h
   float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-centre)[i]
   uint32_t primID;
   uint32_t info;        //!< kind, height, position in the patch, border width: see the accessors
-  uint32_t tiling;      //!< where the patch is in its face, and its last block
+  uint32_t tiling;      //!< position of the patch in its face, and its last block
 };
 
 CVERT_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
@@ -79,12 +78,11 @@ CVERT_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
 CVERT_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }  //!< position in the patch, in blocks
 CVERT_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
-/*! cLEAF: edges on the border of the block are within this part of their leaves' boxes,
- *  from the outer side */
+/*! cLEAF: edges on the border of the block are within this fraction of their leaves' boxes, from the outer side. */
 CVERT_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
 
-/*! lastX, lastY: position of the patch's last block; u0, v0: face parameters of the patch's
- *  corner (0,0), in halves, as the sub-patches of an n-gon have them */
+/*! lastX, lastY: position of the patch's last block. u0, v0: face parameters of the patch's corner (0,0), times 2; not
+ *  0 for sub-patches of an n-gon. */
 CVERT_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
   return lastX | (lastY << 8) | (u0 << 16) | (v0 << 24);
 }
@@ -95,9 +93,9 @@ CVERT_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! A parameter of the face, of a point at x quads from the block's corner along its axis.
- *  corner: of the patch, in halves; block, last: position of the block and of the patch's
- *  last one. Divided, not multiplied by a reciprocal, so that the patch ends at 1. */
+/*! Returns a parameter of the face at a point x quads from the block's corner along an axis. corner: parameter of the
+ *  patch's corner, times 2. block, last: position of the block and of the patch's last block. Divides instead of
+ *  multiplying by a reciprocal, so that the patch ends at 1. */
 CVERT_REAL CVERT_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
@@ -110,18 +108,18 @@ CBVH_END
 
 CBVH_BEGIN
 
-/*! the header with what follows it */
+/*! The header, with access to the data after it. */
 struct Block : public BlockHeader
 {
   Kind kind () const { return Kind(kindOf(info)); }
   uint32_t height () const { return heightOf(info); }
   BlockLayout layout () const { return blockLayout(kindOf(info),height()); }
 
-  /*! quads of the patch along u and v */
+  /*! Quads of the patch along u and v. */
   uint32_t quadsX () const { return (lastXOf(tiling)+1u) << height(); }
   uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
 
-  /*! face parameters of a point, given in quads from the block's corner */
+  /*! Return the face parameters of a point that is given in quads from the block's corner. */
   template<typename Float> Float faceU (const Float& x) const { return faceParameter(cornerUOf(tiling),blockXOf(info),lastXOf(tiling),height(),x); }
   template<typename Float> Float faceV (const Float& y) const { return faceParameter(cornerVOf(tiling),blockYOf(info),lastYOf(tiling),height(),y); }
 

@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* Bounds in the world of a block, of two kinds.
+/* Two kinds of world-space bounds of a block.
  *
- * The top level culls by the bounds of the vertices. A ray that goes through the surface goes
- * through those of a block whose quad it crosses, and that block alone catches it
- * (framed/leaf/hit_rule.h): its leaves contain the quad, its lips close its own border. Leaves reach
- * past their quads, but with bounds of leaves cLEAF would have up to twice as many false hits
- * at silhouettes, and cVOXEL a tenth more.
+ * The top level culls with the bounds of the vertices. A ray through the surface intersects the bounds of the block
+ * whose quad it crosses, and that block alone reports the hit (framed/leaf/hit_rule.h): its leaves contain the quad,
+ * and its lips close its own border. Leaves extend past their quads. With bounds of leaves, however, cLEAF would have
+ * up to twice as many false hits at silhouettes, and cVOXEL a tenth more.
  *
- * A ray that meets these bounds may hit what reaches past them. The bounds of the scene hold
- * that too: applications clip their rays to them. */
+ * A ray that intersects these bounds can hit geometry outside of them. The bounds of the scene include that geometry,
+ * because applications clip their rays to them. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
@@ -23,10 +22,10 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! of a box in a frame: of its corners, as a projective map keeps it convex */
+    /*! Returns the bounds of a box in a frame: the bounds of its corners, because a projective map keeps it convex. */
     inline WorldBounds boundBox(const NodeBox& box, const float centre[3], const InverseFrame& inverse)
     {
-      /* lanes are the four corners of the lower and of the upper side */
+      /* Lanes are the four corners of the lower and of the upper side. */
       const double x[2] = { box.lower[0],upperOf(box,0) }, y[2] = { box.lower[1],upperOf(box,1) };
       const Double4 columns(x[0],x[1],x[0],x[1]), rows(y[0],y[0],y[1],y[1]);
       const double sides[2] = { box.lower[2],upperOf(box,2) };
@@ -49,7 +48,7 @@ namespace embree
       return bounds;
     }
 
-    /*! of the vertices, as far off as a neighbouring face may round them */
+    /*! Returns the bounds of the vertices, enlarged by how far a neighboring face may round them differently. */
     inline WorldBounds boundSurface(const BlockGeometry& geometry)
     {
       WorldBounds bounds;
@@ -60,7 +59,7 @@ namespace embree
       return bounds;
     }
 
-    /*! extends bounds by all that a ray may hit in a block */
+    /*! Extends bounds by everything in a block that a ray can hit. */
     class HitBounds
     {
     public:
@@ -70,12 +69,12 @@ namespace embree
       void extend()
       {
         bounds.extend(boundSurface(geometry));
-        /* triangles between the vertices are within the bounds of these */
+        /* Triangles between the vertices are within the bounds of the vertices. */
         if (block->kind() != Kind::GRID) extend(0,0,rootBox());
       }
 
     private:
-      /*! by the leaves below a node; none sticks out where its own box does not */
+      /*! Extends by the leaves below a node. No leaf extends past the bounds if the node's box does not. */
       void extend(uint32_t level, uint32_t m, const NodeBox& box)
       {
         const WorldBounds own = boundBox(box,block->centre,geometry.inverse);

@@ -3,20 +3,20 @@
 
 #pragma once
 
-/* Encoder of a block: vertices -> frame -> bounds bottom-up -> nodes top-down -> leaves.
- * Top-down, because a node's planes are relative to what its parent decodes to, not to what
- * the parent holds: rounding cannot add up.
+/* Encoder of a block: fits the frame to the vertices, computes bounds bottom-up, and encodes nodes top-down and then
+ * leaves. Nodes are encoded top-down because their planes are relative to the decoded box of their parent, not to its
+ * exact box: rounding errors cannot accumulate.
  *
- * The leaves of each kind have an encoder of their own, which is given
+ * Each kind of leaves has an encoder with these members:
  *
  *    uint32_t group (uint32_t m, const NodeBox& box)
- *      a group of the last level, of kinds that have groups; returns its word
+ *      Encodes a group of the last level, for kinds that have groups. Returns its word.
  *    void fourGroups (uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
- *      four of them, children of one node, whose words it writes
+ *      Encodes four groups, the children of one node, and writes their words.
  *    void leaf (uint32_t m, const NodeBox& box)
- *      a leaf of the others
+ *      Encodes a leaf, for the other kinds.
  *    void finish ()
- *      at the end. */
+ *      Called at the end. */
 
 #include "block_bounds.h"
 #include "grid/encoder.h"
@@ -30,7 +30,7 @@ namespace embree
     class BlockEncoder
     {
     public:
-      /*! as of BlockGeometry, whose fit has to come before encode */
+      /*! Arguments: see BlockGeometry. Call fit() before encode(). */
       BlockEncoder(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
         : kind(kind), geometry(kind,height,vertices,scratch) {}
 
@@ -38,11 +38,11 @@ namespace embree
       bool fit(const float corners[4][3]) { return geometry.fit(corners); }
       bool isDegenerate() const { return geometry.isDegenerate(); }
 
-      /*! Writes frame, info, nodes and leaves; IDs and face parameters are the caller's.
-       *  block:  BlockLayout(kind,height).bytes of room, 16-byte aligned;
-       *  x, y:   position in the patch, in blocks;
-       *  sharpSides: bits of the block's sides where the surface ends or bends, see sharpSidesOf();
-       *              only for statistics. */
+      /*! Writes frame, info, nodes and leaves. The caller sets IDs and face parameters.
+       *  block:  room for blockLayout(kind,height).bytes bytes, 16-byte aligned.
+       *  x, y:   position in the patch, in blocks.
+       *  sharpSides: bits of the sides of the block where the surface ends or bends (see sharpSidesOf()); used only for
+       *    statistics. */
       void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
@@ -55,11 +55,11 @@ namespace embree
         case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
         case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
         case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
-        case Kind::VERT : break; // has no frame: cvert/encoder/block_encoder.h
+        case Kind::VERT : break; // has no frame: see cvert/encoder/block_encoder.h
         }
       }
 
-      /*! of the block that encode wrote: for culling, and of all that a ray may hit */
+      /*! Bounds of the block that encode() wrote: for culling, and of everything that a ray can hit. */
       WorldBounds surfaceBounds() const { return boundSurface(geometry); }
       void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 

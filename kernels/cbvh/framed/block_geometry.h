@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* The quads of a block in its frame: what the encoders of its nodes and leaves read.
+/* The quads of a block in its frame, as read by the encoders of its nodes and leaves.
  *
- * A cell is the part of the surface that a node of the finest level bounds: a quad, or, in a
- * block of a kind whose leaves are smaller (cLEAF of one quad), a part of one. */
+ * A cell is the part of the surface that a node of the finest level bounds: a quad, or a part of a quad if leaves are
+ * smaller (cLEAF with one quad). */
 
 #include "leaf/format.h"
 #include "frame_fit.h"
@@ -20,8 +20,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! area of a quad in the frame, relative to that of a leaf, below which it is much
-     *  smaller: leaves 16 times as wide as their quads are no picture of them */
+    /*! Area of a quad in the frame, relative to the area of a leaf, below which leaves do not represent the quad: they
+     *  would be 16 times as wide as the quad. */
     static constexpr double minQuadArea = 1.0/256;
 
     class BlockGeometry
@@ -33,28 +33,28 @@ namespace embree
       const float (*const vertices)[3]; //!< world positions
       Frame frame;
       InverseFrame inverse;
-      float lower[4], upper[4];   //!< of the vertices that are finite, in the world
-      double coordinate = 0;      //!< largest of them
-      double rounding[4];         //!< in the frame: how far vertices may be from where a neighbouring face has them
-      ExactBox* boxes;            //!< of all quadtree levels down to cells, level by level
+      float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
+      double coordinate = 0;      //!< largest absolute coordinate of these vertices
+      double rounding[4];         //!< largest distance in the frame between a vertex and the same vertex of a
+                                  //!< neighboring face
+      ExactBox* boxes;            //!< boxes of all quadtree levels down to cells, level by level
       double (*local)[4];         //!< vertices of cells, in the frame
-      uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+      uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
 
-      /*! bytes of scratch memory for blocks of this height, 16-byte aligned */
+      /*! Bytes of scratch memory for blocks of this height, 16-byte aligned. */
       static size_t scratchBytes(uint32_t height) {
-        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cells of every kind, and more
+        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // has cells as small as those of any kind
         return geometry.layoutScratch(nullptr);
       }
 
-      /*! vertices: (2^height+1)^2 world positions, row by row, kept by reference;
-       *  scratch: see scratchBytes, kept by reference */
+      /*! vertices: (2^height+1)^2 world positions, row by row; must outlive the object. scratch: see scratchBytes();
+       *    must outlive the object. */
       BlockGeometry(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
         : height(height), width((1u << height)+1), cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
           vertices(vertices) { layoutScratch((char*)scratch); }
 
-      /*! Fits the block's frame; false when nothing is left to encode: no quad is
-       *  finite, or floats cannot hold a frame.
-       *  corners: world positions to align to, (0,0), (1,0), (0,1), (1,1) */
+      /*! Fits the block's frame. Returns false if there is nothing to encode: no quad is finite, or floats cannot
+       *  represent a frame. corners: world positions to align to, in the order (0,0), (1,0), (0,1), (1,1). */
       bool fit(const float corners[4][3])
       {
         const size_t all = size_t(width)*width;
@@ -72,7 +72,7 @@ namespace embree
         memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) /* no corners to align to: any frame around the vertices */
+        if (!ok) // no corners to align to: any frame around the vertices
           for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
         const FrameLanes lanes(frame.columns);
@@ -82,17 +82,17 @@ namespace embree
         return true;
       }
 
-      /*! Whether leaves would be much larger than most of their quads: the vertices lie on
-       *  a line, or some are far away from all others. Better not compressed. */
+      /*! True if leaves would be much larger than most of their quads: the vertices are on a line, or some of them are
+       *  far from all others. Such a block should not be compressed. */
       bool isDegenerate() const
       {
         const uint32_t side = 1u << cellLevels, cells = side*side;
-        const double limit = 2*minQuadArea/cells; // of twice the area
+        const double limit = 2*minQuadArea/cells; // limit of twice the area
         if (frame.degenerate) return true;
         uint32_t small = 0, valid = 0;
         for (uint32_t y=0; y<side; y++)
         {
-          if (allFinite && 2*(valid-small) >= cells) return false; // and those to come cannot change it
+          if (allFinite && 2*(valid-small) >= cells) return false; // the remaining cells cannot change the result
           for (uint32_t x=0; x<side; x++)
           {
             const double (*const v)[4] = local + y*(side+1)+x;
@@ -104,7 +104,7 @@ namespace embree
         return 2*small > valid;
       }
 
-      /*! bounds the cells and all nodes above them; after fit */
+      /*! Bounds the cells and all nodes above them. Call fit() first. */
       void bound()
       {
         inverse = InverseFrame(frameMap(frame.columns));
@@ -121,7 +121,7 @@ namespace embree
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
     private:
-      /*! places the arrays in scratch memory; returns the end */
+      /*! Assigns scratch memory to the arrays. Returns the number of bytes. */
       size_t layoutScratch(char* scratch)
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
@@ -134,10 +134,10 @@ namespace embree
         return bytes;
       }
 
-      /*! whether a vertex in the frame, of a cell, is finite */
+      /*! True if a vertex of a cell is finite in the frame. */
       bool isLocalFinite(uint32_t i) const { return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]); }
 
-      /*! one quad as 2 x 2 cells */
+      /*! Splits one quad into 2 x 2 cells. */
       void splitQuad()
       {
         double quad[4][4];
@@ -147,8 +147,8 @@ namespace embree
             local[v][k] = 0.25*((2-v%3)*((2-v/3)*quad[0][k] + (v/3)*quad[2][k]) + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
       }
 
-      /*! vertexRounding in the frame, axis by axis: a world step of r on each axis moves
-       *  x = X/W by at most r (|dX| + |dW|)/W */
+      /*! Transforms vertexRounding to the axes of the frame. A world-space step of r on each axis moves x = X/W by at
+       *  most r (|dX| + |dW|)/W. */
       void boundRounding()
       {
         double rcpW = 0;
@@ -162,8 +162,8 @@ namespace embree
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
       }
 
-      /*! Bounds a node, at (x,y) among those of its level, and all below it. Boxes of cells with a
-       *  vertex that is not finite are empty; they are counted. */
+      /*! Bounds node (x,y) of a level and all nodes below it. Boxes of cells with a vertex that is not finite are
+       *  empty; `invalid` counts them. */
       void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
       {
         if (level == cellLevels) {
@@ -177,7 +177,7 @@ namespace embree
         boxOf(level,m) = box;
       }
 
-      /*! v: its lower vertex */
+      /*! v: lower vertex of the cell. */
       ExactBox boundCell(uint32_t v, uint32_t& invalid) const
       {
         const uint32_t above = v + (1u << cellLevels)+1;
@@ -191,7 +191,7 @@ namespace embree
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));
       }
 
-      /*! bounds of those that are finite, and how many these are */
+      /*! Sets the bounds of the finite vertices, and returns their number. */
       size_t boundVertices()
       {
         const size_t all = size_t(width)*width;
@@ -211,7 +211,7 @@ namespace embree
 
     private:
       bool allFinite = false;
-      Double3* fitted;          //!< vertices, relative, while the frame is fitted
+      Double3* fitted;          //!< relative vertices, while the frame is fitted
       float (*finite)[3];
     };
   }}

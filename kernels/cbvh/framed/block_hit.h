@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A hit in a leaf of a block with frames as Embree's epilogues want it: parameters of the face, distance,
- * normal. Numbers are floats, of one ray, or vectors, of the rays of a packet; both give the same bits, as
- * every product that is summed is said to be fused or is exact. */
+/* Converts a hit in a leaf of a block with frames to the form that Embree's epilogues require: parameters of the face,
+ * distance, and normal. `Real` is float for a single ray, or a vector for the rays of a packet. Both compute the same
+ * bits, because every product in a sum is explicitly fused or is exact. */
 
 #include "local_ray4.h"
 #include "normal.h"
@@ -16,34 +16,34 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! a hit in a leaf */
+      /*! A hit in a leaf. */
       template<typename Real, typename Bool>
       struct LeafHit
       {
         Real s;
         Real u, v;                 //!< position in the leaf
-        Real slopeX, slopeY;       //!< of the surface there
-        Bool fromAbove, fromBelow; //!< side that the ray comes from, as far as it is known
+        Real slopeX, slopeY;       //!< slopes of the surface at the hit
+        Bool fromAbove, fromBelow; //!< side from which the ray comes, if it is known
       };
 
-      /*! what a hit needs of its ray */
+      /*! Data of a ray that hits require. */
       template<typename Real>
       struct HitRay
       {
         Real P[3], D[3];       //!< in the frame
-        Real t0, t1, w0, w1;   //!< LocalRay
-        Real dir[3];           //!< RayState
+        Real t0, t1, w0, w1;   //!< see LocalRay
+        Real dir[3];           //!< see RayState
         Real scale, rcpDir2;
-        Real tnear, tfar;      //!< of the ray before anything was hit
-        Real enter;            //!< where it enters the block's bounds
+        Real tnear, tfar;      //!< of the ray before any hit
+        Real enter;            //!< distance at which the ray enters the block's bounds
 
-        /*! t of s, on the ray */
+        /*! Returns the distance of parameter s on the ray. */
         __forceinline Real ownT (const Real& s) const {
           const Real sw = product(s,w0);
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
-        /*! what counts of it (nearest_hit.h) */
+        /*! Returns the distance that hits are compared by (nearest_hit.h). */
         __forceinline Real countingT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 
@@ -61,7 +61,7 @@ namespace embree
         __forceinline HitFrame (const Block* block, const BlockLayout& layout)
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
-        /*! t: of the report */
+        /*! t: reported distance. */
         __forceinline BlockHit<Real> blockHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
         {
           BlockHit<Real> hit;
@@ -73,7 +73,7 @@ namespace embree
         }
 
       private:
-        /*! worldNormal and isTurned of framed/normal.h, of length 1 */
+        /*! As worldNormal and isTurned of framed/normal.h, normalized. */
         __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];
@@ -83,7 +83,7 @@ namespace embree
             const float* column = block->columns[k];
             n[k] = fusedNegative(level,Real(column[3]),fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
           }
-          /* the frame of a block smaller than 1e-19 has components that have no square */
+          /* In frames of blocks smaller than 1e-19, squares of the components overflow. */
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Single-ray intersector of blocks, closest hit and any hit: ray into the frame,
- * walk through the quadtree, leaves. */
+/* Single-ray intersector of blocks, for closest hit and any hit: transforms the ray into the frame, walks through the
+ * quadtree, and intersects leaves. */
 
 #include "voxel/visitor1.h"
 #include "leaf/visitor1.h"
@@ -19,7 +19,8 @@ namespace embree
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! Whether a hit was accepted; any hit ends with it. Not inlined, so that traversal keeps its ray in registers. */
+        /*! Returns true if a hit was accepted. An any-hit query ends with the first one. Not inlined, so that traversal
+         *  keeps its ray in registers. */
         template<typename RayType>
         static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state, const Block* block)
         {

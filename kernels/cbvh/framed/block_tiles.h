@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* The tiles of a block, out of the thread's cache.
+/* The tiles of a block, in the thread's cache.
  *
- * Tiles are two levels high and end with the leaves: where there is an odd number of levels, the first tile
- * has the root as its only child, and where the root is the leaf, as its only grandchild.
+ * A tile has two levels, and the last tiles end with the leaves. If the number of levels is odd, the first tile has the
+ * root as its only child. If the root is the leaf, it is the only grandchild.
  *
- * A reference lasts until the next call of these functions or until a hit is reported: a filter may
- * trace rays. */
+ * References are valid until the next call of one of these functions, or until a hit is reported, because a filter
+ * function may trace further rays. */
 
 #include "node_decoder4.h"
 #include "block.h"
@@ -30,11 +30,11 @@ namespace embree
         __forceinline BlockTiles (const Block* block, const BlockLayout& layout)
           : cache(NodeCache::ofThread()), block(block), nodeLevels(int(layout.nodeLevels)), heights((const char*)block + layout.leafOffset) {}
 
-        /*! below 0: the first tile is above the root */
+        /*! Negative if the first tile is above the root. */
         __forceinline int firstLevel () const { return unlikely(nodeLevels == 0) ? -2 : -(nodeLevels & 1); }
         __forceinline int lastLevel () const { return nodeLevels-2; }
 
-        /*! the tile of node m of a level, 0 for that above the root */
+        /*! Returns the tile of node m of a level; m is 0 for a tile above the root. */
         __forceinline Tile& tile (int level, uint32_t m)
         {
           const uint32_t number = numberOf(level,m);
@@ -43,7 +43,7 @@ namespace embree
           return at;
         }
 
-        /*! the same, of the last level in cLEAF */
+        /*! As above, for the last level in cLEAF. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
@@ -52,11 +52,11 @@ namespace embree
           return at;
         }
 
-        /*! whether a tile is still that of the block with a number, and has a grandchild */
+        /*! True if a tile still is the tile of this block with this number, and if the grandchild is decoded. */
         __forceinline bool has (const Tile& at, uint32_t number) const { return at.block == block && at.number == number; }
         __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const { return has(at,number) && (at.decoded >> (child >> 2)) & 1u; }
 
-        /*! decodes the children of what a mask of children has, where they are not */
+        /*! Decodes the children of those children in a mask that have none decoded yet. */
         __forceinline void need (Tile& at, uint32_t mask)
         {
           mask &= ~at.decoded;
@@ -69,17 +69,17 @@ namespace embree
         }
 
       private:
-        /*! in the order of the words, after the tile above the root */
+        /*! Tiles are numbered in the order of the words, after the tile above the root. */
         static __forceinline uint32_t numberOf (int level, uint32_t m) { return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1; }
 
-        /*! the word of the first child of a tile */
+        /*! Index of the word of the first child of a tile. */
         static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
 
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)
         {
           if (level == firstLevel()) prefetchWords();
           if (level >= 0) {
-            const NodeBox box = boxOf(level,m); // may fill the same place
+            const NodeBox box = boxOf(level,m); // may replace the tile in the same slot
             decodeNode(block->nodes()[nodesOfLevels(uint32_t(level))+m],box,at.children,0);
           }
           at.block = block;
@@ -88,15 +88,15 @@ namespace embree
           at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
-        /*! Words and heights of a block that was not met lately: which of them are needed is known one after the
-         *  other, and memory that is waited for then is not hidden by anything. */
+        /*! Prefetches words and heights of a block that was not visited recently: accesses depend on each other, and
+         *  nothing would hide their latency. */
         __forceinline void prefetchWords () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
-        /*! the first of four boxes is the root's; there are no others (present) */
+        /*! Sets the first of four boxes to the root's. The others do not exist (see `present`). */
         static __forceinline void setRootAlone (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
@@ -107,7 +107,7 @@ namespace embree
 
         static __forceinline NodeBox boxOfChild (const Tile& at, uint32_t c) { return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c); }
 
-        /*! of a node that is a tile's, by the tile that it is a grandchild of */
+        /*! Returns the box of a tile's node, from the tile that has it as a grandchild. */
         NodeBox boxOf (int level, uint32_t m)
         {
           if (level == 0) return rootBox();

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the visitors of the three kinds of leaves share: the ray in its block, and its hits. */
+/* Code that the visitors of the three kinds of leaves share: the ray in its block, and its hits. */
 
 #include "block_walk1.h"
 #include "block_hit.h"
@@ -36,18 +36,18 @@ namespace embree
           : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles),
             sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
 
-        /* what BlockWalk1 asks for; only cLEAF has more */
+        /* Members that BlockWalk1 requires. Only cLEAF needs others. */
         typedef NodeEntries::Tile LeafTile;
         static const uint32_t passedMask = 0u;
         __forceinline bool passedAbove (bool) { return false; }
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! whether the segment begins (ends) in the box of a leaf, at tnear (tfar) */
+        /*! True if the segment begins (ends) in the box of a leaf, at tnear (tfar). */
         __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.startClipped && ranges.sNear[leaf] < 0.0f; }
         __forceinline bool endsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.endClipped && ranges.sFar[leaf] > 1.0f; }
 
-        /*! Reports a hit. True if the walk goes on as after a hit: it was accepted, or lies behind the ray's hit in
-         *  another block, but would have been accepted, had this block been met before. */
+        /*! Reports a hit. Returns true if the walk must treat it as a hit: it was accepted, or it is farther than the
+         *  ray's hit in another block, but would have been accepted if this block had been visited first. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,

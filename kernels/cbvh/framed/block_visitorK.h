@@ -3,12 +3,13 @@
 
 #pragma once
 
-/* What the visitors of the three kinds of leaves share for packets: the rays in their block, and their hits.
- * block_visitor1.h has the same for one ray. */
+/* Code that the visitors of the three kinds of leaves share for packets: the rays in their block, and their hits.
+ * block_visitor1.h is the version for a single ray. */
 
 #include "block_walkK.h"
 #include "block_hit.h"
 #include "../base/epilogues.h"
+#include <tuple>
 
 namespace embree
 {
@@ -31,7 +32,7 @@ namespace embree
         const FrameRays<K>& frameRays;
         BlockTiles& tiles;
         vfloat<K> sBest;
-        vbool<K> open;   //!< rays that go on
+        vbool<K> open;   //!< rays that continue
         vbool<K> isHit;  //!< a hit was accepted
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state, const Block* block, const BlockLayout& layout,
@@ -42,17 +43,18 @@ namespace embree
           if (any(nearer)) sBest = select(nearer,min(frameRays.behind(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
-        /* what BlockWalkK asks for; only cLEAF has more */
+        /* Members that BlockWalkK requires. Only cLEAF needs others. */
         static const bool countsPassed = false;
         __forceinline vbool<K> wantsPassed () const { return vbool<K>(false); }
         __forceinline void pass (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! whether segments begin (end) in the box of a leaf, at tnear (tfar) */
+        /*! Rays whose segments begin (end) in the box of a leaf, at tnear (tfar). */
         __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const { return frameRays.startClipped & (box.sNear < vfloat<K>(zero)); }
         __forceinline vbool<K> endInside (const BoxMeeting<K>& box) const { return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f)); }
 
-        /*! Reports hits of some lanes; those whose walks go on as after a hit (reportHit of block_visitor1.h). */
+        /*! Reports the hits of some lanes. Returns the rays whose walks must treat it as a hit, see
+         *  BlockVisitor1::reportHit. */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const HitRay<vfloat<K>> segment = segments();
@@ -90,7 +92,7 @@ namespace embree
                                     { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
-        /*! hits that do not lie behind those that the rays have */
+        /*! Returns the hits that take precedence over the hits that the rays have. */
         __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
         {
           vbool<K> front = t < rays.tfar;

@@ -3,24 +3,21 @@
 
 #pragma once
 
-/* Walk of one ray through the quadtree of one block, front to back, two levels at a time.
+/* Walk of a single ray through the quadtree of a block, front to back, two levels at a time. The open part of each tile
+ * is a mask, so the stack has one entry per level of tiles.
  *
- * The open part of each tile is a mask, so the depth of the tree is all the stack there is.
- *
- * What a leaf is, and what a ray does there, is the Visitor's: it has
+ * The Visitor intersects the leaves. Its members are called in front-to-back order:
  *
  *    Tile& leafTile (uint32_t m)
- *      the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
+ *      Returns the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
  *    bool leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
- *      leaf 16 m + child, whose box the ray meets. True ends the walk.
+ *      Intersects leaf 16 m + child, whose box the ray intersects. Returns true to end the walk.
  *    bool passedAbove (bool above)
- *      the ray went over (under) a whole subtree. True ends the walk.
+ *      Called if the ray passes over (under) an entire subtree. Returns true to end the walk.
  *    uint32_t passedMask
- *      all bits if that is wanted, else 0; may be changed.
+ *      All bits set to request these calls, otherwise 0. May change.
  *    float sBest
- *      nodes that begin behind it are skipped; may be lowered.
- *
- * Calls come in front-to-back order. */
+ *      Nodes that begin after it are skipped. May decrease. */
 
 #include "tile_hits.h"
 
@@ -42,9 +39,9 @@ namespace embree
 
         struct Level
         {
-          TileHits hits;  //!< that are still to come
-          uint32_t m;     //!< the tile's node
-          uint32_t number; //!< the tile's
+          TileHits hits;  //!< hits that have not been visited
+          uint32_t m;     //!< node of the tile
+          uint32_t number; //!< number of the tile
           NodeEntries::Tile* tile;
         };
         Level levels[maxLevel/2+1];
@@ -53,7 +50,7 @@ namespace embree
         __forceinline BlockWalk1 (const FrameRay& ray, BlockTiles& tiles, Visitor& visitor)
           : ray(ray), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
 
-        /*! what the visitor's calls return: true if one of them ended the walk */
+        /*! Returns true if a call of the visitor ended the walk. */
         __forceinline bool run ()
         {
           Level* l = levels;
@@ -104,14 +101,15 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! the tile of a level, with a grandchild: what is traced or decoded meanwhile may have put another in its place */
+        /*! Returns the tile of a level, with a grandchild. Restores it if rays that were traced meanwhile have replaced
+         *  it in the cache. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
-        /*! the same, with its children alone */
+        /*! As above, without grandchildren. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
           if (unlikely(!tiles.has(*l.tile,l.number))) again(l,level,0u);
@@ -132,7 +130,7 @@ namespace embree
           }
         }
 
-        /*! of a rank that is passed */
+        /*! True if the ray passes over the node of a rank that it misses. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2) : ray.isAbove(tileOf(l,level,child).grandchildren,child);

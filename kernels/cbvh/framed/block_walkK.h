@@ -3,26 +3,27 @@
 
 #pragma once
 
-/* Walk of the rays of a packet through the quadtree of one block, together, each in the order of BlockWalk1.
+/* Walk of the rays of a packet through the quadtree of a block, together. Each ray visits nodes in the same order as in
+ * BlockWalk1.
  *
- * What is met and when follows from the signs of a ray along x and y, so rays of the same signs share a
- * walk. Where boxes overlap, rays may want two children the other way round: then the first of the
- * two is visited once for some rays and once, after the second, for the others.
+ * The order follows from the signs of a ray's direction along x and y, so rays with the same signs share a walk. If
+ * boxes overlap, some rays may require two children in the opposite order: the first child is then visited once for the
+ * other rays, and once after the second child for these rays.
  *
- * What a leaf is, and what rays do there, is the Visitor's: it has
+ * The Visitor intersects the leaves. It has these members:
  *
  *    Tile& leafTile (uint32_t m)
- *      as of BlockWalk1.
+ *      As in BlockWalk1.
  *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
- *      leaf 16 m + child, whose box the rays in some lanes meet.
+ *      Intersects leaf 16 m + child, whose box the rays in `lanes` intersect.
  *    void pass (const vbool<K>& above, const vbool<K>& lanes)
- *      rays went over (under) a whole subtree.
+ *      Called if rays pass over (under) an entire subtree.
  *    vbool<K> wantsPassed ()
- *      rays for which that matters.
+ *      Rays for which pass() must be called.
  *    vbool<K> open
- *      rays that go on.
+ *      Rays that continue.
  *    vfloat<K> sBest
- *      nodes that begin behind it are skipped. */
+ *      Nodes that begin after it are skipped. */
 
 #include "block_tiles.h"
 #include "frame_rays.h"
@@ -43,7 +44,7 @@ namespace embree
         BlockTiles& tiles;
         Visitor& visitor;
         const int first, last; //!< levels of tiles
-        uint32_t flip;         //!< axes along which the rays descend, a bit each for x and y
+        uint32_t flip;         //!< bits for x and y: axes along which the rays descend
 
       public:
         __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
@@ -65,7 +66,7 @@ namespace embree
       private:
         static __forceinline vbool<K> toLanes (uint32_t mask) { return vbool<K>(int(mask)); }
 
-        /*! four nodes and the rays that come to them, in the order of visits */
+        /*! Four nodes and the rays that visit them, in the order of visits. */
         struct Visits
         {
           BoxMeeting<K> box[4];   //!< by node
@@ -107,7 +108,7 @@ namespace embree
           }
         };
 
-        /*! those that meet the box of a visit; those that pass it are reported to the visitor */
+        /*! Returns the rays that intersect the box of a visit. Reports the rays that pass it to the visitor. */
         __forceinline vbool<K> meet (const BoxMeeting<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);
@@ -122,7 +123,7 @@ namespace embree
         {
           Tile& tile = tileOf(level,m);
           const uint32_t number = tile.number;
-          if (unlikely(tile.isAboveRoot())) { // whose box the rays are in
+          if (unlikely(tile.isAboveRoot())) { // the rays are in its box
             meetChildren(level,m,number,tile.present,0,lanes);
             return;
           }
@@ -135,7 +136,7 @@ namespace embree
           }
         }
 
-        /*! rays that meet child c of a tile */
+        /*! lanes: rays that intersect child c of a tile. */
         void meetChildren (int level, uint32_t m, uint32_t number, uint32_t present, uint32_t c, const vbool<K>& lanes)
         {
           Tile* tile = &withChildren(level,m,c);
@@ -146,7 +147,8 @@ namespace embree
             const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter traced rays
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter function traced
+                                                                                             // rays
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else meetTile(level+2,16*m+4*c+i,hit);

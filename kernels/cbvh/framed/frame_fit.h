@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Frames: one 3D projective map a block, from the world to the block's box
- * [0,1]^3, aligned to the block's corners:
+/* Frames: one 3D projective map per block, from world space to the block's box [0,1]^3, aligned to the block's corners:
  *
  *    world           frame               p -> (X,Y,Z,W), linear in p
  *      ______         ______             x = X/W, y = Y/W, z = Z/W
@@ -12,30 +11,28 @@
  *    /        \  ->  |      |            A trapezoid becomes a square, a straight
  *   /__________\     |______|            line stays straight.
  *
- * In the plane of the corners the map is the homography from the corner quad to
- * the unit square; along the normal of that plane W does not change and Z is the
- * signed distance. Then x, y and z are scaled so that the block's vertices fill
- * [0,1]^3: bounds of the root need no bytes.
+ * In the plane of the corners, the map is the homography from the corner quad to the unit square. Along the normal of
+ * this plane, W is constant and Z is the signed distance. Then x, y and z are scaled so that the block's vertices fill
+ * [0,1]^3: the bounds of the root need no bytes.
  *
- * The map is stored relative to the world point "centre" that it sends to
- * (1/2,1/2,1/2), W = 1 there, which leaves 3 + 12 floats. Vertices and ray origins
- * are taken relative to it before anything else, so that far from the origin no
- * more is lost than the coordinates themselves have.
+ * The map is stored relative to the world point "centre", which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
+ * floats. Vertices and ray origins are made relative to the center first, so that far from the origin no more precision
+ * is lost than the coordinates themselves lack.
  *
- * Affine fallback. A homography is taken only if
- *  - the corners, seen along the normal, form a convex quad with no corner
- *    triangle below 1/64 of the quad's area (a folded or collapsed quad has none);
- *  - W, over all vertices, stays within maxWRatio: z is stretched by 1/W and the
- *    ray parameter's float error grows with the ratio, and W <= 0 would have no
- *    meaning at all;
- *  - the inverse map is positive at the eight corners of the box, within the same
- *    ratio: then the box is a bounded region of the world and a ray's part in
- *    it is a segment with finite ends.
- * Otherwise the axes are the mean edges, orthogonalised where even those are
- * (nearly) parallel. An affine frame is looser but as conservative.
+ * Affine fallback. A homography is used only if
  *
- * Based on: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989
- * (square to quad); Selgrad et al. 2016, Lier et al. 2018 (use for patches). */
+ * - the corners, seen along the normal, form a convex quad without a corner triangle below 1/64 of the quad's area
+ *   (folded and collapsed quads fail);
+ * - W, over all vertices, stays within maxWRatio: z is stretched by 1/W, the error of the ray parameter in floats grows
+ *   with the ratio, and W <= 0 is meaningless;
+ * - the inverse map is positive at the eight corners of the box, within the same ratio: the box is then a bounded
+ *   region of the world, and a ray's part in it is a segment with finite ends.
+ *
+ * Otherwise the axes are the mean edges, orthogonalized if these are nearly parallel. An affine frame is looser, but
+ * equally conservative.
+ *
+ * Based on: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989 (square to quad); Selgrad et al. 2016,
+ * Lier et al. 2018 (use for patches). */
 
 #include "frame_map.h"
 #include <cfloat>
@@ -46,27 +43,26 @@ namespace embree
   {
     static constexpr double maxWRatio = 4.0;
 
-    /*! distance that vertices keep from the faces of the box, more than twice the
-     *  slack of decoded planes */
+    /*! Distance of vertices from the faces of the box: more than twice the slack of decoded planes. */
     static constexpr double frameMargin = 1.0/(1<<18);
 
-    /*! How far apart two faces may round a vertex that they share, in parts of its largest
-     *  coordinate: each evaluates its own patch, in some twenty float operations. Bounds
-     *  are wider by this much, so that neighbouring blocks close what is between. */
+    /*! Largest distance between the results of two faces for a vertex that they share, relative to its largest
+     *  coordinate: each face evaluates its own patch, in about twenty float operations. Bounds are widened by this
+     *  distance, so that neighboring blocks close the gap. */
     static constexpr double vertexRounding = 2.0/(1<<23);
 
-    /*! smallest extent of a box relative to its largest: keeps the map invertible
-     *  for flat blocks and needles. Where it widens x or y the frame is "degenerate":
-     *  leaves would be wider than their quads, and the block is better not compressed. */
+    /*! Smallest extent of a box relative to its largest: keeps the map invertible for flat blocks and needles. If it
+     *  widens x or y, the frame is "degenerate": leaves would be wider than their quads, and the block should not be
+     *  compressed. */
     static constexpr double minExtentRatio = 1.0/(1<<14);
 
-    /*! unit normal of the corner quad, and axes in its plane */
+    /*! Unit normal of the corner quad, and axes in its plane. */
     struct CornerPlane
     {
       Double3 e1, e2, n;
     };
 
-    /*! any unit vector orthogonal to a */
+    /*! Returns any unit vector orthogonal to a. */
     inline Double3 anyOrthogonal(const Double3& a)
     {
       const Double3 axis = std::fabs(a.x) < std::fabs(a.y) ? (std::fabs(a.x) < std::fabs(a.z) ? Double3{1,0,0} : Double3{0,0,1})
@@ -75,7 +71,7 @@ namespace embree
       return (1.0/length(c))*c;
     }
 
-    /*! corners: p[0] = (0,0), p[1] = (1,0), p[2] = (0,1), p[3] = (1,1) */
+    /*! Corners: p[0] = (0,0), p[1] = (1,0), p[2] = (0,1), p[3] = (1,1). */
     inline CornerPlane fitPlane(const Double3 p[4])
     {
       const Double3 d1 = p[3]-p[0], d2 = p[2]-p[1];
@@ -88,7 +84,7 @@ namespace embree
       const double ll = length(longest);
       if (ln > 1e-9*length(d1)*length(d2) && ln > 0)
         plane.n = (1.0/ln)*plane.n;
-      else /* collapsed: nothing to be normal to but the longest edge */
+      else // collapsed: the normal can only be orthogonal to the longest edge
         plane.n = ll > 0 ? anyOrthogonal((1.0/ll)*longest) : Double3{0,0,1};
       Double3 e1 = a - dot(a,plane.n)*plane.n;
       if (!(length(e1) > 1e-9*ll)) e1 = cross(b,plane.n);
@@ -97,13 +93,13 @@ namespace embree
       return plane;
     }
 
-    /*! homography from the corner quad to the unit square; false if there is no good one */
+    /*! Fits the homography from the corner quad to the unit square. Returns false if there is no good one. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       double a[4], b[4];
       for (int i=0; i<4; i++) { a[i] = dot(p[i],plane.e1); b[i] = dot(p[i],plane.e2); }
 
-      /* convexity: twice the area of each corner triangle, in the order around the quad */
+      /* Convexity: twice the area of each corner triangle, in the order around the quad. */
       const int ring[4] = { 0, 1, 3, 2 };
       double area = 0, smallest = DBL_MAX;
       for (int i=0; i<4; i++) {
@@ -114,7 +110,7 @@ namespace embree
       }
       if (!(area > 0) || !(smallest > area/64)) return false;
 
-      /* square to quad: a = (sa x + ta y + a0)/(g x + h y + 1) and the same for b */
+      /* Square to quad: a = (sa x + ta y + a0)/(g x + h y + 1), and the same for b. */
       const double dx1 = a[1]-a[3], dx2 = a[2]-a[3], dx3 = a[0]-a[1]+a[3]-a[2];
       const double dy1 = b[1]-b[3], dy2 = b[2]-b[3], dy3 = b[0]-b[1]+b[3]-b[2];
       const double den = dx1*dy2 - dx2*dy1;
@@ -124,7 +120,7 @@ namespace embree
       const double m[3][3] = { { a[1]-a[0]+g*a[1], a[2]-a[0]+h*a[2], a[0] },
                                { b[1]-b[0]+g*b[1], b[2]-b[0]+h*b[2], b[0] },
                                { g, h, 1 } };
-      /* quad to square: the adjugate */
+      /* Quad to square: the adjugate. */
       double q[3][3];
       for (int r=0; r<3; r++)
         for (int c=0; c<3; c++)
@@ -139,7 +135,7 @@ namespace embree
       return true;
     }
 
-    /*! parallelogram of the mean edges, or a rectangle where they are nearly parallel */
+    /*! Fits a parallelogram of the mean edges, or a rectangle if these are nearly parallel. */
     inline void fitAffine(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       const Double3 a = 0.5*((p[1]-p[0]) + (p[3]-p[2]));
@@ -160,7 +156,7 @@ namespace embree
       map.projective = false;
     }
 
-    /*! whether rounding to floats left the axes of a sliver apart */
+    /*! True if the axes of a sliver are still independent after rounding to floats. */
     inline bool isInvertible(const Frame& frame)
     {
       Double3 row[3];
@@ -168,7 +164,7 @@ namespace embree
       return std::fabs(dot(row[0],cross(row[1],row[2]))) > 1e-6*length(row[0])*length(row[1])*length(row[2]);
     }
 
-    /*! X, Y, Z and W of a map in lanes 0 to 3 */
+    /*! X, Y, Z and W of a map in lanes 0 to 3. */
     struct MapLanes
     {
       Double4 x, y, z, d;
@@ -179,14 +175,14 @@ namespace embree
       Double4 operator()(const Double3& p) const { return x*p.x + y*p.y + z*p.z + d; }
     };
 
-    /*! what a map does to the vertices of a block */
+    /*! Bounds of the vertices of a block after a map. */
     struct MappedVertices
     {
-      double lower[4], upper[4]; //!< x, y, z; only where W is good
+      double lower[4], upper[4]; //!< x, y, z; valid only if hasGoodW()
       double minW, maxW;
-      double worldExtent;        //!< of the vertices, on their longest axis, at most
+      double worldExtent;        //!< upper bound of the vertices' extent on their longest axis
 
-      /*! vertices: world positions relative to an origin, at least 1; farthest: their largest coordinate */
+      /*! vertices: world positions relative to an origin, at least one. farthest: their largest absolute coordinate. */
       MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest) : worldExtent(2*farthest)
       {
         const MapLanes lanes(map);
@@ -209,9 +205,9 @@ namespace embree
       bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box but for a margin. No axis may
-     *  collapse: not below a fraction of the block's size in the world, nor below what floats
-     *  at its position resolve. Returns whether x or y would have: see Frame::degenerate. */
+    /*! Scales X, Y and Z so that the vertices fill the box except for a margin. Keeps the extent of each axis above a
+     *  fraction of the block's world-space size, and above the resolution of floats at its position. Returns true if it
+     *  widened x or y, see Frame::degenerate. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z))) + vertices.worldExtent;
@@ -231,8 +227,8 @@ namespace embree
       return degenerate;
     }
 
-    /*! whether the box is a bounded region of the world: W > 0 at the world points of its
-     *  corners; centre: that of the box */
+    /*! True if the box is a bounded region of the world: W > 0 at the world points of its corners. centre: center of
+     *  the box. */
     inline bool isBounded(const FrameMap& map, const Double3& centre)
     {
       if (!map.projective) return true;
@@ -245,8 +241,8 @@ namespace embree
       return true;
     }
 
-    /*! largest distance of the vertices from the centre of the box, axis by axis; false where
-     *  W or that is not a number */
+    /*! Sets the largest distance of the vertices from the center of the box, per axis. Returns false if W is not
+     *  positive or a distance is not finite. */
     inline bool reachOf(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count, double reach[3])
     {
       const FrameLanes lanes(frame.columns);
@@ -264,9 +260,9 @@ namespace embree
       return positive & 8 && std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
     }
 
-    /*! Rounds a map to the floats that a frame stores. Rounding moves the centre: it is pinned
-     *  to (1/2,1/2,1/2), which shifts the map by as much, and then the map is scaled about it
-     *  until every vertex is inside again. frame.centre is set. */
+    /*! Rounds a map to the floats that a frame stores. Rounding moves the center, which is restored to (1/2,1/2,1/2) by
+     *  shifting the map. The map is then scaled about the center until every vertex is inside again. frame.centre must
+     *  be set. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count, Frame& frame)
     {
       const Double3 rounded = { double(frame.centre[0])-origin.x, double(frame.centre[1])-origin.y, double(frame.centre[2])-origin.z };
@@ -280,13 +276,13 @@ namespace embree
           frame.columns[1][k] = float(rows[k].y);
           frame.columns[2][k] = float(rows[k].z);
         }
-        double reach[3]; // from the centre
+        double reach[3]; // from the center
         if (!reachOf(frame,rounded,vertices,count,reach)) return false;
         bool inside = true;
         for (int k=0; k<3; k++) {
           if (reach[k] <= 0.5 - 0.5*frameMargin) continue;
           inside = false;
-          /* x - 1/2 = (X - W/2)/W: scale the numerator */
+          /* x - 1/2 = (X - W/2)/W: scale the numerator. */
           const double s = (0.5-frameMargin)/reach[k];
           rows[k] = s*rows[k] + (0.5*(1-s))*rows[3];
         }
@@ -295,10 +291,9 @@ namespace embree
       return false;
     }
 
-    /*! Scales a map so that its vertices fill the box and rounds it to the stored
-     *  floats; false if W gets out of bounds.
-     *  vertices: world positions relative to origin, count of them at least 1; farthest: their
-     *  largest coordinate. */
+    /*! Scales a map so that its vertices fill the box, and rounds it to the stored floats. Returns false if W is out of
+     *  bounds. vertices: `count` world positions relative to origin, at least one. farthest: their largest absolute
+     *  coordinate. */
     inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest, Frame& frame)
     {
       MappedVertices mapped(map,vertices,count,farthest);
@@ -314,12 +309,12 @@ namespace embree
       return roundMap(map,origin,vertices,count,frame);
     }
 
-    /*! Fits the frame of a block. A block whose vertices have no extent at all gets a
-     *  box of the size that floats resolve at its position.
-     *  corners:  world positions to align to, (0,0), (1,0), (0,1), (1,1), finite;
-     *  vertices: world positions to contain, finite, xyz, count of them, at least 1;
-     *  scratch:  room for count points.
-     *  Returns false when floats cannot hold any frame; no finite vertices are known that give that. */
+    /*! Fits the frame of a block. If its vertices have no extent, the box has the size of the resolution of floats at
+     *  its position.
+     *  corners:  world positions to align to, finite, in the order (0,0), (1,0), (0,1), (1,1).
+     *  vertices: `count` world positions to contain, finite, at least one.
+     *  scratch:  room for `count` points.
+     *  Returns false if floats cannot represent any frame. No finite vertices with this result are known. */
     inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch, Frame& frame)
     {
       const Double3 origin = { 0.5*(double(corners[0][0])+double(corners[3][0])),
@@ -334,7 +329,7 @@ namespace embree
       {
         const Double4 d = Double4(loadVertex(vertices,i,count))-from;
         distance = max(distance,abs(d));
-        if (i+1 < count) d.store(&scratch[i].x); // and what the next one overwrites
+        if (i+1 < count) d.store(&scratch[i].x); // also writes the first float of the next point
         else scratch[i] = relative(vertices[i]);
       }
       double far[4];
@@ -347,7 +342,7 @@ namespace embree
       fitAffine(p,plane,map);
       if (fitBox(map,origin,scratch,count,farthest,frame)) return true;
 
-      /* axes of a sliver: a rectangle in the same plane always works */
+      /* For axes of a sliver, a rectangle in the same plane always works. */
       map.X = Form{ plane.e1, 0 };
       map.Y = Form{ plane.e2, 0 };
       map.Z = Form{ plane.n, 0 };

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The map of a frame, from the world to the block's box, as linear forms in double: for
- * encoding, and for whoever wants to know where in the world a box is. */
+/* The map of a frame, from world space to the block's box, as linear forms in double. Used by the encoder, and to find
+ * the world position of a box. */
 
 #include "block.h"
 #include "../base/codec.h"
@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! linear form of homogeneous world coordinates */
+    /*! Linear form of homogeneous world coordinates. */
     struct Form
     {
       Double3 n;
@@ -25,14 +25,14 @@ namespace embree
       friend Form operator*(double s, const Form& a) { return {s*a.n, s*a.d}; }
     };
 
-    /*! a map under construction; affine when W is constant */
+    /*! A map under construction. Affine if W is constant. */
     struct FrameMap
     {
       Form X, Y, Z, W;
       bool projective;
     };
 
-    /*! what the columns of a frame do to a point relative to its centre: X, Y, Z and W in lanes 0 to 3 */
+    /*! Applies the columns of a frame to a point relative to its center. Returns X, Y, Z and W in lanes 0 to 3. */
     struct FrameLanes
     {
       Double4 columns[3];
@@ -44,13 +44,13 @@ namespace embree
       }
     };
 
-    /*! stored frame; double, for the encoder */
+    /*! A stored frame. Computes in double, for the encoder. */
     struct Frame
     {
       float centre[3];
       float columns[3][4];
       bool projective;
-      bool degenerate; //!< a box wider than its vertices: they are on a line, or far apart on one axis
+      bool degenerate; //!< the box is wider than its vertices, which are on a line, or far apart on one axis
 
       void transform(const float p[3], double local[3]) const
       {
@@ -59,7 +59,7 @@ namespace embree
         for (int k=0; k<3; k++) local[k] = l[k];
       }
 
-      /*! x, y and z in lanes 0 to 2; lanes: of the columns */
+      /*! Returns x, y and z in lanes 0 to 2. lanes: lanes of the columns. */
       Double4 transform(const FrameLanes& lanes, const float p[3]) const
       {
         const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]), double(p[2])-double(centre[2]) });
@@ -67,7 +67,7 @@ namespace embree
       }
     };
 
-    /*! solves X = x W, Y = y W, Z = z W for the world point */
+    /*! Solves X = x W, Y = y W, Z = z W for the world point. */
     inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
     {
       const Form a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
@@ -78,7 +78,7 @@ namespace embree
       return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     }
 
-    /*! the map that a block stores, from world points relative to its centre */
+    /*! Returns the map that a block stores, from world points relative to its center. */
     inline FrameMap frameMap(const float columns[3][4])
     {
       auto row = [&](int k, double d) { return Form{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
@@ -86,8 +86,8 @@ namespace embree
     }
     inline FrameMap frameMap(const Block* block) { return frameMap(block->columns); }
 
-    /*! Inverse of a frame. That of a projective map is one too: 1/W, and p/W of the world
-     *  point relative to the centre, are linear forms of the frame's position. */
+    /*! Inverse of a frame. The inverse of a projective map is projective: 1/W, and p/W for the world point p relative
+     *  to the center, are linear forms of the position in the frame. */
     struct InverseFrame
     {
       Form numerator[3], rcpW;
@@ -111,7 +111,7 @@ namespace embree
         rcpW = form(3);
       }
 
-      /*! world point relative to the centre */
+      /*! Returns the world point relative to the center. */
       Double3 operator()(const Double3& local) const
       {
         const double w = 1/rcpW(local);

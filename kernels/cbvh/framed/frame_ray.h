@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The segment of a ray in the frame of a block, ready for tests of boxes: which planes are near and
- * which are far, and bounds that are wider by its epsilon. */
+/* The segment of a ray in the frame of a block, prepared for box tests: which planes are near and far, and the epsilon
+ * by which bounds are widened. */
 
 #include "local_ray4.h"
 #include "node_cache.h"
@@ -18,11 +18,12 @@ namespace embree
       struct FrameRay
       {
         vfloat4 P, D;              //!< start and direction: x, y, z
-        vfloatV Pnear[3], Pfar[3]; //!< start, moved by the ray's epsilon so that bounds are wider; all lanes are the same
+        vfloatV Pnear[3], Pfar[3]; //!< start, moved by epsilon so that bounds are wider; the same in all lanes
         vfloatV rcpD[3];
         float epsilonZ;
-        uint32_t flip;             //!< axes along which the ray descends, a bit each
-        size_t nearRow[3];         //!< of NodePlanes, a row for each side of an axis: 16 times that of the near planes
+        uint32_t flip;             //!< bits of the axes along which the ray descends
+        size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes, which has a row per side of
+                                   //!< an axis
 
         __forceinline FrameRay (const LocalRay& ray)
         {
@@ -41,26 +42,26 @@ namespace embree
           }
         }
 
-        /*! the first child along the ray */
+        /*! The first child along the ray. */
         __forceinline uint32_t flipXY () const { return flip & 3u; }
         __forceinline bool descends () const { return (flip & 4u) != 0u; }
 
-        /*! 1 if the near planes of an axis are the upper ones */
+        /*! 1 if the near planes of an axis are the upper ones. */
         __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
 
-        /*! the near (far) planes of boxes on an axis; the factor is one of addressing */
+        /*! Returns the near (far) planes of boxes on an axis. N/4 converts the row to bytes. */
         template<int N>
         __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + nearRow[axis]*(N/4)); }
         template<int N>
         __forceinline const float* farPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4)); }
 
-        /*! where the ray's line meets the near (far) planes of a box on an axis, widened */
+        /*! Returns where the ray's line intersects the near (far) plane of a box on an axis, widened. */
         template<int N>
         __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const { return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0]; }
         template<int N>
         __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const { return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0]; }
 
-        /*! whether the ray goes over a box that it shares x and y with but does not meet */
+        /*! True if the ray passes over the box. The ray must overlap the box in x and y, and miss it. */
         template<int N>
         __forceinline bool isAbove (const NodePlanes<N>& c, uint32_t i) const
         {
@@ -69,22 +70,22 @@ namespace embree
         }
       };
 
-      /*! where the ray's line enters and leaves boxes; either may lie beyond the segment */
+      /*! Where the ray's line enters and leaves boxes. Can be outside of the segment. */
       template<int N>
       struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
 
       struct BoxMasks
       {
-        uint32_t hit;    //!< boxes that the segment meets
-        uint32_t passed; //!< boxes that it only shares x and y with
+        uint32_t hit;    //!< boxes that the segment intersects
+        uint32_t passed; //!< boxes that it overlaps in x and y, but misses
       };
 
-      /*! tests the first `number` of N boxes against the segment up to sBest, in vectors */
+      /*! Tests the first `number` of N boxes against the segment up to sBest, in vectors. */
       template<typename vfloatW, int N>
       __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges, int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
-        /* in variables, as what is stored may be the ray for all that the compiler knows */
+        /* Local copies, because the compiler must assume that the stores below modify the ray. */
         const float* nearPlanes[3]; const float* farPlanes[3];
         vfloatW Pnear[3], Pfar[3], rcpD[3];
         for (int k=0; k<3; k++) {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The rays of a packet in the frame of a block, a ray in a lane: local_ray4.h and frame_ray.h, to the same
- * bits. Lanes that do not take part may hold anything. */
+/* The rays of a packet in the frame of a block, one per lane: the same bits as local_ray4.h and frame_ray.h. Inactive
+ * lanes are undefined. */
 
 #include "frame_ray.h"
 
@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! RayState of each ray of a packet */
+      /*! RayState of each ray of a packet. */
       template<int K>
       struct RayStates
       {
@@ -38,7 +38,7 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
-        /*! the rays' tfar in the end */
+        /*! Sets the final tfar of the rays. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
@@ -47,7 +47,7 @@ namespace embree
           }
         }
 
-        /*! as of Vec3fa */
+        /*! Rounds as dot() of Vec3fa. */
         static __forceinline vfloat<K> dotOf (const Vec3vf<K>& a, const Vec3vf<K>& b) {
           return (product(a.x,b.x) + product(a.y,b.y)) + product(a.z,b.z);
         }
@@ -56,14 +56,14 @@ namespace embree
       template<int K>
       struct FrameRays
       {
-        vfloat<K> P[3], D[3];                   //!< FrameRay
+        vfloat<K> P[3], D[3];                   //!< see FrameRay
         vfloat<K> Pnear[3], Pfar[3], rcpD[3];
         vfloat<K> epsilonZ;
         vbool<K> down[3];
-        vfloat<K> t0, t1, w0, w1;               //!< LocalRay
+        vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
         vbool<K> startClipped, endClipped;
 
-        /*! the lanes whose rays meet the block's box between tnear and their nearest hit so far */
+        /*! Returns the rays that intersect the block's box between tnear and their nearest hit so far. */
         __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest, const vbool<K>& valid)
         {
           const vfloat<K> o[3] = { state.org.x-vfloat<K>(block->centre[0]), state.org.y-vfloat<K>(block->centre[1]), state.org.z-vfloat<K>(block->centre[2]) };
@@ -103,7 +103,7 @@ namespace embree
           return meets & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
         }
 
-        /*! s of world parameters, or a little behind */
+        /*! Returns s of world parameters, plus a slack. */
         __forceinline vfloat<K> behind (const vfloat<K>& rcpScale, const vfloat<K>& t) const
         {
           const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
@@ -112,7 +112,7 @@ namespace embree
         __forceinline float behind (size_t k, float rcpScale, float t) const { return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS; }
 
       private:
-        /*! LocalRay::Clip: keeps the part where a + tau d >= 0 */
+        /*! As LocalRay::Clip: keeps the part where a + tau d >= 0. */
         static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut, vbool<K>& outside)
         {
           const vfloat<K> r = -a/d;
@@ -135,7 +135,7 @@ namespace embree
         }
       };
 
-      /*! how rays meet a box: where they enter and leave it on the axes of the face, on z, and altogether */
+      /*! Where rays enter and leave a box: on the axes of the face, on z, and on all axes. */
       template<int K>
       struct BoxMeeting
       {
@@ -154,11 +154,11 @@ namespace embree
           sFar = min(leaveXY,leaveZ);
         }
 
-        /*! the segments up to sBest that meet it, and that share its x and y */
+        /*! Segments up to sBest that intersect the box, and segments that overlap it in x and y. */
         __forceinline vbool<K> meets (const vfloat<K>& sBest) const { return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest); }
         __forceinline vbool<K> shares (const vfloat<K>& sBest) const { return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest); }
 
-        /*! of those that share its x and y but do not meet it, those that go over it */
+        /*! True for rays that pass over the box. They must overlap it in x and y, and miss it. */
         __forceinline vbool<K> isAbove (const vbool<K>& descends) const { return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends; }
       };
     }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The paper's representations as traversal of single rays sees them. For a library without them,
- * traversal/kind_visitors1.h has the same interface. */
+/* Interface of the paper's representations for the traversal of single rays. traversal/kind_visitors1.h has a
+ * replacement for libraries without them. */
 
 #include "../base/primitive_type.h"
 #include "block_intersector1.h"
@@ -15,7 +15,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray that is traced through blocks with frames. */
+      /*! A ray in blocks with frames. */
       class FramedRay
       {
       public:
@@ -24,14 +24,14 @@ namespace embree
         /*! True for a leaf that is a block with a frame. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
-        /*! t: where the ray enters the bounds of the next block */
+        /*! t: distance at which the ray enters the bounds of the next block. */
         __forceinline void setEnter (float t) { state.enter = t; }
 
         /*! Returns true if a hit was accepted. */
         template<typename RayType>
         __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
         {
-          if (unlikely(!isUsable(prim,false))) return false;
+          if (unlikely(!isUsable(prim,FRAMED_FORM))) return false;
           const Block* const block = (const Block*)prim;
           state.set(ray);
           switch (kindOf(block->info)) {
@@ -42,7 +42,7 @@ namespace embree
           }
         }
 
-        /*! Returns the ray's tfar once everything is traced. */
+        /*! Returns the ray's tfar. Call this after the traversal. */
         __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
 
       private:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The paper's representations as traversal of packets sees them. traversal/no_framed_raysK.h has the same interface for a library without
- * them. */
+/* Interface of the paper's representations for the traversal of packets. traversal/no_framed_raysK.h has a replacement
+ * for libraries without them. */
 
 #include "block_intersectorK.h"
 
@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The rays of a packet that are traced through blocks with frames. */
+      /*! The rays of a packet in blocks with frames. */
       template<int K>
       class FramedRaysK
       {
@@ -27,7 +27,7 @@ namespace embree
         template<typename Rays>
         __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const void* prim)
         {
-          if (unlikely(!isUsable(prim,false))) return vbool<K>(false);
+          if (unlikely(!isUsable(prim,FRAMED_FORM))) return vbool<K>(false);
           const Block* const block = (const Block*)prim;
           state.set(rays);
           switch (kindOf(block->info)) {
@@ -38,7 +38,7 @@ namespace embree
           }
         }
 
-        /*! Sets tfar of the rays once everything is traced. */
+        /*! Sets tfar of the rays. Call this after the traversal. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
 
       private:

@@ -3,23 +3,19 @@
 
 /* A ray in the frame of a block.
  *
- * The projective map takes the part of the ray inside the block's box to a segment
- * P(s) = P0 + s (P1-P0), s in [0,1]. All of traversal happens in s; the world parameter
- * follows exactly from W at the two ends:
+ * The projective map transforms the part of the ray inside the block's box to a segment P(s) = P0 + s (P1-P0), s in
+ * [0,1]. Traversal happens entirely in s. The world parameter follows exactly from W at the two ends:
  *
  *   tau(s) = s w0 / (w1 (1-s) + s w0),   t = t0 + tau (t1-t0)
  *
- * Numerics. The ray is first moved to its point nearest to the block's centre, relative to
- * that centre; what is lost there is a few ulps of the distance between ray origin and
- * block, as in any float ray tracer, and as many of the block's own size: position and
- * direction are rounded by 3/2 ulps of their terms, and from the centre no point of the box
- * is much farther than its longest side. That loss, times the map's stretch of each axis and
- * of W, plus a few ulps of 1, all over W, is the vector "epsilon" by which traversal widens
- * every bound, axis by axis: neighbouring blocks see the same ray displaced by less than
- * their epsilons, so no ray slips between them.
+ * Numerics. The ray is first moved to its point nearest to the block's center, relative to that center. This loses a
+ * few ulps of the distance between ray origin and block, as in any float ray tracer, and as many ulps of the block's
+ * own size: position and direction are rounded by 3/2 ulps of their terms, and no point of the box is much farther from
+ * the center than its longest side. This loss, times the map's stretch of each axis and of W, plus a few ulps of 1, all
+ * divided by W, is the vector "epsilon". Traversal widens every bound by it, axis by axis. Neighboring blocks see the
+ * same ray displaced by less than their epsilons, so no ray passes between them.
  *
- * The SIMD path (framed/local_ray4.h) does the same with the four components of a point at
- * once. */
+ * The SIMD version (framed/local_ray4.h) computes the four components of a point at once. */
 
 #ifndef CBVH_LOCAL_RAY_H
 #define CBVH_LOCAL_RAY_H
@@ -29,19 +25,19 @@
 
 CBVH_BEGIN
 
-/*! ulps of the distance between ray and block, and of 1, that a ray is displaced by */
+/*! Displacement of a ray: ulps of the distance between ray and block, and ulps of 1. */
 CVERT_CONSTANT float distanceUlps = 4.0f;
 CVERT_CONSTANT float unitUlps = 8.0f;
 
-/*! How far a box reaches from its centre, in parts of 1/(the least stretch of x, y and z). Where
- *  its sides are at right angles it is at most sqrt(3) of that long, and reaches sqrt(3)/2 of its
- *  length: the 3/2 ulps that are lost there are less than distanceUlps of this. */
+/*! Distance that a box extends from its center, relative to 1/(the smallest stretch of x, y and z). If its sides are
+ *  orthogonal, its longest side is at most sqrt(3) times this, and it extends sqrt(3)/2 of that length: the 3/2 ulps
+ *  that are lost there are less than distanceUlps of this. */
 CVERT_CONSTANT float reachOfBox = 0.75f;
 
-/*! farther than any parameter of a ray */
+/*! Greater than any parameter of a ray. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
 
-/*! part of a line */
+/*! A part of a line. */
 CVERT_REAL struct Range
 {
   Real lower, upper;
@@ -55,7 +51,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
   return range;
 }
 
-/*! keeps the part of a range of s where o + s d >= 0 */
+/*! Keeps the part of a range of s in which o + s d >= 0. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
 {
   if (d > Real(0)) range.lower = greater(range.lower,-o/d);
@@ -64,27 +60,27 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real
   return range;
 }
 
-/*! a ray in the world, from tnear to tfar in units of dir */
+/*! A ray in world space, from tnear to tfar in units of dir. */
 CVERT_REAL struct WorldRay
 {
   Real org[3], dir[3];
   Real tnear, tfar;
 };
 
-/*! part of a ray in the frame */
+/*! The part of a ray in the frame. */
 CVERT_REAL struct Segment
 {
   Real P0[3], P1[3];
   Real epsilon[3];   //!< see above
   Real t0, t1;       //!< world parameters of the ends
   Real w0, w1;
-  bool startClipped; //!< it starts at tnear, inside the box
-  bool endClipped;   //!< it ends at tfar, inside the box
+  bool startClipped; //!< starts at tnear, inside the box
+  bool endClipped;   //!< ends at tfar, inside the box
   bool valid;        //!< false: the ray misses the box between tnear and tfar
 };
 
-/*! What bounds are widened by, times W: lane k from the frame's columns and the largest
- *  component of the ray's origin relative to the centre. */
+/*! Returns the amount by which bounds are widened, times W: component k, from the frame's columns and the largest
+ *  component of the ray's origin relative to the center. */
 CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
 {
   Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
@@ -100,8 +96,8 @@ CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int
   return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
 }
 
-/*! Clips a ray to the box of a block and takes it to the frame.
- *  widening: of epsilon, 1 as in the SIMD path. */
+/*! Clips a ray to the box of a block and transforms it to the frame. widening: factor of epsilon; the SIMD version uses
+ *  1. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
@@ -111,7 +107,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
     dd += ray.dir[i]*ray.dir[i];
     distance = greater(distance,magnitude(o[i]));
   }
-  /* nearest to the centre */
+  /* The point nearest to the center. */
   Real tref = -od/dd;
   Real O[4], D[4];
   for (int k=0; k<4; k++)
@@ -125,7 +121,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
   }
 
   CVERT_OF(Segment) segment;
-  /* clip to X >= 0 and W-X >= 0, and so on: linear in the parameter */
+  /* Clip to X >= 0, W-X >= 0, and so on, which are linear in the parameter. */
   CVERT_OF(Range) inBox = makeRange(Real(-beyondAll),Real(beyondAll));
   for (int k=0; k<3; k++) {
     segment.epsilon[k] = widening*rayEpsilon(block,distance,k);
@@ -149,14 +145,14 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
   return segment;
 }
 
-/*! world parameter of s: how far from t0 to t1 */
+/*! Returns the world parameter of s, as a fraction of the way from t0 to t1. */
 CVERT_REAL CVERT_FUNCTION Real worldShare (Real w0, Real w1, Real s)
 {
   Real sw = s*w0;
   return sw/(w1*(Real(1)-s) + sw);
 }
 
-/*! s of a world parameter, given how far from t0 to t1 it is: the inverse */
+/*! Inverse of worldShare: returns s of a world parameter, given as a fraction of the way from t0 to t1. */
 CVERT_REAL CVERT_FUNCTION Real localShare (Real w0, Real w1, Real tau)
 {
   Real tw = tau*w1;
@@ -167,12 +163,12 @@ CVERT_REAL CVERT_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
   return segment.t0 + worldShare(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
 }
 
-/*! a coordinate at s */
+/*! Returns a coordinate at s. */
 CVERT_REAL CVERT_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Real s) {
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
-/*! part of the segment's line within the first axes (2 or 3) of a box, widened by epsilon */
+/*! Returns the part of the segment's line within the first axes (2 or 3) of a box, widened by epsilon. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
   CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
@@ -184,7 +180,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment,
   return range;
 }
 
-/*! whether a part of the segment's line has some of the segment */
+/*! True if a part of the segment's line overlaps the segment. */
 CVERT_REAL CVERT_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
   return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
 }

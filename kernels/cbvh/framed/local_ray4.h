@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A ray in the frame of a block, framed/local_ray.h, with the four components of a point in
- * one vector. */
+/* A ray in the frame of a block (framed/local_ray.h), with the four components of a point in one vector. */
 
 #include "local_ray.h"
 #include "nearest_hit.h"
@@ -19,8 +18,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! What blocks with frames need of a ray, and the hits that it has had in them: direction scaled to a largest component of 1, so that directions
-       *  of length 1e-20 or 1e20 have a square */
+      /*! Data of a ray for blocks with frames, and its nearest hit in them. The direction is scaled to a largest
+       *  component of 1, so that squares of directions of length 1e-20 or 1e20 are finite and not 0. */
       struct RayState
       {
         Vec3fa org, dir;
@@ -28,13 +27,13 @@ namespace embree
         float rcpScale;
         float rcpDir2;  //!< 1/dot(dir,dir)
         float scaledTnear; //!< tnear in t'
-        float tfar;        //!< where the ray ended before anything was hit
-        float enter;       //!< t where the ray enters the bounds of a block, or before
+        float tfar;        //!< end of the ray before any hit
+        float enter;       //!< lower bound of the t at which the ray enters the bounds of the block
         mutable NearestHit nearest;
 
         bool isSet;
 
-        /*! set by the first block: many rays meet none */
+        /*! The first block sets the other members, because many rays visit no block. */
         __forceinline explicit RayState (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
         __forceinline explicit RayState (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
 
@@ -52,11 +51,11 @@ namespace embree
         }
       };
 
-      /*! how far a block's map stretches the world */
+      /*! The stretch of a block's map, from world space to the frame. */
       struct BlockStretch
       {
-        vfloat4 withW; //!< of x, y and z, with that of W
-        float longest; //!< side of the box, about
+        vfloat4 withW; //!< of x, y and z, each plus the stretch of W
+        float longest; //!< approximate length of the longest side of the box
 
         __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
         {
@@ -66,28 +65,28 @@ namespace embree
         }
       };
 
-      /*! s of a parameter of the scaled ray on a segment, 1 at its end or beyond */
+      /*! Returns s of a parameter of the scaled ray on a segment; 1 at its end or after it. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
         return t < t1 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
 
-      /*! what the s of a world parameter may be off */
+      /*! Upper bound of the error of s of a world parameter. */
       static const float slackOfS = 1e-5f;
 
-      /*! Products that are summed are fused, or not, by what is written here and not by the compiler, so that
-       *  packets have the same bits (frame_rays.h). */
+      /*! Products in sums are explicitly fused or not, instead of by the compiler, so that packets compute the same
+       *  bits (frame_rays.h). */
       struct LocalRay
       {
-        /*! lanes: x, y, z (lane 3 is W, undefined after division) */
+        /*! Lanes: x, y, z. Lane 3 is W, and undefined after the division. */
         vfloat4 P0, P1;
         vfloat4 epsilon;
-        float t0, t1;     //!< world parameter of the segment's ends, in t'
+        float t0, t1;     //!< ends of the segment in t'
         float w0, w1;
-        bool startClipped; //!< the segment starts at tnear, inside the box
-        bool endClipped;   //!< the segment ends at state.tfar, inside the box
+        bool startClipped; //!< starts at tnear, inside the box
+        bool endClipped;   //!< ends at state.tfar, inside the box
 
-        /*! False if the ray misses the block's box between tnear and nearest, where its hit so far is. That does not
-         *  bear on what it meets where, so that the order of blocks does not. */
+        /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its hit so far.
+         *  `nearest` does not affect the segment, so results do not depend on the order of blocks. */
         __forceinline bool init (const RayState& state, const Block* block, float nearest)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
@@ -95,7 +94,7 @@ namespace embree
           const vfloat4 cz = vfloat4::load(block->columns[2]);
           const Vec3fa o = state.org - Vec3fa(block->centre[0],block->centre[1],block->centre[2]);
 
-          /* move to the point nearest to the centre */
+          /* Move to the point nearest to the center. */
           const float tref = -dot(o,state.dir)*state.rcpDir2;
           const Vec3fa p = madd(Vec3fa(tref),state.dir,o);
           const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
@@ -119,11 +118,11 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! s of a world parameter, or a little behind */
+        /*! Returns s of a world parameter, plus a slack. */
         __forceinline float behind (float rcpScale, float t) const { return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS; }
 
       private:
-        /*! part of the line where X >= 0 and W-X >= 0, and so on: linear in the parameter */
+        /*! The part of the line where X >= 0, W-X >= 0, and so on, which are linear in the parameter. */
         struct Clip
         {
           float tauIn, tauOut;

@@ -10,7 +10,7 @@
 
 CBVH_BEGIN
 
-/*! spreads the lower 8 bits of x to the even bits */
+/*! Moves the lower 8 bits of x to the even bits. */
 CVERT_FUNCTION uint32_t spreadBits (uint32_t x)
 {
   x = (x | (x << 4)) & 0x0F0Fu;
@@ -18,7 +18,7 @@ CVERT_FUNCTION uint32_t spreadBits (uint32_t x)
   return (x | (x << 1)) & 0x5555u;
 }
 
-/*! inverse of spreadBits */
+/*! Inverse of spreadBits. */
 CVERT_FUNCTION uint32_t gatherBits (uint32_t x)
 {
   x &= 0x5555u;
@@ -34,7 +34,7 @@ CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 /*! column (axis 0) or row (axis 1) of one of four children, and of a corner of a box */
 CVERT_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
-/*! number of quadtree nodes in the first n levels; node m of level n has this number + m */
+/*! Number of quadtree nodes in the first n levels. Node m of level n has the index nodesOfLevels(n) + m. */
 CVERT_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END

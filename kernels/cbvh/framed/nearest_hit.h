@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Which of two hits in different blocks a ray reports. */
+/* The tie-break between hits of a ray in different blocks. */
 
 #include "block.h"
 #include "../base/surface_ids.h"
@@ -17,25 +17,26 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! The hit of a ray in blocks with frames that counts, whatever it met first. Blocks reach a little past their
-       *  bounds at the top level (framed/block_bounds.h): what counts is where a hit is, but not before the ray enters the bounds of
-       *  its block. That is the ray's tfar while it is traced, as traversal culls by it; of equals the nearer hit counts,
-       *  then that of the first block of the first face. In the end the ray gets the hit's own distance. */
+      /*! The nearest hit of a ray in blocks with frames, independent of the order of visits. Blocks extend slightly
+       *  past their bounds at the top level (framed/block_bounds.h). Hits are compared by their distance, but not less
+       *  than the distance at which the ray enters the bounds of the block. Traversal culls with this distance, so it
+       *  is the ray's tfar during traversal. Ties are resolved by the hits' own distances, then by the order of faces
+       *  and blocks. After the traversal, the ray gets the hit's own distance. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< what counts
-        float own = pos_inf; //!< where the hit is
+        float t = pos_inf;   //!< distance that hits are compared by
+        float own = pos_inf; //!< distance of the hit
         const Block* block = nullptr;
 
-        /*! whether another hit comes after this one; tfar: of the ray, whose hit may be of another kind;
-         *  ids: of the scene's surfaces */
+        /*! True if another hit comes after this one. tfar: tfar of the ray, whose hit can be of another kind. ids: IDs
+         *  of the scene's surfaces. */
         __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar, const SurfaceIDs& ids) const {
           return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own || (otherOwn == own && block && !comesBefore(other,block,ids));
         }
 
         __forceinline void set (float t, float own, const Block* block) { this->t = t; this->own = own; this->block = block; }
 
-        /*! the ray's tfar in the end */
+        /*! Returns the final tfar of the ray. */
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Words of inner nodes: 32 bits hold the bounds of 4 children, relative to the decoded
- * bounds of their parent. The children are the 2 x 2 quadrants of the parent's quads, in
- * Morton order (child = column + 2 row).
+/* Words of inner nodes. 32 bits store the bounds of 4 children, relative to the decoded bounds of their parent. The
+ * children are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row).
  *
  *   column      0        1          Siblings share planes: both children of a
  *            |-----|  |-----|       column (row) have the same two x (y) planes,
@@ -11,16 +10,15 @@
  *       parent's x range            outer planes, B and C the inner ones; B and C
  *                                   overlap where the surface does.
  *
- * z has one interval a child, out of a book of 8.
+ * Each child has one z interval, from a codebook of 8.
  *
- * Decoding is lower + T * extent in float, T a multiple of 1/256: contracted to a fused
- * multiply-add or not, one step is off by at most one ulp of a number below 2, so after 8
- * levels by less than 2^-20. The encoder keeps every decoded plane at least
- * containmentSlack away from the geometry, therefore bounds contain it on every ISA,
- * whatever the compiler contracts.
+ * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. Whether it is contracted to a fused
+ * multiply-add or not, one step is off by at most one ulp of a number below 2, and 8 levels together by less than
+ * 2^-20. The encoder keeps every decoded plane at least containmentSlack away from the geometry. Bounds therefore
+ * contain the geometry on every ISA, whatever the compiler contracts.
  *
- * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric
- * Surfaces", 2016 (relative bounds, shared planes). */
+ * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
+ * shared planes). */
 
 #ifndef CBVH_NODE_H
 #define CBVH_NODE_H
@@ -29,7 +27,7 @@
 
 CBVH_BEGIN
 
-/*! bounds in the block's frame, where the block's own box is [0,1]^3 */
+/*! Bounds in the block's frame, where the box of the block is [0,1]^3. */
 struct NodeBox
 {
   float lower[3];
@@ -45,26 +43,26 @@ CVERT_FUNCTION NodeBox rootBox ()
 
 CVERT_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
-/*! distance that decoded planes keep from the geometry, see above */
+/*! Distance of decoded planes from the geometry, see above. */
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
-/* Books are numbers of 8 bits packed into words: a GPU would read a table from memory. */
+/* Codebooks are 8-bit numbers packed into words: a GPU would load a table from memory. */
 
-/*! number i of eight, four in each word */
+/*! Returns number i of eight, four in each word. */
 CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) { return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u; }
 
-/*! Outer planes: distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. They only win back
- *  what the parent's own rounding lost, hence small steps. */
+/*! Outer planes: distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. The steps are small
+ *  because these planes only compensate for the rounding of the parent. */
 CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
-/*! Inner planes: position of column 0's upper plane; column 1's lower plane mirrors it: 116, 125, 130, 136, 144,
- *  160, 192 or 256 of 256 (packed less 1). Fine around the middle, where patch-aligned frames put it, and 1 for
- *  surfaces that fold over their neighbour. */
+/*! Inner planes: position of column 0's upper plane, which column 1's lower plane mirrors: 116, 125, 130, 136, 144,
+ *  160, 192 or 256 of 256 (packed less 1). Fine around the middle, where frames that are aligned to patches put it, and
+ *  1 for surfaces that fold over their neighbor. */
 CVERT_FUNCTION float innerPosition (uint32_t code) { return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f); }
 
-/*! z intervals in parent extents; the first one always contains. The others make the mean
- *  logarithm of a child's height smallest over blocks of real and of analytic
- *  displacements: 8% less a level than halves and quarters. In 1/32:
+/*! z intervals in parent extents. The first one always contains the child. The others minimize the mean logarithm of a
+ *  child's height over blocks of real and of analytic displacements: 8% less per level than halves and quarters. In
+ *  1/32:
  *
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */
@@ -92,7 +90,7 @@ CVERT_CONSTANT int zBits = 3;
 CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
 CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
-/*! lower (upper) plane of a column, in parent extents, from the 5 bits of its pair */
+/*! Lower (upper) plane of a column, in parent extents, from the 5 bits of its pair. */
 CVERT_FUNCTION float lowerPlane (uint32_t pair, int column) {
   return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
@@ -102,7 +100,7 @@ CVERT_FUNCTION float upperPlane (uint32_t pair, int column) {
 
 CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
 
-/*! bounds of a child, from its parent's word and bounds */
+/*! Decodes the bounds of a child from its parent's word and bounds. */
 CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
 {
   NodeBox box;

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* What each thread keeps of blocks with frames (thread_cache.h).
+/* Decoded nodes of blocks with frames in the cache of a thread (thread_cache.h).
  *
- * A tile is a node with the two levels below it: its four children, and their sixteen children, which
- * traversal tests at once. The children of a child are decoded when a ray first meets that child. */
+ * A tile contains the two levels below a node: four children and their sixteen children, which traversal tests at once.
+ * The children of a child are decoded when a ray first intersects that child. */
 
 #include "../base/thread_cache.h"
 #include <cstdint>
@@ -15,15 +15,16 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! boxes of N nodes in the frame: [axis][0 lower, 1 upper][node] */
+    /*! Boxes of N nodes in the frame: [axis][0 lower, 1 upper][node]. */
     template<int N>
     struct alignas(64) NodePlanes { float at[3][2][N]; };
 
-    /*! the surfaces of leaves of cLEAF */
+    /*! The surfaces of cLEAF leaves. */
     struct LeafSurfaces
     {
-      alignas(64) float footprint[16][4]; //!< of each leaf: lower x and y of its box, and the reciprocals of its extents there
-      float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3], with u and v the position in the box
+      /*! Of each leaf: lower x and y of its box, and the reciprocals of its extents in x and y. */
+      alignas(64) float footprint[16][4];
+      float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3], where u and v are the position in the box
       float reach[16];                //!< half of the thickness, in z
       uint32_t solid, empty;          //!< masks of leaves
     };
@@ -35,22 +36,21 @@ namespace embree
       {
         NodePlanes<16> grandchildren; //!< 4 c + i is child i of child c
         NodePlanes<4> children;
-        const void* block;            //!< whose it is
-        uint32_t number;              //!< of the tile in the block
-        uint32_t decoded;             //!< children whose children are decoded, as a mask
-        uint32_t present;             //!< grandchildren that there are, as a mask: all, but for tiles above the root
+        const void* block;            //!< block that the tile belongs to
+        uint32_t number;              //!< number of the tile in the block
+        uint32_t decoded;             //!< mask of the children whose children are decoded
+        uint32_t present;             //!< mask of the grandchildren that exist: all, except in tiles above the root
 
         __forceinline bool isAboveRoot () const { return number == 0; }
       };
 
-      /*! grandchildren are leaves */
+      /*! A tile whose grandchildren are leaves. */
       struct LeafTile : public Tile
       {
-        LeafSurfaces surfaces; //!< of those that are decoded
+        LeafSurfaces surfaces; //!< of the decoded leaves
       };
 
-      /*! The slot of a tile: what is there is the caller's if `block` and number say so, else it is to be
-       *  filled, and named. */
+      /*! Returns the slot of a tile. If its `block` or `number` differ, the caller must fill the slot and set them. */
       __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
       __forceinline LeafTile& leafTile (const void* block, uint32_t number) { return leafTiles[slot(block,number) % numLeafTiles]; }
 

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Decoders of nodes, framed/node.h, and of cLEAF's groups, framed/leaf/format.h, for the four children at once, which
- * lie in a row among others. */
+/* Decoders of nodes (framed/node.h) and of cLEAF groups (framed/leaf/format.h). They decode four children at once, and
+ * store them consecutively in a row of nodes. */
 
 #include "node_cache.h"
 #include "node_tables.h"
 #include "leaf/format.h"
-#include "../embree/simd.h"
+#include "../base/intrinsics.h"
 
 namespace embree
 {
@@ -30,7 +30,7 @@ namespace embree
         return box;
       }
 
-      /*! planes in parent extents, to the places from `first` */
+      /*! Stores planes, given in parent extents, from index `first` on. */
       template<int N>
       __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower, const vfloat4& upper, const NodeBox& parent)
       {
@@ -50,13 +50,13 @@ namespace embree
         storePlanes(out,first,2,vfloat4(_mm_movelh_ps(z0,z1)),vfloat4(_mm_movehl_ps(z1,z0)),parent);
       }
 
-      /*! a group's boxes and surfaces, to the places from `first` */
+      /*! Decodes the boxes and surfaces of a group, from index `first` on. */
       class GroupDecoder4
       {
       public:
         __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first) : boxes(boxes), surfaces(surfaces), first(first) {}
 
-        /*! bits: its heights */
+        /*! bits: heights of the group. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);
@@ -75,7 +75,7 @@ namespace embree
           for (int i=0; i<4; i++) vfloat4::store(rows[first+i],leaf[i]);
         }
 
-        /*! from the heights in bins at the corners of the leaves, the size of a bin and the z of height 0 */
+        /*! q: heights in bins at the corners of the leaves. bin: size of a bin. base: z of height 0. */
         __forceinline void storeSurfaces (const vfloat4 q[4], const vfloat4& bin, const vfloat4& base, float thickness)
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
@@ -115,7 +115,7 @@ namespace embree
           setLeaves(0,0);
         }
 
-        /*! the nine heights at the corners of the four leaves */
+        /*! Extracts the nine heights, for the corners of the four leaves. */
         static __forceinline void latticeCorners (uint64_t bits, vfloat4 corner[4])
         {
           const __m128i bytes = _mm_cvtsi64_si128((long long)bits);
@@ -124,10 +124,10 @@ namespace embree
           for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCorner[k])));
         }
 
-        /*! 4 integers out of 16 bytes; control as of _mm_shuffle_epi8 */
+        /*! Extracts 4 integers from 16 bytes. control: as for _mm_shuffle_epi8. */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
-#if defined(__SSSE3__)
+#if defined(CBVH_BYTE_SHUFFLES)
           return _mm_shuffle_epi8(bytes,_mm_load_si128((const __m128i*)control));
 #else
           alignas(16) uint8_t b[16];

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of node words, framed/node.h. In double, as it must not round inwards. */
+/* Encoder of node words (framed/node.h). Computes in double, because it must not round inwards. */
 
 #include "node.h"
 #include "../base/codec.h"
@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! exact bounds of geometry, x, y and z; the fourth number fills up lanes */
+    /*! Exact bounds of geometry: x, y and z. The fourth number pads to full lanes. */
     struct ExactBox
     {
       double lower[4] = { 1e300, 1e300, 1e300, 1e300 };
@@ -44,13 +44,14 @@ namespace embree
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
 
-    /*! code of a pair: the highest outer plane and the lowest inner one of those that contain, bit by bit */
+    /*! Returns the code of a pair. outer, inner: masks of the planes that contain. Selects the highest outer plane and
+     *  the lowest inner one. */
     inline uint32_t pairOf(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
-    /*! Code of the lower planes of both columns: the highest that keep the slack to them. The
-     *  outer code 0 means the parent's plane, which keeps it already, and so does the inner code 7. */
+    /*! Returns the code of the lower planes of both columns: the highest planes that keep the slack. The outer code 0
+     *  is the parent's plane, which keeps the slack, as does the inner code 7. */
     inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -59,7 +60,7 @@ namespace embree
                     (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits() | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
     }
 
-    /*! the same for the upper planes */
+    /*! As above, for the upper planes. */
     inline uint32_t encodeUpperPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -68,7 +69,7 @@ namespace embree
                     (i <= Double4(l + innerPositions(0)*e)).bits() | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
-    /*! the z intervals of a parent, the smallest first: of two that are as small the one of the lower code */
+    /*! The z intervals of a parent, sorted by size, and by code if sizes are equal. */
     class IntervalsOf
     {
     public:
@@ -82,7 +83,7 @@ namespace embree
         upper[1] = l + Float4(f.upper,g.upper,h.upper,all.upper)*e;
       }
 
-      /*! code of the smallest that contains a child; 0 contains all */
+      /*! Returns the code of the smallest interval that contains a child. Interval 0 always does. */
       uint32_t smallest(double childLower, double childUpper) const
       {
         const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
@@ -95,14 +96,14 @@ namespace embree
       Double4 lower[2], upper[2];
     };
 
-    /*! Encodes the bounds of four children. A child without geometry may have any
-     *  bounds. Precondition: parent contains all children with the slack. */
+    /*! Encodes the bounds of four children. A child without geometry may have any bounds. Precondition: parent contains
+     *  all children with the slack. */
     inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
     {
       uint32_t node = 0;
       for (int axis=0; axis<2; axis++)
       {
-        /* columns of x are children 0 and 2, 1 and 3; rows are 0 and 1, 2 and 3 */
+        /* Columns of x are children 0 and 2, 1 and 3; rows are 0 and 1, 2 and 3. */
         const ExactBox& a = children[0], &b = children[2 >> axis], &c = children[1 << axis], &d = children[3];
         const float l = parent.lower[axis], e = parent.extent[axis];
         node |= encodeLowerPair(l,e,std::min(a.lower[axis],b.lower[axis]),std::min(c.lower[axis],d.lower[axis])) << lowerShift(axis);
@@ -114,7 +115,7 @@ namespace embree
       return node;
     }
 
-    /*! decoded bounds of the four children of a node, as decodeChild() has them */
+    /*! Decoded bounds of the four children of a node, equal to decodeChild(). */
     struct NodeBoxes
     {
       float lower[3][4], extent[3][4];

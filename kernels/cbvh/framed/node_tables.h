@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Node planes of framed/node.h, expanded for the 4 children at once: one load from a small table a
- * plane pair instead of shifts, conversions and selects, the same on every ISA. */
+/* Node planes of framed/node.h, for all 4 children at once. One load from a small table per pair of planes replaces
+ * shifts, conversions and selects, and is the same on every ISA. */
 
 #include <cstdint>
 
@@ -14,21 +14,21 @@ namespace embree
   {
     struct alignas(64) NodeTables
     {
-      /*! [axis][5 bits of the pair][child]: planes in parent extents */
+      /*! [axis][5 bits of the pair][child]: planes in parent extents. */
       float lowerPlane[2][32][4];
       float upperPlane[2][32][4];
 
-      /*! [6 bits of a row's two children]: their lower planes, then their upper planes */
+      /*! [6 bits of a row's two children]: their lower planes, then their upper planes. */
       float zPair[64][4];
 
-      /*! outer planes of cLEAF's lattices, framed/leaf/format.h */
+      /*! Outer planes of cLEAF's lattices, see framed/leaf/format.h. */
       float latticeOuter[32];
 
-      /*! [corner]: for each leaf the byte of the corner's height among the nine of a lattice, the
-       *  middle one last; the other bytes of the lane are 0x80, so that a byte shuffle makes integers */
+      /*! [corner]: for each leaf, the byte of the corner's height among the nine heights of a lattice, the middle one
+       *  last. The other bytes of each lane are 0x80, so that a byte shuffle yields integers. */
       alignas(16) uint8_t latticeCorner[4][16];
 
-      /*! masks of four, as the lowest bits of four bits each, and as all of them */
+      /*! Masks of four: each bit as the lowest of four bits, and as all four bits. */
       uint16_t firstOfFour[16], allOfFour[16];
 
       NodeTables ();

@@ -16,9 +16,9 @@ CVERT_REAL struct Vector
   Real x[3];
 };
 
-/*! World normal, not of unit length, of the plane z = slopeX x + slopeY y + const through a
- *  point of the frame. A plane (a,b,c,d) of homogeneous frame coordinates is the plane
- *  (a,b,c,d) M of the world: no inverse is needed. */
+/*! Returns the world-space normal, not normalized, of the plane z = slopeX x + slopeY y + const through a point of the
+ *  frame. A plane (a,b,c,d) of homogeneous frame coordinates is the plane (a,b,c,d) M in world space, so no inverse is
+ *  required. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
 {
   CVERT_OF(Vector) normal;
@@ -28,13 +28,12 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT
   return normal;
 }
 
-/*! Square of the sine of 30 degrees. Where a ray meets a step behind a silhouette the surface
- *  there may face away from the side that the ray comes from: a normal that does so by less
- *  is mirrored across the ray. */
+/*! Square of the sine of 30 degrees. If a ray hits a step behind a silhouette, the surface can face away from the side
+ *  from which the ray comes. A normal that does so by less than this angle is mirrored across the ray. */
 CVERT_CONSTANT float turnedSine2 = 0.25f;
 
-/*! Whether a normal is to be mirrored across the ray. along: dot product of normal and
- *  direction; normal2, direction2: squares of their lengths; from: side, hit_rule.h. */
+/*! True if a normal must be mirrored across the ray. along: dot product of normal and direction. normal2, direction2:
+ *  their squared lengths. from: side, see hit_rule.h. */
 CVERT_REAL CVERT_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));

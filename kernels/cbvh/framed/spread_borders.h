@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Borders of patches that are stored in blocks with frames, where an edge has a lower rate than the patch. Embree
- * evaluates such a border at the parameters of the lower rate and gives each of its vertices to several of the patch;
- * the quads between these collapse. Blocks with frames keep only the nearest one of these vertices, and spread the
- * others over the straight line to the next:
+/* Borders of patches in blocks with frames, on edges with a lower rate than the patch. Embree evaluates such a border
+ * at the parameters of the lower rate, and gives each of its vertices to several vertices of the patch; the quads
+ * between these collapse. Blocks with frames keep only the nearest of these vertices, and distribute the others over
+ * the straight line to the next one:
  *
  *     x---x---x---x---x---x      x: vertices of the patch
  *     |   |   |   |   |   |      o: vertices of an edge of rate 2 among them
  *     o---x---x-o-x---x---o
  *
- * The border is the same polyline except for a lip of 2^-20. No quad collapses or leans over to another block, and
+ * The border is the same polyline except for a lip of 2^-20. No quad collapses or extends over another block, and
  * parameters differ by at most half a quad along the border from the parameters of the regular patch. */
 
 #include "../surface/shared_border.h"
@@ -22,18 +22,19 @@ namespace embree
 {
   namespace isa
   {
-    /*! Moves a point of a border outward by the rounding that may leave a gap to a neighbor without a vertex there: the
-     *  rounding of the point and of the tests of triangles. */
+    /*! Moves a point of a border outward by the rounding that can leave a gap to a neighbor without a vertex there: the
+     *  rounding of the point and of triangle tests. */
     inline cbvh::Double3 withLip (const cbvh::Double3& p, const cbvh::Double3& inner)
     {
       const cbvh::Double3 outward = p - inner;
       const double distance = cbvh::length(outward);
       const double size = cbvh::maximum(std::fabs(p.x),cbvh::maximum(std::fabs(p.y),std::fabs(p.z)));
       const double lip = cbvh::minimum(size/(1 << 20),distance/16);
-      return distance > 0 ? p + (lip/distance)*outward : p; // not where it is NaN
+      return distance > 0 ? p + (lip/distance)*outward : p; // unchanged if it is NaN
     }
 
-    /*! border: fine+1 vertices, along apart, stitched to the vertices of a lower rate; inward: to the next row */
+    /*! Distributes the vertices of a border. border: fine+1 vertices with stride `along`, stitched to the vertices of a
+     *  lower rate. inward: stride to the next row. */
     inline void spreadBorder (float (*border)[3], ssize_t along, ssize_t inward, unsigned fine, unsigned coarse)
     {
       if (fine == coarse) return;
@@ -50,8 +51,8 @@ namespace embree
       }
     }
 
-    /*! Spreads the vertices on stitched borders of a patch: `vertices`, displaced or not, has the size of `patch`.
-     *  rate: of its sides, in the order of SurfacePatch::rate, not above the patch's own. */
+    /*! Distributes the vertices on stitched borders of a patch. vertices: displaced or not, of the size of `patch`.
+     *  rate: rates of its sides, in the order of SurfacePatch::rate, not above the patch's own. */
     inline void spreadBorders (const float rate[4], const PatchVertices& patch, float (*vertices)[3])
     {
       const unsigned quadsX = unsigned(patch.width)-1, quadsY = unsigned(patch.height)-1;

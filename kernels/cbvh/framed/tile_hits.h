@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* How a ray meets a tile, and in what order: that of the tree, children along the ray and in each its
- * children along the ray.
+/* The nodes of a tile that a ray intersects, in the order of visits: children along the ray, and the children of each
+ * along the ray.
  *
- * A rank says when something comes: 4 c + i is child i of child c, both counted along the ray. Its node is
- * the rank with the bits of the axes flipped along which the ray descends. Ranks 1 and 2 of four are
- * alternatives, of which overlaps can make a ray meet both: then the one that begins first comes first. */
+ * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. Its node is the rank
+ * with the bits of those axes flipped along which the ray descends. Of four ranks, 1 and 2 are alternatives, but if
+ * their boxes overlap, a ray can intersect both. The one that begins first is then visited first. */
 
 #include "block_tiles.h"
 #include "frame_ray.h"
@@ -24,10 +24,10 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! ranks that the ray comes to; passedMask: 0 without those that it passes, else all bits */
+        /*! Returns the ranks that the ray visits. passedMask: all bits to include ranks that it passes, otherwise 0. */
         __forceinline uint32_t events (uint32_t passedMask) const { return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu; }
 
-        /*! takes a rank out, with what comes before; whether it is a hit */
+        /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node. */
         __forceinline bool take (uint32_t rank)
         {
           const bool isHit = (ranks >> rank) & 1u;
@@ -35,10 +35,10 @@ namespace embree
           return isHit;
         }
 
-        /*! of a grandchild that is no hit: whether its parent as a whole is passed */
+        /*! True if the ray misses not only this grandchild but its entire parent. */
         __forceinline bool isPassedByParent (uint32_t grandchild) const { return !((childHit >> (grandchild >> 2)) & 1u); }
 
-        /*! the grandchild of a rank; of a child it has the upper bits */
+        /*! Returns the grandchild of a rank. Its upper bits are the child. */
         __forceinline uint32_t grandchild (uint32_t rank) const
         {
           uint32_t p = rank;
@@ -49,8 +49,8 @@ namespace embree
           return p ^ flip;
         }
 
-        /*! Meets a tile with a node. Children whose boxes the ray meets, but whose children are not decoded: then it is to be
-         *  called again. */
+        /*! Intersects a tile with a node. Returns the children whose boxes the ray intersects but whose children are
+         *  not decoded. The caller must then decode these and call it again. */
         __forceinline uint32_t set (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
@@ -77,7 +77,7 @@ namespace embree
           return 0u;
         }
 
-        /*! Meets a tile above the root, whose only child the root is: the ray is in its box */
+        /*! Intersects a tile above the root, whose only child is the root. The ray is in the root's box. */
         __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
@@ -95,7 +95,7 @@ namespace embree
 
         static __forceinline bool isAlternative (uint32_t rank) { return rank-1u < 2u; }
 
-        /*! two masks of grandchildren as masks of ranks, nothing swapped */
+        /*! Converts two masks of grandchildren to masks of ranks, without swaps. */
         static __forceinline uint32_t toRanks (uint32_t m, uint32_t first)
         {
           if (first & 1u) {
@@ -109,7 +109,7 @@ namespace embree
           return m;
         }
 
-        /*! of masks of grandchildren, nothing swapped */
+        /*! Sets ranks from masks of grandchildren, without swaps. */
         __forceinline void setPlaces (const BoxMasks& of, uint32_t first)
         {
           flip = first | first << 2;
@@ -117,7 +117,7 @@ namespace embree
           ranks = toRanks(of.hit | of.passed << 16,first);
         }
 
-        /*! swaps alternatives of which the second begins before the first */
+        /*! Swaps alternatives if the second begins before the first. */
         __forceinline void swapOverlapping ()
         {
           const uint32_t either = ranks | ranks >> 16;
@@ -131,9 +131,10 @@ namespace embree
           }
         }
 
-        uint32_t ranks;      //!< that the ray hits, and in the upper half those that it passes; a child that is passed as a whole is so at its first
-        uint32_t childHit;    //!< children whose boxes the ray meets
-        uint32_t flip, swaps; //!< swaps: alternatives that are swapped, a bit for each four
+        /*! Ranks that the ray intersects. Upper half: ranks that it passes; if it passes an entire child, its first. */
+        uint32_t ranks;
+        uint32_t childHit;    //!< children whose boxes the ray intersects
+        uint32_t flip, swaps; //!< swaps: one bit per four ranks whose alternatives are swapped
       };
     }
   }

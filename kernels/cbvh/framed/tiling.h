@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* How the edge rates of a patch decide into which blocks with frames it is cut. */
+/* Division of a patch into blocks with frames, which depends on its edge rates. */
 
 #include "block.h"
 #include "../surface/plan.h"
@@ -12,8 +12,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! A patch in blocks with frames, of 2^height x 2^height quads. Along u and v it has as many as
-     *  it takes for the higher rate of its two opposite edges:
+    /*! A patch as blocks with frames, of 2^height x 2^height quads. Along u and v it has as many blocks as the higher
+     *  rate of its two opposite edges requires:
      *
      *       rate 9
      *     +---+---+---+
@@ -21,19 +21,19 @@ namespace embree
      *   8 +---+---+---+ 5
      *     |   |   |   |    Edges of a lower rate keep their own vertices (spread_borders.h).
      *     +---+---+---+
-     *       rate 3                                                                 */
+     *       rate 3 */
     struct PatchTiling
     {
       unsigned height = 0;
-      unsigned x = 0, y = 0; //!< blocks
-      Vec2i quads = Vec2i(0); //!< of all blocks
+      unsigned x = 0, y = 0; //!< number of blocks
+      Vec2i quads = Vec2i(0); //!< quads of all blocks
 
       size_t size () const { return size_t(x)*size_t(y); }
       unsigned quadsX () const { return unsigned(quads.x); }
       unsigned quadsY () const { return unsigned(quads.y); }
     };
 
-    /*! Subdivision level of a patch in frames: 2^level is its highest rate or next above it. */
+    /*! Subdivision level of a patch in frames: 2^level is its highest rate, rounded up to a power of two. */
     inline unsigned levelOf (const float rate[4])
     {
       unsigned level = 0;
@@ -42,8 +42,8 @@ namespace embree
       return level;
     }
 
-    /*! Tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads a side, or smaller ones where they take
-     *  fewer bytes, as for a long and narrow patch or a rate just above a multiple. */
+    /*! Returns the tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads per side, or smaller blocks
+     *  if these take fewer bytes, as for long and narrow patches or for rates just above a multiple. */
     inline PatchTiling tilingOf (cbvh::Kind kind, const float rate[4], unsigned frameLevel)
     {
       const unsigned level = levelOf(rate);

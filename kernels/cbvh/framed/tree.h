@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The words of a block as a tree, whatever the kind of its leaves. */
+/* The words of a block as a tree, for all kinds of leaves. */
 
 #ifndef CBVH_TREE_H
 #define CBVH_TREE_H
@@ -11,11 +11,10 @@
 
 CBVH_BEGIN
 
-/*! whether the words of a level are those of groups, leaf.h */
+/*! True if the words of a level are words of groups (leaf/format.h). */
 CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) { return hasGroups(kind) && level+1u == nodeLevels; }
 
-/*! Decoded bounds of a child. group: whether the word is that of a group, whose heights are
- *  without meaning else. */
+/*! Decodes the bounds of a child. group: true for the word of a group. heights: ignored otherwise. */
 CVERT_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
@@ -29,7 +28,7 @@ CBVH_END
 
 CBVH_BEGIN
 
-/*! heights of group m */
+/*! Returns the heights of group m. */
 inline Heights heightsOf (const Block* block, uint32_t m)
 {
   Heights heights;
@@ -37,14 +36,14 @@ inline Heights heightsOf (const Block* block, uint32_t m)
   return heights;
 }
 
-/*! decoded bounds of child c of node m of a level, from those of the node */
+/*! Decodes the bounds of child c of node m of a level, from the node's bounds. */
 inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);
   return childBox(group,block->nodes()[nodesOfLevels(level)+m],group ? heightsOf(block,m) : Heights{ 0,0 },int(c),parent);
 }
 
-/*! leaf c of group m, from the decoded bounds of the group */
+/*! Decodes leaf c of group m, from the group's decoded bounds. */
 inline LeafPatch leafOfGroup (const Block* block, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const uint32_t level = block->layout().nodeLevels-1;

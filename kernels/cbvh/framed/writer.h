@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Writer of blocks with frames: the patches of a cage become blocks of one kind, as a tiling cuts them, or, where one cannot be
- * compressed, Embree's grid. A task owns one writer and reuses its memory from
- * patch to patch. */
+/* Writer of blocks with frames. The patches of a cage become blocks of one kind, as divided by a tiling, or Embree's
+ * grids if they cannot be compressed. Each task owns a writer, which reuses its memory for all patches. */
 
 #include "block_encoder.h"
 #include "tiling.h"
@@ -20,12 +19,12 @@ namespace embree
     class FramedWriter
     {
     public:
-      /*! plan.sharesBorders(): faces share borders, and patches may be stored exactly instead */
+      /*! If plan.sharesBorders(), faces share borders, and patches may be stored as cVERT instead. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
           own(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0), encoded(mesh->device,0) {}
 
-      /*! smallest frame level at which no leaf of the patch is thicker than the bound */
+      /*! Returns the smallest frame level at which no leaf of the patch is thicker than the bound. */
       unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
@@ -50,11 +49,12 @@ namespace embree
         return level;
       }
 
-      /*! Writes the blocks of a tiling. False where the patch is better stored exactly, and may be: then there are none. */
+      /*! Writes the blocks of a tiling. Returns false, and writes nothing, if the patch should be stored as cVERT, and
+       *  the plan allows it. */
       bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
-        /* a node has no code for a child without surface: where quads are left out, leaves say so */
+        /* Nodes have no code for children without surface. If quads are left out, leaves must represent it. */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bound(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).takesHoles ? kindForHoles : plan.kind();
@@ -64,15 +64,17 @@ namespace embree
         blocks.assign(count,BBox3fa(empty));
         cbvh::BuildStatistics ofPatch;
         cbvh::WorldBounds hitBoundsOfPatch;
-        if (!hasHoles) { /* what is in the bounds of the vertices need not be looked at */
+        if (!hasHoles) { // what is inside the bounds of the vertices needs no test
           hitBoundsOfPatch.extend(lower[0],lower[1],lower[2]);
           hitBoundsOfPatch.extend(upper[0],upper[1],upper[2]);
         }
         fit = cbvh::LeafFit();
         const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
-        const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY())); // two of each quad on the border, where it is cut into leaves
+        /* two per quad on the border, because the quad is divided into leaves */
+        const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY()));
         for (size_t k=0; k<count; k++) {
-          const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x; // by diagonals: the first ones stand for the whole patch
+          /* in diagonal order, so that the first blocks are a sample of the whole patch */
+          const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x;
           Encoding e(kind,tiling,y*tiling.x+x);
           e.sharpSides = sharpSides & e.sidesOfPatch();
           writeBlock(patch,e,(cbvh::Block*)((char*)encoded.data()+e.index*stride),ofPatch,hitBoundsOfPatch);
@@ -88,17 +90,17 @@ namespace embree
         return true;
       }
 
-      /*! The vertices of the last patch as its face evaluates them, if it was evaluated as so many quads; else null.
-       *  Of a writer whose faces share borders. */
+      /*! Returns the vertices of the last patch as its face evaluates them, or null if it was not evaluated with this
+       *  number of quads. Only if plan.sharesBorders(). */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
         return isEvaluated ? (const float(*)[3])own.data() : nullptr;
       }
 
     private:
-      static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF; //!< of patches whose own kind cannot leave a quad out
+      static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF; //!< for patches whose own kind cannot leave out quads
 
-      /*! one block of a patch */
+      /*! A block of a patch. */
       struct Encoding
       {
         cbvh::Kind kind;
@@ -107,14 +109,14 @@ namespace embree
         unsigned index, x, y;   //!< position in the tiling
         uint32_t sharpSides = 0;
         cbvh::BlockLayout layout;
-        float corners[4][3];    //!< that the frame aligns to
+        float corners[4][3];    //!< points that the frame is aligned to
 
         Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
           : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x), layout(cbvh::blockLayout(uint32_t(kind),height)) {}
 
         size_t width () const { return (size_t(1) << height) + 1; }
 
-        /*! bits of sides of the patch that the block is on */
+        /*! Returns the bits of the sides of the patch that the block is on. */
         uint32_t sidesOfPatch () const {
           return uint32_t(y == 0) | uint32_t(x+1 == tiling.x) << 1 | uint32_t(y+1 == tiling.y) << 2 | uint32_t(x == 0) << 3;
         }
@@ -144,7 +146,7 @@ namespace embree
 
       const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
 
-      /*! vertices and corners of a block */
+      /*! Sets the vertices and corners of a block. */
       void gather (Encoding& e)
       {
         const size_t w = e.width();
@@ -178,7 +180,7 @@ namespace embree
         const unsigned quads = 1u << e.height;
         if (refused && shares) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
-          return; // of a patch that is stored exactly
+          return; // the patch will be stored as cVERT
         }
         if (refused && finite == count && !isStitched) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
@@ -188,8 +190,8 @@ namespace embree
         }
         if (!fits) { drop(e,ofPatch); return; }
         if (refused && e.kind != cbvh::Kind::GRID) {
-          /* GridSOA takes no holes, and on stitched borders it has other vertices than the
-           * blocks around, but cGRID's triangles are as exact in any frame */
+          /* GridSOA does not support holes, and on stitched borders its vertices differ from the adjacent blocks. The
+           * triangles of cGRID are exact in any frame. */
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
           Encoding exact(cbvh::Kind::GRID,e.tiling,e.index);
           avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
@@ -201,7 +203,7 @@ namespace embree
         }
 
         cbvh::BlockStatistics blockStatistics;
-        blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // leaves that are no thicker need no look
+        blockStatistics.maxThickness = statistics.sums.maxLeafThickness; // thinner leaves need no test
         encoder.encode(block,e.x,e.y,blockStatistics,e.sharpSides);
         block->surface = patch.surface;
         block->primID = patch.primID;
@@ -236,12 +238,12 @@ namespace embree
       const GridSOAWriter grids;
       cbvh::LeafFit fit;             //!< of the patch
       PatchVertices* patchVertices = nullptr;    //!< vertices of the patch
-      bool isStitched = false;       //!< whether an edge of the patch has a lower rate than its quads
-      std::vector<BBox3fa> blocks;   //!< bounds of those that are encoded, by position in the tiling; of others empty
-      mvector<float> own;            //!< vertices of a patch as its face evaluates them
-      mvector<float> vertices;       //!< of one block
-      mvector<Vec3fa> scratch;       //!< the encoder's, aligned
-      mvector<Vec3fa> encoded;       //!< blocks of a patch, or one that is encoded to see how thick it gets
+      bool isStitched = false;       //!< an edge of the patch has a lower rate than its quads
+      std::vector<BBox3fa> blocks;   //!< bounds of the encoded blocks, by position in the tiling; otherwise empty
+      mvector<float> own;            //!< vertices of the patch as its face evaluates them
+      mvector<float> vertices;       //!< vertices of one block
+      mvector<Vec3fa> scratch;       //!< scratch memory of the encoder, aligned
+      mvector<Vec3fa> encoded;       //!< blocks of a patch, or a trial block
     };
   }
 }

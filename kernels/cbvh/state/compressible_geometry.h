@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* What geometries that can be compressed have besides what Embree gives them. A subdivision surface that does not move is compressed by
- * the scene that traces it. Subdivision surfaces that move, grids, quads and triangles are taken from Embree's own kernels when they are
- * committed: their type is then one that none of Embree's has. */
+/* State of geometries that can be compressed, in addition to Embree's. Subdivision surfaces without motion blur are
+ * compressed by the scene that traces them. Moving subdivision surfaces, grids, quads and triangles are taken from
+ * Embree's own kernels when they are committed: they then have a type that Embree does not use. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -24,62 +24,73 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! of geometry that is compressed when it is committed: a number that Embree leaves free */
+    /*! Type of geometry that is compressed when it is committed. Embree does not use this value. */
     static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
     void disable () override { surface.changeVisibility(isEnabled()); Geometry::disable(); }
-    void setIntersectionFilterFunctionN (RTCFilterFunctionN filter) override { surface.changeVisibility(0); Geometry::setIntersectionFilterFunctionN(filter); }
-    void setOcclusionFilterFunctionN (RTCFilterFunctionN filter) override { surface.changeVisibility(0); Geometry::setOcclusionFilterFunctionN(filter); }
+    void setIntersectionFilterFunctionN (RTCFilterFunctionN filter) override {
+      surface.changeVisibility(0);
+      Geometry::setIntersectionFilterFunctionN(filter);
+    }
+    void setOcclusionFilterFunctionN (RTCFilterFunctionN filter) override {
+      surface.changeVisibility(0);
+      Geometry::setOcclusionFilterFunctionN(filter);
+    }
     void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
 
-    /*! whether Embree's own kernels of its type have been left for blocks */
+    /*! True if blocks are traced instead of Embree's own representation of the type. */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
-    /*! takes it from Embree's kernels, or gives it back */
+    /*! Takes the geometry from Embree's kernels, or returns it to them. */
     void setCompressed (bool compressed) { gtype = compressed ? GTY_COMPRESSED : ownType; }
 
-    /*! Scenes count the primitives of geometry that is compressed among those of subdivision surfaces, whose trees its blocks are in. */
-    void addToCount (GeometryCounts& counts) const { (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives; }
+    /*! Scenes count primitives of compressed geometry as primitives of subdivision surfaces, whose trees contain its
+     *  blocks. */
+    void addToCount (GeometryCounts& counts) const {
+      (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives;
+    }
 
-    const GType ownType;             //!< that it was made as
+    const GType ownType;             //!< type with which it was created
     CompressionSettings compression; //!< set by rtcSetGeometryCompression
     SurfaceState surface;
 
   protected:
-    /*! Throws if that is interpolated, and was let go. */
+    /*! Throws if a buffer of this type is interpolated and its input was released. */
     void requireInput (RTCBufferType type) const;
   };
 
-  /*! a geometry as that, or null where its type is none that can be compressed */
+  /*! Casts a geometry, or returns null if its type cannot be compressed. */
   inline CompressibleGeometry* compressible (Geometry* geometry)
   {
     switch (int(geometry->getType())) {
-    case Geometry::GTY_SUBDIV_MESH: case Geometry::GTY_GRID_MESH: case Geometry::GTY_QUAD_MESH: case Geometry::GTY_TRIANGLE_MESH:
+    case Geometry::GTY_SUBDIV_MESH: case Geometry::GTY_GRID_MESH: case Geometry::GTY_QUAD_MESH:
+    case Geometry::GTY_TRIANGLE_MESH:
     case CompressibleGeometry::GTY_COMPRESSED: return static_cast<CompressibleGeometry*>(geometry);
     default: return nullptr;
     }
   }
 
-  /*! a geometry that a scene's tree of blocks that move, or of those that do not, may have, or null: one that is enabled, and is compressed
-   *  or a subdivision surface that does not move */
+  /*! Returns a geometry that a scene's tree of moving, or of static, blocks may contain, else null. It must be enabled,
+   *  and either compressed or a static subdivision surface. */
   inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
     CompressibleGeometry* const surface = compressible(geometry);
-    return surface && (surface->isCompressed() || (!moves && surface->getType() == Geometry::GTY_SUBDIV_MESH)) ? surface : nullptr;
+    return surface && (surface->isCompressed() || (!moves && surface->getType() == Geometry::GTY_SUBDIV_MESH))
+      ? surface : nullptr;
   }
 
-  /*! Returns the data of a buffer. Throws if there is none because the input was released. */
+  /*! Returns data, the data of a buffer. Throws if it is null because the input was released. */
   void* requireBuffer (Geometry* geometry, void* data);
 
-  /*! Whether the surface is to be taken from its buffers again. Throws where they were let go. */
+  /*! Begins a commit. Returns true if the surface must be read from its buffers again. Throws if they were released. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);
   bool beginCommit (QuadMesh* mesh);
   bool beginCommit (TriangleMesh* mesh);
 
-  /*! Compresses a geometry that asks for it when it is committed, and lets its input go. */
+  /*! Compresses a geometry that is compressed when it is committed, and releases its input. */
   void endCommit (SubdivMesh* mesh);
   void endCommit (GridMesh* mesh);
   void endCommit (QuadMesh* mesh);

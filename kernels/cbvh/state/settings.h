@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Settings of compression, the same struct for a device and for a geometry. Every
- * field may be left to the next one in the order geometry, device string,
- * environment, default; resolve() closes the chain. */
+/* Compression settings of a device or a geometry. Each member may be inherited, in the order geometry, device string,
+ * environment, default. resolve() computes the effective settings. */
 
 #include "../../../include/embree3/rtcore_compression.h"
 #include <string>
@@ -20,29 +19,30 @@ namespace embree
     RTCCompression compression = RTC_COMPRESSION_INHERIT;
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units; 0: cVERT is lossless; negative: inherited, or the default
-    float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< only a geometry's
+    float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< geometries only
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
-    bool releasesInput = false; //!< of a geometry if it or its device says so
-    bool takesGrids = true, takesQuads = true, takesTriangles = true; //!< only a device's: types that are compressed if they do not ask
-    RTCProgressMonitorFunction progress = nullptr; //!< only a geometry's
+    bool releasesInput = false; //!< true if the geometry or its device requests it
+    bool takesGrids = true, takesQuads = true, takesTriangles = true; //!< devices only: types that inherit compression
+    RTCProgressMonitorFunction progress = nullptr; //!< geometries only
     void* progressUserPtr = nullptr;
 
-    /*! Takes cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
-     *  cbvh_release_input out of a device string; false for any other key. Throws rtcore_error naming key and value. */
+    /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
+     *  cbvh_release_input in a device string. Returns false for keys of Embree. Throws rtcore_error with key and
+     *  value. */
     bool parse (const Token& key, TokenStream& stream);
 
-    /*! What EMBREE_CBVH=1 and subdiv_accel=cbvh stand for: a fifth of cGRID's memory, smaller and more exact than
-     *  cLEAF, and the fastest to build. cVOXEL may be smaller, but its boxes are no surface to shade (README.md). */
+    /*! Compression that EMBREE_CBVH=1 and subdiv_accel=cbvh select. cVERT needs less memory than cGRID, is smaller and
+     *  more exact than cLEAF, and builds fastest. cVOXEL may be smaller, but its boxes are not a surface to shade. */
     static const RTCCompression bestCompression = RTC_COMPRESSION_VERT;
 
-    /*! Takes EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
+    /*! Parses EMBREE_CBVH, for example "leaf,frame_level=2". Throws rtcore_error. */
     void parseEnvironment ();
 
-    /*! Takes the device string's subdiv_accel once it is known; "default" says nothing.
-     *  Throws rtcore_error for an unknown "cbvh." kind. Where `verbose`, prints what we are, above Embree's banner. */
+    /*! Applies subdiv_accel of the device string when it is complete; "default" has no effect. Throws rtcore_error for
+     *  unknown "cbvh." kinds and for unknown keys. verbose: print version and setting above Embree's banner. */
     void verify (const std::string& subdivAccel, bool verbose);
 
-    /*! what holds for a geometry with these settings on that device: nothing inherits any more */
+    /*! Returns the effective settings of a geometry with these settings. Nothing in the result is inherited. */
     CompressionSettings resolve (const CompressionSettings& device) const;
 
   private:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The surface of a geometry: its blocks, which are built when it changed, and what changed since the geometry was committed last. */
+/* The surface of a geometry: its blocks, and what changed since the last commit of the geometry. */
 
 #include <memory>
 
@@ -16,21 +16,23 @@ namespace embree
   struct SurfaceState
   {
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until a scene or a commit needs it
-    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and when the surface was changed
-    std::shared_ptr<const QuadRegions> regions;        //!< of quads and triangles, from the commit until blocks are built
+    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and after the surface changed
+    std::shared_ptr<const QuadRegions> regions;        //!< quads and triangles: from the commit until blocks are built
     bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT, or the key release_input
-    const char* whyNot = nullptr;                      //!< of a geometry that asks for compression and is not compressed
+    const char* whyNot = nullptr;                      //!< reason why compression was requested but not done
 
-    /*! Who sees the surface was changed. counted: how often Embree counts that as a modification of the geometry */
+    /*! Records a change of the visibility. counted: number of modifications that Embree counts for it. */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
 
-    /*! The surface was changed, or what a displacement function gets; also where Embree does not count it. */
+    /*! Records a change of the surface or of the arguments of its displacement function that Embree may not count. */
     void change () { changed = true; }
 
-    /*! Whether, since the last commit, something was changed, and nothing but who sees the surface. Where nothing was that the library
-     *  sees, a displacement may answer otherwise; but not without the input. */
+    /*! True if blocks remain valid: since the last commit something changed, and only the visibility. If nothing
+     *  changed that the library can detect, a displacement function may return other values, so blocks are rebuilt,
+     *  unless the input was released. */
     bool isKept (unsigned modCounter) const {
-      return (visibilityChanged || (inputReleased && blocks)) && !changed && modCounter - committedModCounter == visibilityChanges;
+      return (visibilityChanged || (inputReleased && blocks)) && !changed
+        && modCounter - committedModCounter == visibilityChanges;
     }
 
     void commit (unsigned modCounter)

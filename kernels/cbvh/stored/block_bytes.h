@@ -3,19 +3,32 @@
 
 #pragma once
 
-/* How many bytes a block takes. */
+/* Size of a block, and the offset of its surface number. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
+#include "../base/primitive_type.h"
+#include "../../cvert/format/mesh_block.h"
 #include "../../cvert/format/motion.h"
 
 namespace embree
 {
   namespace cbvh
   {
-    /*! isVert: cVERT, moving or not; else a block with a frame */
-    inline uint32_t bytesOfBlock (const void* block, bool isVert) {
-      return isVert ? vertBytes((const VertHeader*)block) : uint32_t(((const Block*)block)->layout().bytes);
+    inline uint32_t bytesOfBlock (const void* block, BlockForm form)
+    {
+      switch (form) {
+      case VERT_FORM: return vertBytes((const VertHeader*)block);
+      case MESH_FORM: return ((const MeshHeader*)block)->bytes;
+      default: return uint32_t(((const Block*)block)->layout().bytes);
+      }
+    }
+
+    /*! Offset of the surface number in a block. */
+    inline uint32_t offsetOfSurface (BlockForm form)
+    {
+      static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"same offset in both headers");
+      return form == FRAMED_FORM ? uint32_t(offsetof(BlockHeader,surface)) : uint32_t(offsetof(VertHeader,surface));
     }
   }
 }

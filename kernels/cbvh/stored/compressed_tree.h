@@ -7,10 +7,10 @@
 
 namespace embree
 {
-  /*! the tree of a scene over blocks, and over grids of GRID */
+  /*! Tree of a scene over blocks and over grids of GRID. */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool hasGrids = false; //!< whether a geometry of it came diced, which point queries see
+    bool hasGrids = false; //!< true if a geometry was given as grids, which point queries find
   };
 }

@@ -9,13 +9,13 @@
 
 namespace embree
 {
-  /*! what a build leaves behind besides its BVH */
+  /*! Results of a build other than its BVH. */
   struct CompressionReport
   {
-    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< whose parts the BVH is made of
+    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< surfaces whose parts are in the BVH
     cbvh::CompressionStatistics statistics;
-    std::vector<std::string> errors; //!< that did not stop it, for reportBuildErrors
-    MutexSys mutex;                  //!< of errors, which any thread that joins a commit may fetch
+    std::vector<std::string> errors; //!< errors that did not stop the build, for reportBuildErrors
+    MutexSys mutex;                  //!< protects errors, which any thread that joins a commit may read
 
     void clear ()
     {
@@ -26,8 +26,8 @@ namespace embree
     }
   };
 
-  /*! Accelerator of a scene: either of its compressed surfaces that move, or of its subdivision surfaces that do not
-   *  move, if at least one is compressed. */
+  /*! Accelerator of a scene for its moving compressed surfaces, or for its static subdivision surfaces if at least one
+   *  of them is compressed. */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "stored_clusters.h"
 #include "../embree/scene.h"
@@ -17,7 +17,7 @@ namespace embree
   {
     namespace
     {
-      /*! cuts parts into clusters, one after the other */
+      /*! Divides parts into clusters, one after the other. */
       class Cutter
       {
       public:
@@ -28,20 +28,23 @@ namespace embree
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          whyFloats = !block.isVert ? ClusterReason::RAW : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
+          whyFloats = block.isMesh() ? ClusterReason::RANGE : !block.isVert() ? ClusterReason::RAW
+              : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
               : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
               : ClusterReason::RANGE;
           const QuadRectangle all = { 0,0,part.width-1,part.height-1 };
           if (format == ClusterFormat::DGF1) {
             bool goesOn = true;
             if (cutIntoDgf(all,goesOn)) return goesOn;
-            return forEachSquare(all,[&](const QuadRectangle& square) { return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,whyFloats); });
+            return forEachSquare(all,[&](const QuadRectangle& square) {
+                return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,whyFloats);
+              });
           }
           return forEachSquare(all,[&](const QuadRectangle& square) { return handOutVertices(square); });
         }
 
       private:
-        /*! clusters of up to 8 x 8 quads */
+        /*! Calls closure(square) for squares of up to 8 x 8 quads until it returns false. */
         template<typename Closure>
         static bool forEachSquare (const QuadRectangle& of, const Closure& closure)
         {
@@ -58,7 +61,7 @@ namespace embree
           return points.place(part->vertices + 3*(size_t(of.y)*part->width + of.x),part->width,of.width+1,of.height+1);
         }
 
-        /*! in COMPRESSED1, or as floats */
+        /*! Passes a cluster in COMPRESSED1 or as floats to the closure. */
         bool handOutVertices (const QuadRectangle& square)
         {
           if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);
@@ -84,10 +87,11 @@ namespace embree
           return handOut(square,triangles,ClusterFormat::FLOAT3,reason,12*triangles.numVertices);
         }
 
-        /*! Returns false if one of the quads is none for a block of DGF: then nothing was handed out. */
+        /*! Returns false, without calling the closure, if a quad does not fit into a block of DGF. */
         bool cutIntoDgf (const QuadRectangle& of, bool& goesOn)
         {
-          if (of.width >= LatticePoints::maxSide || of.height >= LatticePoints::maxSide || !place(points,of)) return false;
+          if (of.width >= LatticePoints::maxSide || of.height >= LatticePoints::maxSide || !place(points,of))
+            return false;
           const dgf::Tiling tiling(points,of.width,of.height);
           if (!tiling.isPossible) return false;
           tiling.forEach([&](uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
@@ -97,7 +101,7 @@ namespace embree
           return true;
         }
 
-        /*! points: of a rectangle that has the piece */
+        /*! of: rectangle of points; contains the piece. */
         bool handOutDgf (const QuadRectangle& of, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);
@@ -107,12 +111,15 @@ namespace embree
             triangles.vertices[i] = (piece.y-of.y+y)*points.width + piece.x-of.x+x;
           }
           if (report.numTriangles + triangles.numTriangles > dgf::maxPrimitives)
-            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has more triangles than the primitive indices of DGF count, which have 29 bits");
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has too many triangles for DGF: expected at most "
+                           "2^29, because primitive indices of DGF have 29 bits");
           if (!block.write(triangles,points,uint32_t(report.numTriangles)))
           {
-            /* where triangles are left out the strip begins more than once */
+            /* if triangles are left out, the piece may need several strips */
             QuadRectangle halves[2] = { piece,piece };
-            if (piece.width >= piece.height) { halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width; }
+            if (piece.width >= piece.height) {
+              halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width;
+            }
             else { halves[0].height /= 2; halves[1].y += halves[0].height; halves[1].height -= halves[0].height; }
             return handOutDgf(of,halves[0]) && handOutDgf(of,halves[1]);
           }
@@ -152,13 +159,14 @@ namespace embree
         const std::function<bool(const StoredCluster&)>& closure;
         ClusterReport& report;
         const StoredPart* part = nullptr;
-        ClusterReason whyFloats = ClusterReason::FITS; //!< if a cluster of the part has them
+        ClusterReason whyFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
         LatticePoints points;
         dgf::Block block;
-        uint32_t data[3*QuadTriangles::maxVertices];   //!< of a cluster
+        uint32_t data[3*QuadTriangles::maxVertices];   //!< data of a cluster
       };
 
-      static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,"COMPRESSED1 has room where floats have");
+      static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,
+                    "COMPRESSED1 needs no more room than floats");
     }
 
     void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A surface as its blocks hold it, cut into clusters of formats that GPUs read. */
+/* Divides a stored surface into clusters of formats that GPUs read. */
 
 #include "cluster.h"
 #include "stored_triangles.h"
@@ -12,7 +12,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls closure(cluster) until it returns false, and adds what it was called with to the report. Throws as forEachPart. */
+    /*! Calls closure(cluster) until it returns false, and adds the clusters to the report. Throws as forEachPart. */
     void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,
                          const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report);
   }

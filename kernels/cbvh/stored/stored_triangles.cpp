@@ -1,12 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "stored_triangles.h"
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../embree/scene.h"
+#include "../../cvert/decoder/decoded_mesh.h"
 #include "vertices_at_time.h"
 #include "surface_blocks.h"
 #include <algorithm>
@@ -31,12 +32,13 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        const bool isVert = type == VERT_BLOCK || type == MOVING_VERT_BLOCK;
-        if (type != MOVING_VERT_BLOCK && !isUsable(block,isVert))
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry's file is damaged: one of its blocks is none");
-        if (!isVert && (type != FRAMED_BLOCK || ((const Block*)block)->kind() != Kind::GRID))
-          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry is not stored as cVERT or cGRID as a whole: only those hand out triangles");
-        closure(StoredBlock{ block,isVert });
+        if (isBlock(type) && type != MOVING_VERT_BLOCK && !isUsable(block,formOfBlock(type)))
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                         "the geometry's file is damaged: one of its blocks cannot be decoded");
+        if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the triangles of the geometry cannot be read: expected all of it "
+                         "to be stored as cVERT or cGRID");
+        closure(StoredBlock{ block,formOfBlock(type) });
       }
 
       template<typename Closure>
@@ -45,17 +47,17 @@ namespace embree
         for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
-      /*! where the quads of a block are in their patch */
+      /*! Position of the quads of a block in their patch. */
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
-        float corner[2];   //!< parameters of the patch's
-        bool isCut;        //!< whether edges have lower rates
+        float corner[2];   //!< parameters at the corner of the patch
+        bool isCut;        //!< true if the block stores edges
         VertEdges edges;
 
         explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
         {
-          if (stored.isVert)
+          if (stored.isVert())
           {
             const VertHeader* block = stored.vert();
             patchQuads[0] = patchQuadsX(block->patchQuads); patchQuads[1] = patchQuadsY(block->patchQuads);
@@ -73,13 +75,15 @@ namespace embree
           corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
         }
 
-        /*! of the edges of a row or a column of vertices */
+        /*! Rate of a row (d = 0) or column (d = 1) of vertices: of an edge of the patch, or of its quads. across:
+         *  number of the row or column. */
         uint32_t rate (int d, uint32_t across) const {
-          return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3) : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
+          return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
+            : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
         }
       };
 
-      /*! a block that numbers none of its quads, decoded, with the parameters of its vertices */
+      /*! A decoded block without numbers of quads, with the parameters of its vertices. */
       struct DecodedBlock
       {
         const Place place;
@@ -91,7 +95,8 @@ namespace embree
           const uint32_t width = place.quads[0]+1, count = width*(place.quads[1]+1);
           vertices.resize(count);
           parameters.resize(count);
-          if (stored.isVert) memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
+          if (stored.isVert())
+            memcpy(vertices.data(),VerticesAtTime(stored.vert(),time).vertices,count*sizeof(vertices[0]));
           else {
             const float* const planes = (const float*)stored.framed()->leaves();
             for (uint32_t i=0; i<count; i++)
@@ -105,15 +110,33 @@ namespace embree
         }
       };
 
-      /*! Calls closure(x, y, number) for the quads of a block that numbers them. */
+      /*! Calls closure(x, y) for the quads of a block. */
       template<typename Closure>
       void forEachQuad (const VertHeader* block, const Closure& closure)
       {
         for (uint32_t y=0; y<vertQuadsY(block->region); y++)
-          for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y,numberOfQuad(block,x,y));
+          for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y);
       }
 
-      /*! the triangles of a primitive that a hit may be on, and which it is most likely */
+      /*! Calls closure(number, corners) for the triangles of a mesh block. */
+      template<typename Closure>
+      void forEachTriangle (const MeshHeader* block, const Closure& closure)
+      {
+        const MeshView view(block);
+        for (uint32_t g=0; g<view.groups; g++)
+        {
+          const DecodedMeshGroup group(view,g);
+          for (uint32_t t=0; t<group.numTriangles; t++)
+          {
+            float corners[3][3];
+            for (int c=0; c<3; c++)
+              for (int k=0; k<3; k++) corners[c][k] = group.corners[c][k][t];
+            closure(group.numbers[t],corners);
+          }
+        }
+      }
+
+      /*! Finds the triangle of a primitive that contains a hit. */
       class Search
       {
       public:
@@ -122,34 +145,50 @@ namespace embree
 
         bool found () const { return hasBest; }
 
-        /*! a block that has it */
+        /*! Searches a block that contains the primitive. */
         void look (const StoredBlock& block, uint32_t primID)
         {
-          if (block.isVert && !VerticesAtTime::isThere(block.vert(),time)) return;
-          if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
+          if (block.isVert() && !VerticesAtTime::isThere(block.vert(),time)) return;
+          if (block.isMesh()) lookInMesh(block.mesh(),primID);
+          else if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
           else lookForParameters(block);
         }
 
       private:
-        /*! The triangles of a quad, or one of them, in the application's order of its vertices. */
+        /*! Considers the triangles of a quad, or one of them, in the application's order of vertices. */
         void lookForPrimitive (const VertHeader* block, uint32_t primID)
         {
-          const uint32_t form = block->patchQuads;
           const VerticesAtTime vertices(block,time);
           slack = slackOf(u) + slackOf(v);
-          forEachQuad(block,[&](uint32_t x, uint32_t y, uint32_t number) {
-              const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
+          forEachQuad(block,[&](uint32_t x, uint32_t y) {
+              const float* const corners[4] = { vertices.vertex(x,y),vertices.vertex(x+1,y),
+                                                vertices.vertex(x+1,y+1),vertices.vertex(x,y+1) };
               for (bool isSecond : { false,true }) {
-                if (primitiveOfNumber(form,number,isSecond) != primID || (isSecond && isOneTriangle(form))) continue;
+                const QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
+                const uint32_t form = primitive.form;
+                if (primitive.primID != primID || (isSecond && isOneTriangle(form))) continue;
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
-                  const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u }; // as ownParameters counts them
+                  // in the order of ownParameters
+                  const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u };
                   p[i] = corners[around[(i + turnOfTriangle(form,isSecond)) % 3]];
                   if (!isOfTriangles(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
                 }
                 consider(p,s,t);
               }
+            });
+        }
+
+        void lookInMesh (const MeshHeader* block, uint32_t primID)
+        {
+          slack = slackOf(u) + slackOf(v);
+          forEachTriangle(block,[&](uint32_t number, const float (&corners)[3][3]) {
+              if (primitiveOfMesh(block->form,number) != primID) return;
+              const float* const p[3] = { corners[0],corners[1],corners[2] };
+              const float first[2][3] = { { 0,1,0 },{ 0,0,1 } }, second[2][3] = { { 1,0,1 },{ 1,1,0 } };
+              const float (&parameters)[2][3] = isSecondOfQuad(block->form,number) ? second : first;
+              consider(p,parameters[0],parameters[1]);
             });
         }
 
@@ -162,12 +201,14 @@ namespace embree
           {
             x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
             reach[d] = slackOf(parameters[d])*place.patchQuads[d];
-            /* parameters at edges of lower rates are elsewhere, by up to one of their quads */
-            if (place.isCut) reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
+            /* parameters at edges of lower rates differ by up to one of the quads of these edges */
+            if (place.isCut)
+              reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
             if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
           }
           const DecodedBlock decoded(block,time);
-          const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]), y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
+          const uint32_t x0 = first(x[0]-reach[0]), x1 = last(x[0]+reach[0],place.quads[0]),
+            y0 = first(x[1]-reach[1]), y1 = last(x[1]+reach[1],place.quads[1]);
           slack = std::max(slackOf(u)*place.patchQuads[0],slackOf(v)*place.patchQuads[1]);
           for (uint32_t j=y0; j<y1; j++)
             for (uint32_t i=x0; i<x1; i++) {
@@ -186,13 +227,15 @@ namespace embree
             }
         }
 
-        /*! what a parameter may have lost to rounding */
-        static double slackOf (float parameter) { return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter))); }
+        /*! Bound of the rounding error of a parameter. */
+        static double slackOf (float parameter) {
+          return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter)));
+        }
 
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        /*! vertices, and their parameters */
+        /*! Considers a triangle. p: vertices. vertexU, vertexV: their parameters. */
         void consider (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
@@ -201,10 +244,11 @@ namespace embree
             s[c] = vertexU[c];
             t[c] = vertexV[c];
           }
-          /* how far outside the hit is, in parts of the triangle */
+          /* distance of the hit from the triangle, in barycentric coordinates */
           const double area = (s[1]-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(t[1]-t[0]);
-          if (area == 0) return; // collapsed where edges are stitched
-          const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area, w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
+          if (area == 0) return; // collapsed at a stitched edge
+          const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area,
+            w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
           if (outside > slack) return;
           const double turned = Ng ? angle(p) : outside;
@@ -218,7 +262,7 @@ namespace embree
           }
         }
 
-        /*! of its normal to Ng, as 1 less the square of the cosine */
+        /*! Angle between the normal of a triangle and Ng, as 1 minus the square of the cosine. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -245,32 +289,98 @@ namespace embree
     {
       blocks.reserve(surface.numPrimitives);
       forEachBlock(surface,[&](const StoredBlock& block) { blocks.push_back(block); });
-      std::sort(blocks.begin(),blocks.end(),[](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
+      std::sort(blocks.begin(),blocks.end(),
+                [](const StoredBlock& a, const StoredBlock& b) { return a.primID() < b.primID(); });
       for (size_t i=0; i<blocks.size(); i++)
       {
+        if (blocks[i].isMesh()) {
+          const MeshHeader* const block = blocks[i].mesh();
+          const MeshView view(block);
+          for (uint32_t g=0; g<view.groups; g++)
+            for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++)
+              add(primitiveOfMesh(block->form,view.number(g,t)),uint32_t(i));
+        }
         if (!blocks[i].numbersQuads()) continue;
-        forEachQuad(blocks[i].vert(),[&](uint32_t, uint32_t, uint32_t number) {
-            const uint32_t last = primitiveOfNumber(blocks[i].vert()->patchQuads,number,true);
-            if (last >= blockOf.size()) blockOf.resize(std::max(size_t(last)+1,2*blockOf.size()),uint32_t(none));
-            blockOf[number] = blockOf[last] = uint32_t(i);
+        forEachQuad(blocks[i].vert(),[&](uint32_t x, uint32_t y) {
+            for (bool isSecond : { false,true }) add(primitiveOfQuad(blocks[i].vert(),x,y,isSecond).primID,uint32_t(i));
           });
       }
       blockOf.shrink_to_fit();
+      std::sort(secondBlockOf.begin(),secondBlockOf.end());
+    }
+
+    void BlockIndex::add (uint32_t primID, uint32_t block)
+    {
+      if (primID >= blockOf.size()) blockOf.resize(std::max(size_t(primID)+1,2*blockOf.size()),uint32_t(none));
+      uint32_t& known = blockOf[primID];
+      if (known == none) known = block;
+      else if (known != block) secondBlockOf.emplace_back(primID,block);
     }
 
     bool BlockIndex::find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
         StoredTriangle& triangle) const
     {
-      if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false; // nothing lies there
+      if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false;
       Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
         if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
+        auto second = std::lower_bound(secondBlockOf.begin(),secondBlockOf.end(),std::make_pair(primID,0u));
+        for (; second != secondBlockOf.end() && second->first == primID; ++second)
+          search.look(blocks[second->second],primID);
         return search.found();
       }
-      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,[](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
+      for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,
+                                   [](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
            i != blocks.end() && i->primID() == primID; i++)
         search.look(*i,primID);
       return search.found();
+    }
+
+    /*! Calls closure(block, part) for each triangle of a mesh block, or for each quad, until it returns false. A quad
+     *  whose triangles are in different blocks is two parts. Returns the result of the last call. */
+    static bool forEachMeshPart (const StoredBlock& block,
+                                 const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
+    {
+      struct Triangle
+      {
+        uint32_t number;
+        float corners[3][3];
+        bool operator< (const Triangle& other) const { return number < other.number; }
+      };
+      std::vector<Triangle> triangles;
+      forEachTriangle(block.mesh(),[&](uint32_t number, const float (&corners)[3][3]) {
+          triangles.emplace_back();
+          triangles.back().number = number;
+          memcpy(triangles.back().corners,corners,sizeof(corners));
+        });
+      std::sort(triangles.begin(),triangles.end());
+      const uint32_t form = block.mesh()->form;
+      for (size_t i=0; i<triangles.size(); i++)
+      {
+        const float (&p)[3][3] = triangles[i].corners;
+        const uint32_t primID = primitiveOfMesh(form,triangles[i].number), primIDs[2] = { primID,primID };
+        float vertices[4][3]; // 00, 10, 01, 11 of a quad
+        auto set = [&](const float* v0, const float* v1, const float* v3, const float* v2) {
+          const float* const from[4] = { v0,v1,v3,v2 };
+          for (int c=0; c<4; c++) memcpy(vertices[c],from[c],sizeof(vertices[c]));
+        };
+        const bool isSecond = isSecondOfQuad(form,triangles[i].number);
+        if (isSecond) set(p[2],p[2],p[1],p[0]);
+        else if (i+1 < triangles.size() && isSecondOfQuad(form,triangles[i+1].number)
+                 && triangles[i+1].number == triangles[i].number+1) {
+          set(p[0],p[1],p[2],triangles[i+1].corners[0]);
+          i++;
+        }
+        else set(p[0],p[1],p[2],p[1]);
+        StoredPart part = StoredPart();
+        part.primID = primID;
+        part.width = part.height = 2;
+        part.vertices = vertices[0];
+        part.primIDs = primIDs;
+        part.primitivesPerQuad = (form & meshIsOfQuads) ? 1 : 2;
+        if (!closure(block,part)) return false;
+      }
+      return true;
     }
 
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
@@ -278,7 +388,8 @@ namespace embree
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
-          if (!goesOn || (block.isVert && !VerticesAtTime::isThere(block.vert(),time))) return;
+          if (goesOn && block.isMesh()) { goesOn = forEachMeshPart(block,closure); return; }
+          if (!goesOn || (block.isVert() && !VerticesAtTime::isThere(block.vert(),time))) return;
           StoredPart part = StoredPart();
           part.primID = block.primID();
           const Place place(block);
@@ -294,9 +405,9 @@ namespace embree
           const uint32_t form = block.vert()->patchQuads;
           const VerticesAtTime decoded(block.vert(),time);
           uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
-          forEachQuad(block.vert(),[&](uint32_t, uint32_t, uint32_t number) {
-              primIDs[n++] = number;
-              if (isOfTriangles(form)) primIDs[n++] = primitiveOfNumber(form,number,true);
+          forEachQuad(block.vert(),[&](uint32_t x, uint32_t y) {
+              primIDs[n++] = primitiveOfQuad(block.vert(),x,y,false).primID;
+              if (isOfTriangles(form)) primIDs[n++] = primitiveOfQuad(block.vert(),x,y,true).primID;
             });
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;

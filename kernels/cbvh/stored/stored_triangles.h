@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* The triangles of a surface as its blocks hold them, for who asks for them outside of traversal. */
+/* Triangles of a stored surface, for uses other than traversal. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
-#include "../../cvert/format/block.h"
+#include "../base/primitive_type.h"
+#include "../../cvert/format/mesh_block.h"
 #include "part.h"
 #include <cstddef>
 #include <cstdint>
@@ -20,47 +21,58 @@ namespace embree
 
   namespace cbvh
   {
-    /*! When rays are traced that triangles are looked up for, and how: whether their device multiplies and adds at once. */
+    /*! The time of rays for which triangles are looked up. isFused: true if their device fuses multiplications and
+     *  additions. */
     struct TraversalTime
     {
-      float time;   //!< as of rays
+      float time;   //!< RTCRay::time
       bool isFused;
     };
 
-    /*! a block of cVERT or cGRID */
+    /*! A block of cVERT or cGRID, or a mesh block. */
     struct StoredBlock
     {
       const void* data;
-      bool isVert;
+      BlockForm form;
+
+      bool isVert () const { return form == VERT_FORM; }
+      bool isMesh () const { return form == MESH_FORM; }
 
       const VertHeader* vert () const { return (const VertHeader*)data; }
       const Block* framed () const { return (const Block*)data; }
+      const MeshHeader* mesh () const { return (const MeshHeader*)data; }
 
-      uint32_t primID () const { return isVert ? vert()->primID : framed()->primID; }
+      uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
-      /*! whether each of its quads is a primitive */
-      bool numbersQuads () const { return isVert && hasNumbers(vert()->boxForm); }
+      /*! True if each quad is a primitive. */
+      bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
-    /*! Blocks of a surface by their primitives. */
+    /*! Finds blocks of a surface by primitive. */
     class BlockIndex
     {
     public:
-      /*! Throws where a block is neither cVERT nor cGRID. */
+      /*! Throws if a block is not cVERT, cGRID or a mesh block. */
       explicit BlockIndex (const SurfaceBlocks& blocks);
 
-      /*! see core/stored_surface.h */
+      /*! See core/stored_surface.h. */
       bool find (const TraversalTime& time, uint32_t primID, float u, float v, const float* Ng,
           StoredTriangle& triangle) const;
 
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
 
-      std::vector<StoredBlock> blocks; //!< in the order of primitives
-      std::vector<uint32_t> blockOf;   //!< of each primitive, if blocks number their quads; empty if they do not
+      std::vector<StoredBlock> blocks; //!< sorted by primitive
+      std::vector<uint32_t> blockOf;   //!< block of each primitive of a mesh; else empty
+      /*! Pairs of primitive and block, sorted, for quads with a triangle in a second mesh block. */
+      std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
+
+      void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Throws where one is neither cVERT nor cGRID. */
+    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each triangle of a mesh block is
+     *  a part, or each quad if both of its triangles are in the block. Throws if a block is not cVERT, cGRID or a mesh
+     *  block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

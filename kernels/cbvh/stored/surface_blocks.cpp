@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. */
+/* Compiled only for the lowest ISA of the library. */
 
 #include "surface_blocks.h"
 #include "../base/kinds.h"
@@ -16,10 +16,10 @@ namespace embree
   {
     namespace
     {
-      MutexSys mutex;                    //!< of what follows, and of the blocks that geometries have
+      MutexSys mutex;                    //!< protects the following, and the blocks of geometries
       std::priority_queue<uint32_t,std::vector<uint32_t>,std::greater<uint32_t>> freeNumbers; //!< below usedNumbers
       uint32_t usedNumbers = 0;
-      std::set<uint32_t> fileNumbers;    //!< that surfaces have
+      std::set<uint32_t> fileNumbers;    //!< in use
     }
 
     SurfaceNumber::SurfaceNumber (uint32_t fileNumber)
@@ -44,7 +44,8 @@ namespace embree
         Lock<MutexSys> lock(mutex);
         if (geometry->surface.number) return geometry->surface.number;
       }
-      std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>(); // which locks, as its end does
+      /* constructor and destructor lock the mutex */
+      std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>();
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.number == nullptr) geometry->surface.number = number;
       return geometry->surface.number;
@@ -54,19 +55,22 @@ namespace embree
     {
       for (size_t i=0; i<scene->geometries.size(); i++) {
         const CompressibleGeometry* const geometry = geometryOfTree(scene->geometries[i].ptr,moves);
-        if (geometry && geometry->compression.resolve(scene->device->compression).compression != RTC_COMPRESSION_NONE) return true;
+        if (geometry && geometry->compression.resolve(scene->device->compression).compression != RTC_COMPRESSION_NONE)
+          return true;
       }
       return false;
     }
 
     void nameSurfaces (Scene* scene)
     {
-      const bool isStill = hasCompressedGeometry(scene,false); // else Embree has the others, whose grids have IDs
+      /* if false, Embree traces static surfaces, and their grids store IDs */
+      const bool isStill = hasCompressedGeometry(scene,false);
       std::vector<std::pair<uint32_t,uint32_t>> names;
       for (size_t i=0; i<scene->size(); i++)
         for (bool moves : { false,true }) {
           CompressibleGeometry* const geometry = isStill || moves ? geometryOfTree(scene->get(i),moves) : nullptr;
-          if (geometry && geometry->size() != 0) names.emplace_back(*numberOf(geometry) | (moves ? movingSurface : 0),uint32_t(i));
+          if (geometry && geometry->size() != 0)
+            names.emplace_back(*numberOf(geometry) | (moves ? movingSurface : 0),uint32_t(i));
         }
       Lock<MutexSys> lock(mutex);
       scene->surfaceIDs.set(names);
@@ -78,11 +82,13 @@ namespace embree
       return geometry->surface.blocks;
     }
 
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry, const std::shared_ptr<const SurfaceBlocks>& blocks)
+    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
+                                                     const std::shared_ptr<const SurfaceBlocks>& blocks)
     {
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.blocks == nullptr) geometry->surface.blocks = blocks;
-      std::atomic_store(&geometry->surface.regions,std::shared_ptr<const QuadRegions>()); // whoever still builds has them
+      // builds in progress hold their own reference
+      std::atomic_store(&geometry->surface.regions,std::shared_ptr<const QuadRegions>());
       return geometry->surface.blocks;
     }
 
@@ -98,7 +104,7 @@ namespace embree
 
     void BlockMemory::expect (size_t bytes)
     {
-      static_assert(alignof(FastAllocator) <= 16,"what new aligns to");
+      static_assert(alignof(FastAllocator) <= 16,"alignment of new");
       if (bytes == 0) return;
       shared.reset(new FastAllocator(device,true));
       shared->init_estimate(bytes);
@@ -128,7 +134,8 @@ namespace embree
   static std::atomic<uint64_t> numBuilds(0);
 
   SurfaceBlocks::SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number)
-    : number(number), build(++numBuilds), memory(device), parts(device,0), moving(device,0), root(BVH4::emptyNode), bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
+    : number(number), build(++numBuilds), memory(device), parts(device,0), moving(device,0), root(BVH4::emptyNode),
+      bounds(empty), numPrimitives(0), blockIndex(nullptr) {}
 
   SurfaceBlocks::~SurfaceBlocks () { delete blockIndex.load(); }
 

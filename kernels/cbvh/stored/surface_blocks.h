@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What a geometry becomes: its blocks, and the tree above them. The geometry owns it, and so does each scene that traces it; no
- * scene, and no ID that a geometry has in one, is in it. */
+/* The blocks of a geometry and the tree above them. The geometry and each scene that traces it own them. They do not
+ * depend on any scene or on the IDs of the geometry in scenes. */
 
 #include "../base/block_memory.h"
 #include "../base/step_box.h"
@@ -25,23 +25,24 @@ namespace embree
     SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number);
     ~SurfaceBlocks ();
 
-    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< that blocks have
-    const uint64_t build;                              //!< that no others have, before or later; from 1
+    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< stored in the blocks
+    const uint64_t build;                              //!< unique in the process; from 1
     cbvh::BlockMemory memory;
 
-    /*! What a scene's tree is made of: trees of few blocks, or the blocks, as PrimRefs that have a reference for an ID. */
+    /*! Parts of a scene's tree: trees of a few blocks, or blocks, as PrimRefs whose ID is a reference. */
     mvector<PrimRef> parts;
-    mvector<size_t> moving;   //!< references to the blocks of a surface that moves, which has no parts: scenes build their trees of these
-    /*! Where those blocks are at their steps, one after the other, until a scene has built a tree of them; later null, for who needs it decodes
-     *  them. To be taken and let go by atomic_load and atomic_store, as scenes are built at a time. */
+    /*! References to the blocks of a moving surface, which has no parts. Scenes build their trees over these blocks. */
+    mvector<size_t> moving;
+    /*! Boxes of those blocks at their steps, block by block. Released after the first build; later users decode the
+     *  blocks. Accessed with atomic_load and atomic_store because scenes may be built concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
-    BVH4::NodeRef root;       //!< of all parts, for a scene that has no other surface; empty if there are few
-    BBox3fa bounds;           //!< of all that a ray may hit
+    BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
+    BBox3fa bounds;           //!< bounds of everything that rays can hit
     size_t numPrimitives;     //!< blocks and grids
     cbvh::SurfaceStatistics statistics;
-    std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< where the blocks lie if they came from a file, else null
+    std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless the blocks were loaded from a file
 
-    /*! of the blocks, for who looks triangles up; made with the first call */
+    /*! Index of the blocks for looking up triangles. Created by the first call. Thread-safe. */
     const cbvh::BlockIndex& index () const;
 
   private:
@@ -50,19 +51,20 @@ namespace embree
 
   namespace cbvh
   {
-    /*! whether one of the surfaces of a scene that move, or of those that do not, is compressed */
+    /*! True if one of the moving, or static, surfaces of a scene is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
-    /*! Makes the table of a scene that takes numbers to IDs. Any thread may call it, also while others do. */
+    /*! Computes the table of a scene that maps surface numbers to geometry IDs. Thread-safe. */
     void nameSurfaces (Scene* scene);
 
-    /*! of a geometry; made with the first call */
+    /*! Surface number of a geometry. Assigned by the first call. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
-    /*! of a geometry as it was committed last, or null if they are to be built */
+    /*! Blocks of the last commit of a geometry, or null if they must be built. */
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry);
 
-    /*! Gives a geometry its blocks, unless another scene was faster; those that it has then. */
-    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry, const std::shared_ptr<const SurfaceBlocks>& blocks);
+    /*! Sets the blocks of a geometry unless another scene already did. Returns the blocks of the geometry. */
+    std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
+                                                     const std::shared_ptr<const SurfaceBlocks>& blocks);
   }
 }

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Trees above blocks: Embree's binned SAH BVH4. A surface has one over its blocks, and a scene one over the surfaces' parts, which
- * are trees of few blocks: so what a scene builds is small, and as good as a tree over all blocks. */
+/* Trees above blocks, built with Embree's binned SAH builder for BVH4. A surface has a tree over its blocks. A scene
+ * has a tree over the parts of its surfaces, which are trees of a few blocks. The scene's build is therefore small, and
+ * its tree as good as a tree over all blocks. */
 
 #include "../embree/scene.h"
 
@@ -12,10 +13,10 @@ namespace embree
 {
   namespace isa
   {
-    /*! of a part, at most */
+    /*! Maximum number of blocks of a part. */
     static const size_t blocksOfPart = 16;
 
-    /*! nodes of a tree whose leaves are marked as barriers, which they are no longer then */
+    /*! Counts the nodes of a tree whose leaves are marked as barriers, and removes the marks. */
     inline size_t countNodes (BVH4::NodeRef& ref)
     {
       if (ref.isBarrier()) { ref.clearBarrier(); return 0; }
@@ -25,14 +26,17 @@ namespace embree
       return n;
     }
 
-    /*! Tree over primitives, whose IDs are references; progress() may throw. nodes: how many it has */
+    /*! Builds a tree over primitives whose IDs are references. progress() may throw. nodes: set to the number of
+     *  nodes. */
     template<typename Progress>
-    inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress, size_t& nodes)
+    inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
+                                    size_t& nodes)
     {
       PrimInfo info(empty);
       for (const PrimRef& prim : prims) info.add_center2(prim);
       const PrimInfo pinfo(0,prims.size(),info);
-      auto createLeaf = [&](const PrimRef* prims, const range<size_t>& range, FastAllocator::CachedAllocator) -> BVH4::NodeRef {
+      auto createLeaf = [&](const PrimRef* prims, const range<size_t>& range,
+                            FastAllocator::CachedAllocator) -> BVH4::NodeRef {
         BVH4::NodeRef leaf = size_t(prims[range.begin()].ID());
         leaf.setBarrier();
         return leaf;
@@ -52,7 +56,7 @@ namespace embree
       return root;
     }
 
-    /*! The largest nodes, which most rays meet, come to lie beside each other, in memory of their own. The tree's new root. */
+    /*! Moves the largest nodes, which most rays traverse, next to each other in memory. Returns the new root. */
     inline BVH4::NodeRef moveLargestNodes (BVH4::NodeRef root, size_t numNodes, FastAllocator& memory)
     {
       const size_t count = numNodes/200;
@@ -69,7 +73,8 @@ namespace embree
         std::pop_heap(places.begin(),places.end());
         const Place largest = places.back();
         places.pop_back();
-        BVH4::AABBNode* node = (BVH4::AABBNode*)memory.getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
+        BVH4::AABBNode* node = (BVH4::AABBNode*)
+          memory.getCachedAllocator().malloc0(sizeof(BVH4::AABBNode),BVH4::byteNodeAlignment);
         *node = *largest.node->getAABBNode();
         *largest.node = BVH4::encodeNode(node);
         for (size_t i=0; i<4; i++) {
@@ -93,7 +98,7 @@ namespace embree
       }
 
     private:
-      /*! leaves below; of those that are more than a part the parts are appended */
+      /*! Returns the number of leaves below a node. If there are more than in a part, appends the parts. */
       size_t visit (BVH4::NodeRef ref, const BBox3fa& bounds)
       {
         if (ref == BVH4::emptyNode) return 0;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The vertices of a block of cVERT at a time, as rays meet them: the same floats. */
+/* Vertices of a cVERT block at a time: the same floats as in traversal. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"
@@ -36,11 +36,13 @@ namespace embree
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
-      /*! Whether a block is there at a time: always if it does not move. */
-      static bool isThere (const VertHeader* block, const TraversalTime& at) { return !isMoving(block->boxForm) || cbvh::isThere(motionOf(block),at.time); }
+      /*! True if a block exists at a time. Always true if it does not move. */
+      static bool isThere (const VertHeader* block, const TraversalTime& at) {
+        return !isMoving(block->boxForm) || cbvh::isThere(motionOf(block),at.time);
+      }
 
     private:
-      /*! as vert/moving_block.h has it for vectors */
+      /*! Interpolates as vert/moving_block.h does for vectors. */
       static float between (float a, float b, float f, bool isFused)
       {
         const float last = f*b;

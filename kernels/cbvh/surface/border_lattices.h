@@ -3,31 +3,32 @@
 
 #pragma once
 
-/* The lattices of the primitives of a geometry, and of the vertices that they share, at each time step: the third part
- * of the rule in shared_border.h. Which vertices these are is the topology's; it has
+/* Lattices of the primitives of a geometry, and of the vertices that they share, at each time step: part 3 of the rule
+ * in shared_border.h. The Topology determines which vertices are shared. It has these members:
  *
  *   typedef Scratch
- *       Memory of a task, made of a Device*.
+ *       Memory of a task, constructed from a Device*.
  *   size_t size ()
  *       Number of primitives.
  *   double spacingOfEdge ()
- *       Of LatticeChoice.
+ *       Argument of LatticeChoice.
  *   void extendBounds (size_t primitive, unsigned step, BBox3fa& bounds)
  *       Extends bounds by the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
- *       Adds the borders and the middles of the primitive's patches. False if it has no vertices at that step. It may
- *       keep vertices for later: it is called once per primitive and step, the steps of a primitive in order.
+ *       Adds the borders and the middles of the primitive's patches. Returns false if it has no vertices at that step.
+ *       May store vertices for later: it is called once per primitive and step, the steps of a primitive in order.
  *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
- *       Calls closure for each element that the primitive shares with others, or may share. An element is a number for
+ *       Calls closure for each element that the primitive shares with others, or may share. An element is the number of
  *       vertices with one lattice: a corner, the interior of an edge, or one vertex.
  *
- * All are called by several threads at once, for different primitives. */
+ * Several threads call these members at once, for different primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
 #include "../base/codec.h"
 #include "../base/tasks.h"
 #include "../../cvert/encoder/lattice.h"
+#include "coarse_lattice.h"
 #include "plan.h"
 #include <algorithm>
 
@@ -35,36 +36,41 @@ namespace embree
 {
   namespace isa
   {
-    /*! The lattice of a primitive, from lines of its vertices: its borders, and the middles of its patches. */
+    /*! Chooses the lattice of a primitive from lines of its vertices: its borders, and the middles of its patches. */
     class LatticeChoice
     {
     public:
-      /*! ofEdge: default spacing as a part of the median edge, for an application's vertices; 0 for evaluated ones */
+      /*! ofEdge: default spacing as a fraction of the median edge, for an application's vertices; 0 for evaluated
+       *    vertices. */
       explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
       /*! Adds the number of quads along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
-      /*! Adds vertices along u or v. isCoarse: on a border that has a lower rate than its patch */
+      /*! Adds vertices along u or v. isCoarse: true on a border that has a lower rate than its patch. */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! diagonal: of the geometry */
+      /*! Returns the exponent of the lattice. diagonal: diagonal of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::exactLattice;
-        double spacing = 0; // quads may be much longer than wide: the shorter side counts
+        double spacing = 0; // quads can be much longer than wide: the shorter side counts
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
+          if (median > 0) medianEdge = medianEdge > 0 ? min(medianEdge,median) : median;
           const double wanted = ofEdge > 0 ? median*ofEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
         return cbvh::latticeExponent(spacingAskedFor(plan,spacing));
       }
 
+      /*! The shorter one of the median edges along u and v; 0 if there is none. Call exponent() first. */
+      double edge () const { return medianEdge; }
+
     private:
-      /*! Returns the default if the application did not ask for a bound. */
+      /*! Returns the spacing that the application's bounds require, or the default if there are none. */
       double spacingAskedFor (const CompressionPlan& plan, double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
@@ -83,13 +89,14 @@ namespace embree
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // a bound of leaves
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // the bound is one of leaves
         return spacing < INFINITY ? spacing : byDefault;
       }
 
       const double ofEdge;
-      cbvh::EdgeSample samples[2][2];   //!< along u, v; of the patch's rate, of coarse borders
-      unsigned fewest[2] = { ~0u,~0u }; //!< quads
+      double medianEdge = 0;
+      cbvh::EdgeSample samples[2][2];   //!< [along u, v][at the patch's rate, on coarse borders]
+      unsigned fewest[2] = { ~0u,~0u }; //!< quads along u and v
     };
 
     class BorderLattices
@@ -98,7 +105,7 @@ namespace embree
       BorderLattices (Device* device, const CompressionPlan& plan)
         : device(device), plan(plan), own(device,0), shared(device,0) {}
 
-      /*! Chooses the lattices of all primitives. Calls progress() now and then, which may cancel by an exception. */
+      /*! Chooses the lattices of all primitives. Calls progress() from time to time, which may throw to cancel. */
       template<typename Topology, typename Progress>
       void choose (Topology& topology, size_t perTask, const Progress& progress)
       {
@@ -106,20 +113,33 @@ namespace embree
         fill(own,size,int8_t(cbvh::exactLattice));
         std::vector<double> diagonals;
         for (unsigned step=0; step<plan.numTimeSteps; step++) diagonals.push_back(diagonal(topology,step,perTask));
+        MutexSys mutex;
+        double sumOfSpacings = 0, sumOfEdges = 0;
+        size_t numEdges = 0;
         forRanges(size,perTask,[&](const range<size_t>& r) {
             typename Topology::Scratch scratch(device);
+            double spacings = 0, edges = 0;
+            size_t n = 0;
             for (size_t i=r.begin(); i!=r.end(); i++)
               for (unsigned step=0; step<plan.numTimeSteps; step++) {
                 LatticeChoice choice(topology.spacingOfEdge());
-                if (topology.addLines(i,step,scratch,choice))
-                  own[i*plan.numTimeSteps + step] = int8_t(choice.exponent(plan,diagonals[step]));
+                if (!topology.addLines(i,step,scratch,choice)) continue;
+                const int exponent = choice.exponent(plan,diagonals[step]);
+                own[i*plan.numTimeSteps + step] = int8_t(exponent);
+                if (choice.edge() > 0) { spacings += std::ldexp(1.0,exponent); edges += choice.edge(); n++; }
               }
             progress();
+            Lock<MutexSys> lock(mutex);
+            sumOfSpacings += spacings;
+            sumOfEdges += edges;
+            numEdges += n;
           });
+        if (plan.settings.maxError > 0 && plan.kind() == cbvh::Kind::VERT && sumOfEdges > 0)
+          warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 
-      /*! Chooses the lattices of shared elements, whose numbers are below numElements. All begin with the finest of all
-       *  primitives, which leaves few to be raised, and an element of no primitive with an arbitrary one. */
+      /*! Chooses the lattices of shared elements, whose numbers are less than numElements. All elements start with the
+       *  finest lattice of all primitives, so that few must be raised. An element that no primitive has keeps it. */
       template<typename Topology, typename Progress>
       void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
@@ -148,7 +168,7 @@ namespace embree
       }
 
     private:
-      enum { ofGrid = 127 }; //!< stands for no lattice, and is above all others
+      enum { ofGrid = 127 }; //!< marks an element without a lattice; greater than all exponents
 
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {

@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* The borders of a cage's faces: shared_border.h has the rule, cage_topology.h the owners. Faces evaluate the same
- * vertex some ulps apart, and far apart where their normals differ or a height map jumps.
+/* The borders of the faces of a cage. shared_border.h has the rule, cage_topology.h finds the owners. Faces evaluate
+ * the same vertex some ulps apart, and far apart where their normals differ or a height map jumps.
  *
- * An n-gon is a patch at each corner. Its center, and the spokes from there to the middles of its edges, are shared by
- * its own patches, and owned by it.
+ * An n-gon has a patch at each corner. It owns its center and the spokes from the center to the middles of its edges,
+ * which only its own patches share.
  *
- * The owners' vertices are evaluated before any patch is encoded. A twentieth of the vertices is evaluated twice, and
- * all vertices of patches that have few. Until the build ends, the points of edges use 12 bytes each. A border of few
- * vertices costs no less than its patch, so all vertices of small surfaces are kept for their blocks. */
+ * The owners' vertices are evaluated before any patch is encoded. About 5% of all vertices are evaluated twice, and all
+ * vertices of patches that have few. Until the build ends, the points of edges use 12 bytes each. If a patch has few
+ * vertices, its border costs as much to evaluate as the whole patch, so all vertices of small surfaces are kept for
+ * their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -31,8 +32,8 @@ namespace embree
         : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
           points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
 
-      /*! Finds owners, evaluates what they own and chooses all lattices. Calls progress() now and then, which may
-       *  cancel by an exception. */
+      /*! Finds owners, evaluates the vertices that they own and chooses all lattices. Calls progress() from time to
+       *  time, which may throw to cancel. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
@@ -46,12 +47,12 @@ namespace embree
       /*! Exponent of a face's lattice at a time step. */
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
 
-      /*! All vertices of a patch, row by row, or null if they were not kept. */
+      /*! Returns all vertices of a patch, row by row, or null if they were not kept. */
       const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
 
-      /*! Vertices along a side of a patch; sides are in the order of PatchOfFace::rate. */
+      /*! Returns the vertices along a side of a patch, in the order of PatchOfFace::rate. */
       CageSide side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
@@ -64,7 +65,7 @@ namespace embree
         }
       }
 
-      /* the topology of border_lattices.h; an element is the corner or the interior of an owned edge */
+      /* Topology of border_lattices.h. An element is the corner or the interior of an owned edge. */
 
       size_t size () const { return mesh->size(); }
       double spacingOfEdge () const { return 0; }
@@ -77,7 +78,7 @@ namespace embree
           });
       }
 
-      /*! Writes the points that a face owns, too. */
+      /*! Also stores the points that the face owns. */
       bool addLines (size_t f, unsigned step, PatchEvaluator& evaluator, LatticeChoice& choice)
       {
         if (!topology.takesPart(f)) return false;
@@ -118,14 +119,15 @@ namespace embree
       }
 
     private:
-      static const size_t mostKept = 1 << 15; //!< vertices of a surface, of all time steps
-      static const size_t fewVertices = 9*9;  //!< of a patch whose lines cost no less than all of it
+      static const size_t mostKept = 1 << 15; //!< vertices of a surface, at all time steps
+      static const size_t fewVertices = 9*9;  //!< vertices of a patch whose lines cost as much as the patch
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
       static size_t cornerElement (const CageTopology::Edge& edge) { return 2*size_t(edge.cornerOwner); }
       static size_t edgeElement (const CageTopology::Edge& edge) { return 2*size_t(edge.owner) + 1; }
 
-      /* points of a half-edge: its corner and edge if it owns them, its spoke; after the last of a face the center */
+      /* Points of a half-edge: its corner and its edge if it owns them, then its spoke. The center of a face follows
+       * its last half-edge. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
@@ -150,7 +152,7 @@ namespace embree
           std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
-      /*! of surfaces with few vertices */
+      /*! Reserves room for all vertices, if the surface has few. */
       void placeKept ()
       {
         const size_t most = mostKept/plan.numTimeSteps;
@@ -175,7 +177,7 @@ namespace embree
         return size_t(size.x)*size_t(size.y);
       }
 
-      /*! of the vertices of a patch that are kept */
+      /*! Returns the first of a patch's vertices in `kept`. */
       size_t firstOf (size_t face, int subPatch) const {
         return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
       }
@@ -183,7 +185,7 @@ namespace embree
         return (float(*)[3])evaluated(face,subPatch,step);
       }
 
-      /*! Of a face whose vertices of the cage are not finite at that step. */
+      /*! Sets the kept vertices to NaN. For faces with a vertex of the cage that is not finite at that step. */
       void keepNothing (size_t f, unsigned step)
       {
         if (firstKept.size())
@@ -193,13 +195,13 @@ namespace embree
             });
       }
 
-      /*! Keeps what a face owns of side s of a patch: of a line of fine+1 vertices along u or v. */
+      /*! Stores the points of side s of a patch that the face owns. line: fine+1 vertices along u or v. */
       void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
                     unsigned step)
       {
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
-        /* vertex k of the side, counted around the patch: the first of those that are stitched to it */
+        /* Vertex k of the side, counted around the patch: the first vertex of the line that is stitched to it. */
         auto keep = [&](size_t i, unsigned k) {
           memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
         };
@@ -215,7 +217,7 @@ namespace embree
         if (n != 4 && (s == 1 || s == 2)) return;
         if ((n == 4 || s == 0) && topology.ownsCorner(e)) keep(cornerPoint(e),0);
         if (!topology.ownsEdge(e)) return;
-        /* a patch of an n-gon has half of the edge, and the first half has the middle */
+        /* A patch of an n-gon has half of the edge; the first half includes the middle. */
         const unsigned rate = n == 4 ? topology.at(e).rate : topology.at(e).rate/2;
         const unsigned end = n != 4 && s == 0 ? rate+1 : rate;
         const size_t first = firstEdgePoint(e) + (n != 4 && s == 3 ? rate : 0);
@@ -242,7 +244,7 @@ namespace embree
         return side;
       }
 
-      /*! From the middle of an n-gon's edge to its center, or back. */
+      /*! From the middle of an edge of an n-gon to the n-gon's center, or back. */
       CageSide spoke (size_t face, const HalfEdge* h, bool fromCenter, unsigned step) const
       {
         const HalfEdge* start = mesh->getHalfEdge(0,face);
@@ -267,7 +269,7 @@ namespace embree
       mvector<size_t> firsts;            //!< first point, by half-edge
       mvector<float> points;             //!< step by step
       mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty if the surface is not small
-      mvector<float> kept;               //!< vertices of patches of a small surface, step by step
+      mvector<float> kept;               //!< vertices of the patches of a small surface, step by step
     };
   }
 }

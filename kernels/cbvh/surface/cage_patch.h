@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A patch of a cage's face. source.h describes its members. */
+/* A patch of a face of a cage. source.h describes the members. */
 
 #include "cage_borders.h"
 #include "source.h"
@@ -15,7 +15,7 @@ namespace embree
     class CagePatch : public SurfacePatch
     {
     public:
-      /*! borders: of faces that share their borders, else null */
+      /*! borders: null if faces do not share their borders. */
       CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders,
                  PatchEvaluator& evaluator)
         : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surface,face))
@@ -42,16 +42,16 @@ namespace embree
         return evaluator;
       }
 
-      /*! All its vertices, row by row, if they were kept, else null. */
+      /*! Returns all vertices, row by row, or null if they were not kept. */
       const float (*evaluated (unsigned step) const)[3] { return borders->evaluated(primID,patch.subPatch,step); }
 
       CageSide side (int s, unsigned step) const { return borders->side(primID,patch.subPatch,s,step); }
       int latticeExponent (unsigned step) const { return borders->exponent(primID,step); }
 
-      /*! bits of sides where the surface ends, is creased, or bends by as much as at a crease */
+      /*! See sharpSidesOf(). */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! as Embree has it, for parts that GRID traces */
+      /*! Embree's patch, for patches that GRID traces. */
       const SubdivPatch1Base& ofEmbree () const { return base; }
 
     private:

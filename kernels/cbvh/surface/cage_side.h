@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The vertices along a side of a cage's patch: all of an edge, half of an n-gon's edge, or a spoke from there to the
+/* The vertices along a side of a patch of a cage: an edge, half of the edge of an n-gon, or a spoke from there to the
  * n-gon's center. */
 
 #include "shared_border.h"
@@ -15,12 +15,12 @@ namespace embree
     struct CageSide
     {
       SharedVertex begin, end;
-      const float (*interior)[3]; //!< rate-1 positions, in the direction of the owner; CageBorders has them
-      bool reversed;              //!< the owner's direction is the other one
-      int exponent;               //!< of the interior's lattice
+      const float (*interior)[3]; //!< rate-1 positions in the owner's direction, stored in CageBorders
+      bool reversed;              //!< the side runs against the owner's direction
+      int exponent;               //!< lattice of the interior
       unsigned rate;
 
-      /*! Vertex k of 0 to rate, counted around the patch. */
+      /*! Returns vertex k, 0 to rate, counted around the patch. */
       SharedVertex operator[] (unsigned k) const
       {
         if (k == 0) return begin;
@@ -28,9 +28,9 @@ namespace embree
         return SharedVertex(interior[(reversed ? rate-k : k) - 1],exponent);
       }
 
-      /*! First or second half of an edge. Embree gives edges of n-gons an even rate in all faces that it knows next to
-       *  them. On an edge of three faces a quad's rate may be odd. Then the vertex before the middle is the n-gon's, as
-       *  in Embree's stitching; if the rate is 1, the first half is a point. */
+      /*! Returns the first or the second half of an edge. Embree gives edges of n-gons an even rate in all faces that
+       *  it connects to them. On an edge of three faces, the rate of a quad can be odd. The n-gon then uses the vertex
+       *  before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

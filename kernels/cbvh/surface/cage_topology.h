@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* Owners and rates of the edges and corners of a cage, from its half-edges: shared_border.h has the rule. Faces without
+/* Owners and rates of the edges and corners of a cage, from its half-edges. shared_border.h has the rule. Faces without
  * a surface do not take part.
  *
- *           face A             An edge belongs to A or B. A corner x belongs to one of the
- *     x----o----o----o----x    faces around it that are reached over edges. The
- *           face B             numbers of claims are those of half-edges.
+ *          face A             An edge belongs to A or B. A corner x belongs to one of the
+ *    x----o----o----o----x    faces around it that are reached over edges. Claims are
+ *          face B             numbered by half-edges.
  *
- * An edge of three faces or more has no opposite half-edges. Embree keeps its vertices where they are, so that all
- * faces have the same straight edge: they share it and its ends, whether GRID traces one of them or not. */
+ * Half-edges of an edge with three or more faces have no opposite. Embree keeps the vertices of such an edge in place,
+ * so all faces have the same straight edge. They share it and its ends, whether GRID traces one of them or not. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -31,17 +31,17 @@ namespace embree
     public:
       struct Edge
       {
-        unsigned ownRate;      //!< of its face; noRate if the face does not take part
-        unsigned rate;         //!< of all faces that have the edge
+        unsigned ownRate;      //!< rate in this face; noRate if the face does not take part
+        unsigned rate;         //!< rate of all faces at the edge
         uint32_t owner;        //!< half-edge of the face that owns the edge
-        uint32_t cornerOwner;  //!< half-edge that begins at the same vertex, of the face that owns the corner
-        bool isTracedByGrid;   //!< at least one patch of the face
+        uint32_t cornerOwner;  //!< half-edge at the same vertex, of the face that owns the corner
+        bool isTracedByGrid;   //!< GRID traces at least one patch of the face
       };
 
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0) {}
 
-      /*! Finds rates and owners. Calls progress() now and then, which may cancel by an exception. */
+      /*! Finds rates and owners. Calls progress() from time to time, which may throw to cancel. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
@@ -51,7 +51,7 @@ namespace embree
         joinNonManifold();
       }
 
-      size_t numEdges () const { return edges.size(); } //!< half-edges
+      size_t numEdges () const { return edges.size(); } //!< number of half-edges
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
@@ -60,7 +60,7 @@ namespace embree
       bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
 
-      /*! Calls closure(half-edge) for the edges of a face that takes part. */
+      /*! Calls closure(half-edge) for the edges of a face. Does nothing if the face does not take part. */
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
@@ -71,7 +71,7 @@ namespace embree
 
     private:
       static const unsigned noRate = 0;
-      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< the two vertices of an edge, and a half-edge
+      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< both vertices of an edge, and a half-edge
 
       template<typename Progress, typename Closure>
       void forFaces (size_t facesPerTask, const Progress& progress, const Closure& closure) const
@@ -82,7 +82,8 @@ namespace embree
           });
       }
 
-      /*! Half-edges of faces, which findRates sets. The index buffer and Embree's half-edges may be longer. */
+      /*! Number of half-edges of faces, which findRates sets. The index buffer and Embree's half-edges can be
+       *  longer. */
       size_t numHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
@@ -97,7 +98,7 @@ namespace embree
       {
         if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
-        const unsigned n = h->numEdges();
+        const unsigned n = mesh->faceVertices[f];
         for (unsigned i=0; i<n; i++) edge(h+i) = Edge();
         if (!hasSurface(mesh,f)) return;
         bool isTracedByGrid = false;
@@ -131,7 +132,7 @@ namespace embree
           });
       }
 
-      /*! Calls closure for the half-edges that begin at the same vertex, of faces that take part. */
+      /*! Calls closure for the half-edges that begin at the same vertex and belong to faces that take part. */
       template<typename Closure>
       void forEachAround (const HalfEdge* e, const Closure& closure) const
       {
@@ -155,7 +156,7 @@ namespace embree
           if (edges[i].ownRate != noRate && !first[i].hasOpposite())
             borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
-        std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
+        std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;

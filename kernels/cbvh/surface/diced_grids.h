@@ -3,41 +3,47 @@
 
 #pragma once
 
-/* The grids that an application diced: those of a grid geometry, or the regions of a mesh of quads or triangles
- * (quad_regions.h). GridSource (building/grid_source.h) makes patches of them. Both kinds have
+/* Grids that an application diced: the grids of a grid geometry, or the regions of a mesh of quads or triangles
+ * (quad_regions.h). GridSource (building/grid_source.h) makes patches of them. Both classes have these members:
  *
  *   typedef Mesh, Grid
- *       Embree's geometry, and a DicedGrid. Constructed from a const Mesh*, which outlives it and is not changed.
+ *       Embree's geometry, and a DicedGrid. The constructor takes a const Mesh*, which must outlive the object.
  *   size_t size () const
  *       Number of grids.
  *   bool isValid (size_t i) const
- *       True if grid i has quads, and its vertices are in their buffer. Nothing else is called for grids that are not.
+ *       True if grid i has quads and all its vertices are in their buffer. No other member may be called for invalid
+ *       grids.
  *   Grid operator[] (size_t i) const
- *       Which vertices a grid has.
+ *       The vertices of a grid, by number.
  *   const float* position (size_t vertex, unsigned step) const
- *       Position of a vertex of the buffer at a time step; it may be not finite.
+ *       Position of a vertex of the buffer at a time step; may be not finite.
+ *   bool hasLoose () const
+ *       True if the geometry has primitives that are in no grid, and may share vertices with grids.
  *   bool number (size_t i, QuadNumbers& out) const
- *       False if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
+ *       Returns false if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
  *   static double spacingOfEdge ()
- *       Default spacing of lattices, as a part of the median edge.
+ *       Default spacing of lattices, as a fraction of the median edge.
  *   static const bool reportsInvalid
- *       True if a commit reports a grid that is not valid.
+ *       True if a commit reports invalid grids.
  *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps)
  *       Estimated bytes of Embree's own kernels for a grid.
  *
- * All are thread-safe. */
+ * All members are thread-safe. */
 
 #include "embree_bytes.h"
 #include "../base/codec.h"
 #include "../../cvert/encoder/lattice.h"
-#include "quad_regions.h"
+#include "mesh_parts.h"
 #include "source.h"
 
 namespace embree
 {
   namespace isa
   {
-    /*! Vertices: has width and height, in vertices, and vertex(x,y), its number in the geometry's buffer */
+    static_assert(looseSide == QuadRegions::leastSide,"looseSide must equal QuadRegions::leastSide");
+
+    /*! Vertices: a class with width and height, in vertices, and vertex(x,y), the number of a vertex in the geometry's
+     *  buffer. */
     template<typename Vertices>
     struct DicedGrid : public Vertices
     {
@@ -45,7 +51,7 @@ namespace embree
 
       unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
 
-      /*! vertex k of side s, in the order of SurfacePatch::rate, around the grid */
+      /*! Returns vertex k of side s, counted around the grid. Sides are in the order of SurfacePatch::rate. */
       size_t onSide (int s, unsigned k) const
       {
         switch (s) {
@@ -61,20 +67,24 @@ namespace embree
     {
       struct Rows
       {
-        size_t first, stride;       //!< of rows, in vertices
+        size_t first, stride;       //!< in vertices: first vertex, and distance of rows
         unsigned width, height;
         size_t vertex (unsigned x, unsigned y) const { return first + y*stride + x; }
       };
 
     public:
       typedef GridMesh Mesh;
-      static double spacingOfEdge () { return cbvh::spacingOfGridEdge; } //!< by default
+      static double spacingOfEdge () { return cbvh::spacingOfGridEdge; }
       typedef DicedGrid<Rows> Grid;
 
       explicit GridsOfGridMesh (const GridMesh* mesh) : mesh(mesh) {}
 
       size_t size () const { return mesh->size(); }
-      Grid operator[] (size_t i) const { const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY }); }
+      Grid operator[] (size_t i) const {
+        const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY });
+      }
+
+      bool hasLoose () const { return false; }
 
       bool isValid (size_t i) const
       {
@@ -83,26 +93,30 @@ namespace embree
         return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
       }
 
-      const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
+      const float* position (size_t vertex, unsigned step) const {
+        return (const float*)mesh->vertices[step].getPtr(vertex);
+      }
       bool number (size_t, cbvh::QuadNumbers&) const { return false; }
 
-      /*! vertices outside of their buffer are errors, as of no other of Embree's types */
+      /*! Vertices outside of their buffer are errors, unlike for Embree's other types. */
       static const bool reportsInvalid = true;
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) { return bytesOfGridInEmbree(quadsX,quadsY); }
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
+        return bytesOfGridInEmbree(quadsX,quadsY);
+      }
 
     private:
       const GridMesh* mesh;
     };
 
-    /*! Quads: QuadsOfMesh or PairsOfMesh */
+    /*! Quads: QuadsOfMesh or PairsOfMesh. */
     template<typename MeshType, typename Quads, size_t (*bytesOfQuad)(unsigned numTimeSteps)>
     class GridsOfRegions
     {
       struct Corners
       {
         const Quads* mesh;
-        const unsigned* of;     //!< its quads, row by row
+        const unsigned* of;     //!< quads of the region, row by row
         unsigned width, height; //!< in vertices
 
         size_t vertex (unsigned x, unsigned y) const
@@ -119,44 +133,37 @@ namespace embree
       static double spacingOfEdge () { return cbvh::spacingOfMeshEdge; }
       typedef DicedGrid<Corners> Grid;
 
-      explicit GridsOfRegions (const MeshType* mesh) : regions(regionsOf(mesh)), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
+      explicit GridsOfRegions (const MeshType* mesh)
+        : regions(partsOf(mesh)), reported(mesh->device,regions->bytes()), mesh(mesh), quads(quadsOf(mesh,*regions)) {}
       GridsOfRegions (const GridsOfRegions&) = delete;
 
       size_t size () const { return regions->regions.size(); }
-      Grid operator[] (size_t i) const { const QuadRegions::Region& r = regions->regions[i]; return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 }); }
+      Grid operator[] (size_t i) const {
+        const QuadRegions::Region& r = regions->regions[i];
+          return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 });
+      }
+      bool hasLoose () const { return regions->hasLoose(); }
       bool isValid (size_t) const { return true; }
-      const float* position (size_t vertex, unsigned step) const { return (const float*)mesh->vertices[step].getPtr(vertex); }
+      const float* position (size_t vertex, unsigned step) const {
+        return (const float*)mesh->vertices[step].getPtr(vertex);
+      }
 
       bool number (size_t i, cbvh::QuadNumbers& out) const
       {
-        const QuadRegions::Region& r = regions->regions[i];
-        const unsigned* const of = regions->quads.data()+r.first;
-        out.form = quads.form(*of);
-        out.width = r.width;
-        out.numbers.resize(size_t(r.width)*r.height);
-        for (size_t k=0; k<out.numbers.size(); k++) out.numbers[k] = quads.number(of[k]);
+        numberRegion(quads,*regions,i,out);
         return true;
       }
 
-      /*! Embree leaves out quads with indices that are no vertices, and reports none. */
+      /*! Embree skips quads with indices outside of the vertex buffer, and reports nothing. */
       static const bool reportsInvalid = false;
 
-      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) { return bytesOfQuad(numTimeSteps)*quadsX*quadsY; }
-
-    private:
-      static QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions&) { return QuadsOfMesh{ mesh }; }
-      static PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& regions) { return regions.pairs(mesh); }
-
-      /*! those that its commit found */
-      static std::shared_ptr<const QuadRegions> regionsOf (const MeshType* mesh)
-      {
-        std::shared_ptr<const QuadRegions> found = std::atomic_load(&mesh->surface.regions);
-        if (!found) found = QuadRegions::find(mesh);
-        if (found && found->isOutOfMemory) throw_RTCError(RTC_ERROR_OUT_OF_MEMORY,"not enough memory to find the grids of a mesh");
-        return found ? found : std::make_shared<const QuadRegions>(mesh->device);
+      static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {
+        return bytesOfQuad(numTimeSteps)*quadsX*quadsY;
       }
 
+    private:
       const std::shared_ptr<const QuadRegions> regions;
+      const cbvh::ReportedMemory reported;
       const MeshType* const mesh;
       const Quads quads;
     };

@@ -7,28 +7,29 @@
 
 namespace embree
 {
-  /*! A camera, and how large quads may be in its picture. Plain data, which includes nothing of Embree. World space
-   *  unless stated otherwise. */
+  /*! A camera, and the size of quads in its picture. Plain data that includes nothing of Embree. In world space unless
+   *  stated otherwise. */
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };
-    float direction[3] = { 0,0,1 };    //!< into the middle of the picture, of any length
-    float up[3] = { 0,1,0 };           //!< of the picture, of any length, not along direction
-    bool orthographic = false;         //!< its position does not matter
-    /*! Width of a pixel at distance 1; for an orthographic camera at any distance. More than 0 */
+    float direction[3] = { 0,0,1 };    //!< towards the center of the picture, of any length
+    float up[3] = { 0,1,0 };           //!< up vector of the picture, of any length, not parallel to direction
+    bool orthographic = false;         //!< ignores the position
+    /*! Width of a pixel at distance 1, or at any distance for an orthographic camera. Greater than 0. */
     float pixelSize = 0;
-    /*! Of the picture in pixels. 0: everything counts as inside of the picture; direction and up do not matter */
+    /*! Size of the picture in pixels. 0: everything counts as inside of the picture, and direction and up are
+     *  ignored. */
     float width = 0, height = 0;
-    /*! Geometry to world, 12 floats, column by column; null: the geometry is in world space */
+    /*! From object space to world space: 12 floats, column by column. Null: the geometry is in world space. */
     const float* transform = nullptr;
-    float quadSize = 1;                //!< approximate length of quads' edges in pixels. More than 0
-    /*! Quads far outside of the picture and behind the camera are that many times as large. At least 1 */
+    float quadSize = 1;                //!< approximate length of the edges of quads in pixels; greater than 0
+    /*! Factor by which quads far outside of the picture and behind the camera are larger. At least 1. */
     float outside = 8;
-    float maxRate = 4096;              //!< quads along an edge, 1 to 4096
-    const float* maxRates = nullptr;   //!< the same for each edge, one per index, at least 1; null: maxRate alone
+    float maxRate = 4096;              //!< largest number of quads along an edge, 1 to 4096
+    const float* maxRates = nullptr;   //!< the same per edge, one per index, at least 1; null: maxRate only
   };
 
-  /*! Returns the camera that a struct of an interface describes, which has members of the same names. */
+  /*! Converts a struct of a public interface, which has members with the same names. */
   template<typename Arguments>
   DicingCamera dicingCamera (const Arguments& args)
   {

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* How many quads a patch needs along its edges, from points of it. Patches are sampled finer and finer until there is a point for four quads or so. */
+/* Measures how many quads a patch needs along its edges, from points on it. A patch is sampled more finely until there
+ * is about one point per four quads. */
 
 #include "dicing_view.h"
 
@@ -14,8 +15,9 @@ namespace embree
   public:
     DicingSamples (SubdivMesh* mesh, const DicingView& view) : mesh(mesh), view(view) {}
 
-    /*! Quads along the edges of a patch at a time step: along u at v = 0, along v at u = 1, along u at v = 1, along v at u = 0.
-     *  (u0,v0): where the face has the patch's corner, whose parameters are 1 wide. */
+    /*! Returns the number of quads along the edges of a patch at a time step: along u at v = 0, along v at u = 1,
+     *  along u at v = 1, along v at u = 0. (u0,v0): corner of the patch in the parameters of the face; the patch is
+     *  1 wide. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
       const unsigned fewest = 2, most = 64;
@@ -32,7 +34,7 @@ namespace embree
     }
 
   private:
-    /*! (n+1) x (n+1) points, row by row */
+    /*! Evaluates (n+1) x (n+1) points, row by row. */
     void sample (unsigned primID, unsigned step, float u0, float v0, unsigned n)
     {
       const unsigned count = (n+1)*(n+1), padded = (count+15) & ~15u;
@@ -62,7 +64,8 @@ namespace embree
       if (mesh->displFunc)
       {
         for (unsigned i=0; i<padded; i++) {
-          const Double3 n = cross(Double3{ dPdu[i],dPdu[padded+i],dPdu[2*padded+i] },Double3{ dPdv[i],dPdv[padded+i],dPdv[2*padded+i] });
+          const Double3 n = cross(Double3{ dPdu[i],dPdu[padded+i],dPdu[2*padded+i] },
+            Double3{ dPdv[i],dPdv[padded+i],dPdv[2*padded+i] });
           const double length2 = dot(n,n), scale = length2 > 0.0 ? 1.0/std::sqrt(length2) : 1.0;
           N[i] = float(scale*n.x); N[padded+i] = float(scale*n.y); N[2*padded+i] = float(scale*n.z);
         }
@@ -86,8 +89,10 @@ namespace embree
       for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
-    /*! The patch is cut into up to 4 x 4 parts. What a part needs is the quadratic mean over it: steep displacement has quads that are longer than others, as quads are even in
-     *  parameters. Of parts, which a camera may see at different distances, the one that needs most counts: its half for the edge that is next to it. */
+    /*! Divides the patch into up to 4 x 4 parts. The number of quads that a part needs is the quadratic mean over the
+     *  part: quads are uniform in parameter space, so quads on steep displacement are longer than others. A camera can
+     *  see the parts at different distances. Each edge gets the maximum over the parts in the half of the patch next to
+     *  it. */
     void need (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;
@@ -104,7 +109,8 @@ namespace embree
               const double perUnit = double(n)*view.quadsPerUnit(corners);
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
-              if (!(u < mostSquared) || !(v < mostSquared)) continue; // not finite, or at the eye, where the cells around say enough
+              // not finite, or at the eye: the cells around are sufficient
+              if (!(u < mostSquared) || !(v < mostSquared)) continue;
               sum[0] += u; sum[1] += v; count++;
             }
           if (!count) continue;
@@ -116,7 +122,7 @@ namespace embree
         }
     }
 
-    static constexpr double mostSquared = 1e38; //!< quads that a part may need
+    static constexpr double mostSquared = 1e38; //!< squared number of quads
 
     const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
     static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }

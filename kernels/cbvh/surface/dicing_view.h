@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How large a camera sees what lies somewhere: lengths in pixels, as if they were seen from the front. Numbers are doubles:
- * squares of lengths that a scene may have, 1e-20 to 1e20, overflow or underflow in floats. */
+/* Measures the size of geometry as a camera sees it: lengths in pixels, as if seen from the front. Computes in doubles:
+ * squares of lengths that occur in scenes, 1e-20 to 1e20, overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -13,14 +13,14 @@
 
 namespace embree
 {
-  using cbvh::Double3; // Embree's vectors compute in floats, whatever they are of
+  using cbvh::Double3; // Embree's vectors compute in floats, whatever their element type is
 
   inline Double3 normalized (const Double3& v) { return (1.0/std::sqrt(dot(v,v)))*v; }
 
   class DicingView
   {
   public:
-    /*! camera: found valid */
+    /*! camera: must be valid. */
     explicit DicingView (const DicingCamera& camera)
       : eye{ camera.position[0],camera.position[1],camera.position[2] }, orthographic(camera.orthographic),
           pixelSize(double(camera.pixelSize)*camera.quadSize), outside(camera.outside),
@@ -38,18 +38,21 @@ namespace embree
         for (int i=0; i<4; i++) { normals[i] = axes[i]; offsets[i] = i < 2 ? halfWidth : halfHeight; }
         return;
       }
-      const Double3 axes[4] = { right-halfWidth*forward,-1.0*right-halfWidth*forward,down-halfHeight*forward,-1.0*down-halfHeight*forward };
+      const Double3 axes[4] =
+        { right-halfWidth*forward,-1.0*right-halfWidth*forward,down-halfHeight*forward,-1.0*down-halfHeight*forward };
       for (int i=0; i<4; i++) { normals[i] = normalized(axes[i]); offsets[i] = 0.0; }
     }
 
     Double3 toWorld (const Double3& p) const
     {
       const double* m = transform;
-      return Double3{ m[0]*p.x+m[3]*p.y+m[6]*p.z+m[9],m[1]*p.x+m[4]*p.y+m[7]*p.z+m[10],m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
+      return Double3{ m[0]*p.x+m[3]*p.y+m[6]*p.z+m[9],m[1]*p.x+m[4]*p.y+m[7]*p.z+m[10],
+        m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
     }
 
-    /*! Quads of the size that is asked for in a unit of length, on a cell with such corners; infinite at the eye. Of the cell
-     *  what is nearest counts: its borders, its diagonals, and whether any of the ball around it is in the picture. */
+    /*! Returns the number of quads of the requested size per unit of length, on a cell with these corners; infinite at
+     *  the eye. Uses the point of the cell's borders and diagonals that is nearest to the eye, and the part of the ball
+     *  around the cell that is nearest to the picture. */
     double quadsPerUnit (const Double3 corners[4]) const
     {
       const Double3 center = 0.25*(corners[0]+corners[1]+corners[2]+corners[3]);
@@ -71,8 +74,9 @@ namespace embree
       return sqr_length(e-t*d);
     }
 
-    /*! By how much quads may be larger than in the picture: more and more outside of it, up to where a line to them is 60 degrees off its border. Without a
-     *  step, as faces beside each other are to be alike. */
+    /*! Returns the factor by which quads may be larger than in the picture. It grows with the distance from the
+     *  picture, up to where a line to the cell is 60 degrees off its border. It has no discontinuity, so that adjacent
+     *  faces get similar rates. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
@@ -92,7 +96,7 @@ namespace embree
     bool hasPicture;
     double transform[12];
     double size = 0.0;
-    Double3 normals[4];   //!< of the picture's borders, outwards
+    Double3 normals[4];   //!< normals of the picture's borders, pointing outwards
     double offsets[4];
   };
 }

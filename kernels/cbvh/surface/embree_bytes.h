@@ -3,23 +3,38 @@
 
 #pragma once
 
-/* Estimates of the bytes that Embree's own kernels use for a surface, without vertices and indices.
+/* Estimated bytes of Embree's own kernels and of blocks for a surface, without vertices and indices.
  * docs/performance.md has the measurements. */
 
 #include <cstddef>
 
 namespace embree
 {
-  /*! of grids, which it stores by 2 x 2 quads, whether they move or not */
+  /*! Grids, which Embree stores as 2 x 2 quads. Motion does not change their size. */
   inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
 
-  /*! of a quad of a quad mesh */
-  inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64; }
+  /*! A grid as cVERT, with its share of the tree. Measured: 130 bytes per block, 8 more if numbers follow a pattern,
+   *  and 1 per quad. */
+  inline size_t bytesOfGridBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
+    return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
+  }
 
-  /*! of a triangle; at one time step less than was seen */
-  inline size_t bytesOfTriangleInEmbree (unsigned numTimeSteps) { return numTimeSteps == 1 ? 60 : numTimeSteps == 2 ? 52 : 80; }
+  /*! Triangles in mesh blocks, with their share of the tree. */
+  inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
+
+  /*! A quad of a quad mesh. */
+  inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64;
+  }
+
+  /*! A triangle. At one time step, a lower bound of the measurements. */
+  inline size_t bytesOfTriangleInEmbree (unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? 60 : numTimeSteps == 2 ? 52 : 80;
+  }
   inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
 
-  /*! of a subdivision surface's grids with several time steps. still: the same at one step */
-  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) { return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4)); }
+  /*! Embree's grids of a moving subdivision surface. still: bytes at one time step. */
+  inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) {
+    return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4));
+  }
 }

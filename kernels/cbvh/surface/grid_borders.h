@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* The borders of grids that an application diced, and of the regions of meshes: shared_border.h has the rule. Grids
- * have no topology. They share the vertices on their borders that have the same index, or that are equal as floats at
- * all time steps (position_table.h). So all owners have the same positions, and only the lattice of a vertex is to be
- * chosen.
+/* The borders of grids that an application diced, and of the regions of meshes. shared_border.h has the rule. Grids
+ * have no topology. They share the vertices on their borders that have the same index, or whose positions are equal
+ * floats at all time steps (position_table.h). All owners therefore have the same positions, and only the lattice of a
+ * vertex has to be chosen.
  *
- * Lossless geometry has no lattices, and shares nothing: its vertices stay where they are. */
+ * Lossless geometry has no lattices and shares nothing: its vertices stay in place. */
 
 #include "border_lattices.h"
 #include "diced_grids.h"
+#include "loose_triangles.h"
 #include "patch_vertices.h"
 #include "shared_border.h"
 #include "stitched_vertices.h"
@@ -20,9 +21,9 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h */
+    /*! Grids: see diced_grids.h. */
     template<typename Grids>
-    class GridBorders
+    class GridBorders : public StoredBorders
     {
     public:
       typedef typename Grids::Grid Grid;
@@ -39,13 +40,13 @@ namespace embree
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
       bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
 
-      /*! Finds shared vertices and chooses all lattices. Calls progress() now and then, which may cancel by an
-       *  exception. */
+      /*! Finds shared vertices and chooses all lattices. Calls progress() from time to time, which may throw to
+       *  cancel. */
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {
         lattices.choose(*this,gridsPerTask,progress);
-        if (size() < 2 || plan.isLossless()) return;
+        if ((size() < 2 && !grids.hasLoose()) || size() == 0 || plan.isLossless()) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
               size_t n = 0;
               for (size_t i=r.begin(); i!=r.end(); i++)
@@ -63,10 +64,9 @@ namespace embree
         stitched.clear();
       }
 
-      /*! Exponent of a grid's lattice at a time step. */
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! Returns a vertex on the border of a grid. own: exponent of the grid's lattice */
+      /*! Returns a vertex on the border of a grid. own: exponent of the grid's lattice. */
       SharedVertex shared (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
@@ -78,7 +78,17 @@ namespace embree
         return SharedVertex(onEdge,cbvh::exactLattice);
       }
 
-      /*! Of PositionTable. Values that are not numbers are equal. */
+      /*! Returns where a vertex is stored. For meshes with one time step. */
+      bool find (size_t vertex, float out[3]) const override
+      {
+        if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
+        const SharedVertex v = shared(vertex,cbvh::exactLattice,0);
+        const cbvh::WorldLattice common(v.exponent);
+        for (int k=0; k<3; k++) out[k] = common.snap(v.position[k]);
+        return true;
+      }
+
+      /*! Member for PositionTable. NaNs are equal. */
       bool moveAlike (size_t a, size_t b) const
       {
         for (unsigned step=1; step<plan.numTimeSteps; step++) {
@@ -89,7 +99,8 @@ namespace embree
         return true;
       }
 
-      /*! Of StitchedVertices: calls closure for the entries at the ends of each edge of a border that has a length. */
+      /*! Member for StitchedVertices. Calls closure for the entries at the ends of each edge of a border whose length
+       *  is not 0. */
       template<typename Closure>
       void forBorderEdges (size_t i, const Closure& closure) const
       {
@@ -106,7 +117,7 @@ namespace embree
         }
       }
 
-      /* the topology of border_lattices.h; an element is an entry of the table */
+      /* Topology of border_lattices.h. An element is an entry of the table. */
 
       double spacingOfEdge () const { return Grids::spacingOfEdge(); }
 
@@ -147,7 +158,7 @@ namespace embree
       typedef PositionTable<GridBorders> Table;
       typedef typename Table::Entry Entry;
 
-      /*! Calls closure(vertex), each once. */
+      /*! Calls closure(vertex) once for each vertex. */
       template<typename Closure>
       static void forBorder (const Grid& grid, const Closure& closure)
       {
@@ -158,8 +169,8 @@ namespace embree
       const Grids grids;
       const CompressionPlan& plan;
       BorderLattices lattices;
-      Table table;                            //!< of vertices on borders; empty for a single grid
-      StitchedVertices<GridBorders> stitched; //!< of finer grids on edges of coarser ones
+      Table table;                            //!< vertices on borders; empty for a single grid
+      StitchedVertices<GridBorders> stitched; //!< vertices of finer grids on edges of coarser ones
     };
   }
 }

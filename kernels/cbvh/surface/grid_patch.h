@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A grid that an application diced, as one patch: its vertices are the application's own. source.h describes its
+/* A grid that an application diced, as one patch. Its vertices are the application's. source.h describes the
  * members. */
 
 #include "grid_borders.h"
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h */
+    /*! Grids: see diced_grids.h. */
     template<typename Grids>
     class GridPatch : public SurfacePatch
     {

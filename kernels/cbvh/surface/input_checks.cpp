@@ -48,7 +48,8 @@ namespace embree
     for (size_t f=0; f<mesh->faceVertices.size(); begin+=mesh->faceVertices[f++])
       if (begin + mesh->faceVertices[f] > firstWrong)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "index " + std::to_string(firstWrong-begin)
-            + " is vertex " + std::to_string(indices[firstWrong]) + " of " + std::to_string(numVertices));
+            + " is vertex " + std::to_string(indices[firstWrong]) + ": expected less than "
+              + std::to_string(numVertices));
   }
 
   void checkSides (const GridMesh* mesh)
@@ -58,7 +59,8 @@ namespace embree
       if (max(mesh->grid(i).resX,mesh->grid(i).resY) > most)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"grid " + std::to_string(i) + " has "
             + std::to_string(mesh->grid(i).resX) + " x " + std::to_string(mesh->grid(i).resY)
-                       + " vertices: uncompressed grids have at most " + std::to_string(most) + " along a side");
+                       + " vertices: expected at most " + std::to_string(most)
+                         + " along a side of a grid that is not compressed");
   }
 
   void checkStrides (const GridMesh* mesh)

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Checks of the buffers of geometries, before Embree or the kernels read them. All throw rtcore_error, which names the
- * first value that is wrong. */
+ * first wrong value. */
 
 #include "../embree/scene.h"
 
@@ -18,25 +18,26 @@ namespace embree
     for (size_t t=1; t<mesh->numTimeSteps; t++)
       if (verticesAt(t) < verticesAt(0))
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has "
-            + std::to_string(verticesAt(t)) + " vertices, the first has "
+            + std::to_string(verticesAt(t)) + " vertices: expected at least as many as the first time step, "
                        + std::to_string(verticesAt(0)));
     if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
-      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"a time range from " + std::to_string(mesh->time_range.lower) + " to "
-          + std::to_string(mesh->time_range.upper));
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
+        
+        "invalid time range (expected a start before the end): " + std::to_string(mesh->time_range.lower) + " to "
+        + std::to_string(mesh->time_range.upper));
   }
 
-  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would read, and write, past
-   *  their ends. */
+  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would access memory past their
+   *  ends. */
   void checkSizes (const SubdivMesh* mesh);
 
-  /*! Throws if a face of a cage refers to indices or vertices that do not exist: Embree would read them. Also checks
-   *  time steps and sizes. */
+  /*! Throws if a face of a cage refers to indices or vertices that do not exist. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Throws for a grid with more vertices along a side than Embree's own kernel counts in 15 bits. */
+  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count, which uses 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws for a large grid whose rows are all the same vertices. Its quads have no area, but there may be billions of
+  /*! Throws if all rows of a large grid are the same vertices. Its quads have no area, but there can be billions of
    *  them. */
   void checkStrides (const GridMesh* mesh);
 }

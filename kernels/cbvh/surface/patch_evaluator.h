@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Evaluates the vertices of a patch of a cage as GRID evaluates its subgrids (subdivpatch1base_eval.cpp): parameter by
- * parameter and operation by operation, so that both have the same floats. All vertices of a part are evaluated in one
- * go, so that irregular patches are subdivided once, and the displacement function is called once per part. Edges of
- * lower rates are stitched as Embree stitches them. */
+/* Evaluates the vertices of a patch of a cage as Embree evaluates the subgrids of GRID (subdivpatch1base_eval.cpp):
+ * with the same parameters and operations, so that the floats are the same. All vertices of a part are evaluated at
+ * once, so that irregular patches are subdivided once, and the displacement function is called once per part. Edges of
+ * lower rates are stitched as in Embree. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -20,14 +20,15 @@ namespace embree
     public:
       explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
-      /*! Evaluates a part of a patch of quadsX x quadsY quads, not fewer than the rates of its edges. */
-      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY, const PatchPart& part)
+      /*! Evaluates a part of a patch of quadsX x quadsY quads, at least the rates of its edges. */
+      void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY,
+                     const PatchPart& part)
       {
         setSize(part);
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // room for full-width stores
-        arrays.reserve(8*stride+16); // no more than that: vectors grow to a power of two
+        arrays.reserve(8*stride+16); // reserves exactly that, because vectors grow to a power of two
         arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };
         float* N[3] = { array(3), array(4), array(5) };
@@ -44,14 +45,14 @@ namespace embree
       }
 
     private:
-      /*! a part of a patch of that many vertices */
+      /*! A part of a patch of width x height vertices. */
       struct Range
       {
         unsigned width, height;
         PatchPart part;
       };
 
-      /*! aligned for full-width loads, which mvector is not */
+      /*! Returns an array that is aligned for full-width loads, unlike mvector. */
       float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
       void interleave (float (*out)[3])
@@ -62,9 +63,11 @@ namespace embree
         }
       }
 
-      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)
+      void evalRegular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3],
+                        float* N[3], float* u, float* v)
       {
-        gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),unsigned(height),u,v);
+        gridUVTessellator(patch.level,range.width,range.height,range.part.x0,range.part.y0,unsigned(width),
+          unsigned(height),u,v);
         for (size_t i=count; i<stride; i++) { u[i] = u[count-1]; v[i] = v[count-1]; }
         if (stitched) stitchParameters(patch.level,range,u,v);
         for (size_t i=0; i<count; i+=VSIZEX)
@@ -78,12 +81,14 @@ namespace embree
         }
       }
 
-      /*! As Embree's stitchUVGrid() does it for the whole grid; of a part, that would stitch columns to the rates of
-       *  the edges opposite. */
+      /*! As Embree's stitchUVGrid() for a whole grid, which for a part would stitch columns to the rates of the
+       *  opposite edges. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
-        const unsigned vertices[4] = { unsigned(rate[0])+1,unsigned(rate[1])+1,unsigned(rate[2])+1,unsigned(rate[3])+1 }, columns = unsigned(width);
+        const unsigned vertices[4] =
+          { unsigned(rate[0])+1,unsigned(rate[1])+1,unsigned(rate[2])+1,unsigned(rate[3])+1 },
+            columns = unsigned(width);
         auto stitchRow = [&](int s, size_t row) {
           if (vertices[s] < range.width) stitchGridEdges(vertices[s],range.width,part.x0,part.x1,u+row*width,1);
         };
@@ -96,11 +101,13 @@ namespace embree
         if (part.x0 == 0) stitchColumn(3,0);
       }
 
-      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3], float* N[3], float* u, float* v)
+      void evalIrregular (const SubdivPatch1Base& patch, const SubdivMesh* mesh, const Range& range, float* P[3],
+                          float* N[3], float* u, float* v)
       {
         const bool normals = mesh->displFunc;
         const float* rate = stitched ? patch.level : nullptr;
-        const unsigned w = unsigned(width), h = unsigned(height), x0 = range.part.x0, x1 = range.part.x1, y0 = range.part.y0, y1 = range.part.y1;
+        const unsigned w = unsigned(width), h = unsigned(height), x0 = range.part.x0, x1 = range.part.x1,
+          y0 = range.part.y0, y1 = range.part.y1;
         float *Nx = normals ? N[0] : nullptr, *Ny = normals ? N[1] : nullptr, *Nz = normals ? N[2] : nullptr;
         if (mesh->patch_eval_trees.size())
           feature_adaptive_eval_grid<PatchEvalGrid>
@@ -113,7 +120,7 @@ namespace embree
              x0,x1,y0,y1,range.width,range.height,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
         }
 
-        /* parameters of the sub-patch to parameters of the face */
+        /* From parameters of the sub-patch to parameters of the face. */
         const Vec2f uv0 = patch.getUV(0), uv1 = patch.getUV(1), uv2 = patch.getUV(2), uv3 = patch.getUV(3);
         for (size_t i=0; i<count; i+=VSIZEX)
         {
@@ -123,25 +130,26 @@ namespace embree
         }
       }
 
-      void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u, float* v)
+      void displace (const SubdivPatch1Base& patch, const SubdivMesh* mesh, float* P[3], float* N[3], float* u,
+                     float* v)
       {
         RTCDisplacementFunctionNArguments args = { mesh->userPtr,(RTCGeometry)mesh,patch.primID(),patch.time(),u,v,
                                                    N[0],N[1],N[2],P[0],P[1],P[2],unsigned(count) };
         mesh->displFunc(&args);
       }
 
-      mvector<float> arrays;      //!< P, N, u, v, one after the other
+      mvector<float> arrays;      //!< P, N, u and v, one after the other
       size_t stride = 0;
-      bool stitched = false;      //!< whether an edge has a lower rate
+      bool stitched = false;      //!< an edge has a lower rate
     };
 
-    /*! Rows and columns of a patch: evaluated one by one, or taken from all vertices of the patch, evaluated first. */
+    /*! Rows and columns of a patch. They are evaluated one by one, or copied from all vertices of the patch. */
     class PatchLines
     {
     public:
       struct Line { const float (*vertices)[3]; size_t count; };
 
-      /*! all: room for the vertices of the patch, which are evaluated at once then, or null */
+      /*! all: room for the vertices of the patch, which the constructor then evaluates, or null. */
       PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator,
                   const unsigned quads[2], float (*all)[3])
         : mesh(mesh), base(base), evaluator(evaluator), quads(quads), all(all)
@@ -161,7 +169,7 @@ namespace embree
         }
         const size_t width = quads[0]+1, height = quads[1]+1;
         if (alongU) return { all+at*width,width };
-        float (*column)[3] = evaluator.undisplaced(); // has room for all, and is not needed
+        float (*column)[3] = evaluator.undisplaced(); // has room for all vertices, and is not in use
         for (size_t y=0; y<height; y++) memcpy(column[y],all[y*width+at],sizeof(*column));
         return { column,height };
       }

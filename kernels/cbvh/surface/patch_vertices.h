@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The vertices of a patch, or of a part of it, row by row, before and after displacement. Sources fill them, and
+/* The vertices of a patch, or of a part of a patch, row by row, before and after displacement. Sources write them, and
  * writers of blocks read them. */
 
 #include "../base/codec.h"
@@ -14,7 +14,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! vertices x0 to x1 along u and y0 to y1 along v of a patch */
+    /*! Vertices x0 to x1 along u and y0 to y1 along v of a patch. */
     struct PatchPart { unsigned x0, x1, y0, y1; };
 
     class PatchVertices
@@ -22,17 +22,17 @@ namespace embree
     public:
       explicit PatchVertices (Device* device) : interleaved(device,0) {}
 
-      /*! Makes room for width x height vertices. Their values are undefined. */
+      /*! Allocates width x height vertices. Their values are undefined. */
       void setSize (size_t width, size_t height)
       {
         this->width = width; this->height = height;
         count = width*height;
-        interleaved.reserve(6*count); // no more than that: vectors grow to a power of two
+        interleaved.reserve(6*count); // reserves exactly that, because vectors grow to a power of two
         interleaved.resize(6*count);
       }
       void setSize (const PatchPart& part) { setSize(part.x1-part.x0+1,part.y1-part.y0+1); }
 
-      /*! Sets the displaced vertices of quadsX x quadsY quads. Undisplaced ones are undefined. */
+      /*! Sets the displaced vertices of quadsX x quadsY quads. The undisplaced vertices are undefined. */
       void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
       {
         setSize(quadsX+1,quadsY+1);
@@ -46,11 +46,11 @@ namespace embree
         std::fill(interleaved.begin(),interleaved.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
-      /*! vertices row by row */
+      /*! Vertices, row by row. */
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
-      /*! Bounds the displaced vertices. Returns false if one is not finite. */
+      /*! Returns the bounds of the displaced vertices in lower and upper, and false if one is not finite. */
       bool bound (float lower[3], float upper[3]) { return cbvh::boundVertices(displaced(),count,lower,upper); }
 
       size_t width = 0, height = 0; //!< in vertices

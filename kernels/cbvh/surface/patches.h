@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The patches of a face: the face itself, or, where it is not a quadrilateral, one at each
- * of its corners. */
+/* The patches of a face: the face itself if it is a quadrilateral, otherwise one patch at each of its corners. */
 
 #include "../embree/scene.h"
 
@@ -12,10 +11,10 @@ namespace embree
 {
   namespace isa
   {
-    /*! Embree's half-edge of a face without edges is that of the face behind it. */
+    /*! False for a face without edges. Embree's half-edge of such a face belongs to the next face. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
-    /*! at any time step */
+    /*! True if a face has a surface at any time step. */
     inline bool hasSurface(const SubdivMesh* mesh, size_t face)
     {
       if (!hasEdges(mesh,face)) return false;
@@ -24,62 +23,72 @@ namespace embree
       return false;
     }
 
-    /*! True if Embree cannot evaluate the surface at the vertex where an edge begins: one of the vertex's faces has fewer than 3
-     *  or more than 16 corners, or there are more than 64 of them. */
+    /*! True if Embree cannot evaluate the surface at the vertex where an edge begins: a face at the vertex has fewer
+     *  than 3 or more than 16 corners, or the vertex has more than 64 faces or more neighbors than a ring stores. */
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
-      const HalfEdge* around = edge; // back around the vertex, and at a border on from its other end
+      size_t faceValence = 0, edgeValence = 0;
+      const HalfEdge* around = edge; // goes back around the vertex; at a border, continues from the other end
       do {
         const unsigned corners = around->numEdges();
         if (corners < 3 || corners > MAX_PATCH_VALENCE) return true;
+        faceValence++;
+        edgeValence += corners-2;
         around = around->prev();
-        if (around->hasOpposite()) around = around->opposite();
-        else for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
+        if (around->hasOpposite()) { around = around->opposite(); continue; }
+        faceValence++; // between the borders, where a ring stores two vertices
+        edgeValence += 2;
+        for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
       } while (around != edge);
-      size_t faceValence = 0, edgeValence = 0; // counted after the corners: the count requires faces of at least 3
-      edge->calculateFaceValenceAndEdgeValence(faceValence,edgeValence);
       return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
     }
 
-    /*! True if Embree cannot evaluate a face whatever the vertices are, and the face is no hole. */
-    inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
+    /*! True if Embree's patches support a face with this number of corners. first: its first half-edge */
+    inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
-      if (!hasEdges(mesh,face)) return false;
-      const HalfEdge* const first = mesh->getHalfEdge(0,face);
+      if (corners < 3) return false; // the edge of a single corner has no next one
       const HalfEdge* edge = first;
       while (!isUnsupportedAtVertex(edge))
-        if ((edge = edge->next()) == first) return false;
+        if ((edge = edge->next()) == first) return true;
+      return false;
+    }
+
+    /*! True if Embree cannot evaluate a face, whatever its vertices are, and the face is not a hole. */
+    inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
+    {
+      if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return false;
       for (size_t i=0; i<mesh->holes.size(); i++)
         if (mesh->holes[i] == face) return false;
       return true;
     }
 
-    /*! what is known of a patch before it is evaluated */
+    /*! Properties of a patch that are known before it is evaluated. */
     struct PatchOfFace
     {
-      const Vec2f* uv;         //!< of its corners, 4
+      const Vec2f* uv;         //!< of its 4 corners
       const int* subdiv;
       const float* edgeLevel;
-      int subPatch;            //!< the corner that it is at; 0 of a quadrilateral
-      float rate[4];           //!< of its edges v = 0, u = 1, v = 1, u = 0
+      int subPatch;            //!< number of its corner of the face; 0 for a quadrilateral
+      float rate[4];           //!< rates of its edges v = 0, u = 1, v = 1, u = 0
 
       SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surface, size_t face, unsigned timeStep = 0) const {
         return SubdivPatch1Base(surface,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);
       }
     };
 
-    /*! calls closure(patch) for the patches of a face */
+    /*! Calls closure(patch) for the patches of a face. */
     template<typename Closure>
     inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
     {
-      patch_eval_subdivision(mesh->getHalfEdge(0,face),[&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch) {
+      patch_eval_subdivision(mesh->getHalfEdge(0,face),
+        [&](const Vec2f uv[4], const int subdiv[4], const float edgeLevel[4], int subPatch) {
           PatchOfFace patch = { uv, subdiv, edgeLevel, subPatch, {} };
           SubdivPatch1Base::computeEdgeLevels(edgeLevel,subdiv,patch.rate);
           closure(patch);
         });
     }
 
-    /*! Half-edge of the cage that side s of a patch lies on, in the order of PatchOfFace::rate;
+    /*! Returns the half-edge of the cage on which side s of a patch lies, in the order of PatchOfFace::rate. Returns
      *  null for a spoke of an n-gon. */
     inline const HalfEdge* edgeOfSide(const SubdivMesh* mesh, size_t face, int subPatch, int s)
     {
@@ -89,8 +98,8 @@ namespace embree
       return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
     }
 
-    /*! Bits of the sides of a patch where the surface ends, is creased, or, for few quads, bends by as
-     *  much as at a crease. */
+    /*! Returns the bits of the sides of a patch where the surface ends or is creased, or where it has so few quads that
+     *  it may bend as much as at a crease. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
       const float smooth = 32.0f; // quads along a side

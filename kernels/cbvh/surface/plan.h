@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What all patches of a geometry have in common, and by the edge rates of a patch how it is stored. Geometry that comes
- * diced or moves is stored as cVERT, whatever kind is asked for. */
+/* Settings of all patches of a geometry, and the storage of a patch, which follows from its edge rates. Diced or moving
+ * geometry is always stored as cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -15,20 +15,21 @@ namespace embree
   {
     struct CompressionPlan
     {
-      uint32_t surface;              //!< number of the surface, surface_ids.h
+      uint32_t surface;              //!< number of the surface, see surface_ids.h
       unsigned numTimeSteps;
       BBox1f timeRange;
       CompressionSettings settings;  //!< resolved
 
       CompressionPlan (const CompressibleGeometry* geometry, uint32_t number)
-        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)), numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
+        : surface(number | (geometry->numTimeSteps != 1 ? cbvh::movingSurface : 0)),
+          numTimeSteps(geometry->numTimeSteps), timeRange(geometry->time_range),
           settings(geometry->compression.resolve(geometry->device->compression))
       {
         isCompressed = cbvh::findKind(settings.compression,blockKind);
         if (geometry->isCompressed() || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! whether a geometry that asks for compression gets it if it moves */
+      /*! True if a moving geometry that requests compression is compressed. */
       static bool takesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
@@ -37,41 +38,42 @@ namespace embree
 
       bool moves () const { return numTimeSteps != 1; }
 
-      /*! whether vertices are stored as they come */
+      /*! True if vertices are stored without rounding. */
       bool isLossless () const { return kind() == cbvh::Kind::VERT && settings.maxError == 0.0f; }
 
-      /*! only if compresses() */
+      /*! Undefined unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
-      /*! The setting exact_faces: patches that frames hold badly are stored as cVERT. */
+      /*! The setting exact_faces: patches that frames represent badly are stored as cVERT. */
       bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
 
-      /*! whether faces take the vertices of their borders from the face that owns them */
+      /*! True if faces use the border vertices of the face that owns them. */
       bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasExactFaces()); }
 
       bool compresses () const { return isCompressed; }
 
-      /*! whether frame levels follow from the geometry itself */
+      /*! True if frame levels follow from the error bound. */
       bool boundsError () const {
-        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses() && cbvh::describe(kind()).hasThickness;
+        return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
+          && cbvh::describe(kind()).hasThickness;
       }
 
-      /*! How a patch is stored: as Embree's GRID, in blocks with frames, or as cVERT. */
+      /*! Storage of a patch: Embree's GRID, blocks with frames, or cVERT. */
       enum Storage { GRID, FRAMED, VERT };
 
       Storage storage (const float rate[4]) const
       {
         const float highest = max(max(rate[0],rate[1]),max(rate[2],rate[3]));
-        if (moves()) return VERT; // Embree's highest rate is ours
+        if (moves()) return VERT; // maxVertRate is Embree's highest rate
         if (!compresses()) return GRID;
         if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
         if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;
         return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
-      /*! Frame level without an error bound. Of all levels and scenes that were measured, blocks of 16 x 16 quads
-       *  cost least in bytes times time, or nearly so (docs/paper.md): smaller ones are hardly faster, and their
-       *  frames outweigh what leaves save; larger ones save little and are slower. */
+      /*! Frame level without an error bound. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly
+       *  so, at all levels and in all scenes that were measured (docs/paper.md). Smaller blocks are hardly faster, and
+       *  their frames cost more than their leaves save. Larger blocks save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {
         if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);

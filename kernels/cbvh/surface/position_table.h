@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices by position: all vertices that are equal as floats, at all time steps, are one entry. All threads may add at
- * once. */
+/* A table of vertices by position. Vertices that are equal floats at all time steps have one entry. Several threads may
+ * add vertices at once. */
 
 #include "../base/codec.h"
 #include "../base/atomic_ref.h"
@@ -15,8 +15,9 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions has const float* position(size_t vertex), finite and at the first time step, and bool
-     *  moveAlike(size_t, size_t): whether two vertices that are equal there are equal at all others. */
+    /*! Positions: a class with const float* position(size_t vertex), which is finite and at the first time step, and
+     *  bool moveAlike(size_t, size_t), which returns true if two vertices that are equal there are equal at all other
+     *  time steps. */
     template<typename Positions>
     class PositionTable
     {
@@ -26,12 +27,14 @@ namespace embree
 
       explicit PositionTable (Device* device) : slots(device,0) {}
 
-      /*! Makes room for so many vertices, if none are equal. */
+      /*! Allocates the table for this number of different vertices. */
       void reserve (size_t vertices)
       {
         size_t size = 16;
         while (size < vertices + vertices/8) size *= 2;
-        if (size > none) throw_RTCError(RTC_ERROR_INVALID_OPERATION,"more than 2^31 vertices are on the borders of grids");
+        if (size > none)
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+            "too many vertices on the borders of grids: expected at most 1.9e9");
         slots.resize(size);
         parallel_for(size_t(0),size,size_t(1) << 16,[&](const range<size_t>& r) {
             std::fill(slots.data()+r.begin(),slots.data()+r.end(),uint64_t(0));
@@ -57,7 +60,7 @@ namespace embree
         }
       }
 
-      /*! of the position of a vertex, or none */
+      /*! Returns the entry of the position of a vertex, or none. */
       Entry find (const Positions& positions, size_t vertex) const
       {
         const float* p = positions.position(vertex);
@@ -67,13 +70,13 @@ namespace embree
         return none;
       }
 
-      /*! a vertex that is there */
+      /*! Returns one of the vertices of an entry. */
       size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
 
-      /*! whether it was added more than once */
+      /*! True if vertices were added to the entry more than once. */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
-      /*! whether a vertex was added once only */
+      /*! True if any entry had a vertex added only once. */
       bool isAnyAlone () const
       {
         return parallel_reduce(size_t(0),slots.size(),size_t(1) << 16,false,[&](const range<size_t>& r) {
@@ -83,12 +86,12 @@ namespace embree
           },std::logical_or<bool>());
       }
 
-      /*! A mark for the user of the table. Not thread-safe. */
+      /*! Sets a mark that the user of the table defines. Not thread-safe. */
       void mark (Entry entry) { slots[entry] |= markBit; }
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* a slot: index of a vertex, three flags, and bits of the hash; 0 if it is free */
+      /* A slot: number of a vertex, three flags, and bits of the hash; 0 if it is free. */
       static const int tagShift = 36;
       static const uint64_t indexBits = (uint64_t(1) << 33)-1;
       static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;
@@ -99,7 +102,7 @@ namespace embree
       {
         uint64_t h = 0;
         for (int k=0; k<3; k++) {
-          const float x = p[k] + 0.0f; // zeros are equal
+          const float x = p[k] + 0.0f; // makes both zeros equal
           uint32_t bits;
           memcpy(&bits,&x,sizeof(bits));
           h = (h ^ bits)*0x9E3779B97F4A7C15ull;

@@ -4,319 +4,374 @@
 /* Compiled for the library's lowest ISA only. */
 
 #include "quad_regions.h"
-#include "../base/atomic_ref.h"
-#include "../base/resize_to_fit.h"
-#include <algorithm>
-#include <atomic>
-#include <tuple>
-#include <vector>
+#include "../../cvert/format/block.h"
+#include "embree_bytes.h"
+#include "quad_neighbors.h"
+#include "triangle_pairs.h"
 
 namespace embree
 {
   namespace
   {
-    /*! Of quads in the order of their numbers, those are seeds first that have no quad on their left and none below: they are corners
-     *  of regions. From a seed a region grows to the right and up, a column or a row at a time, as square as it can. Large
-     *  regions are taken before small ones, so that a row of quads at a pole does not cut the columns out of what is above it. */
-    template<typename Quads>
+    /*! Finds regions. The first seeds are quads that have no free quad on the left and none below: corners of regions.
+     *  From a seed, a region grows to the right and up by a column or a row at a time, as square as it can. Large
+     *  regions are taken before small ones, so that a row of quads at a pole does not separate the columns of the quads
+     *  above it.
+     *
+     *  Other seeds first move left and down until the next quad is not free. The position of a region therefore does
+     *  not depend on which of its quads comes first, and closed meshes, which have no corners, are filled from
+     *  there. */
     class RegionFinder
     {
     public:
-      RegionFinder (const Quads& quads, size_t numVertices, Device* device, QuadRegions& out)
-        : quads(quads), numVertices(numVertices), out(out), begins(device,0), flags(device,0) {}
+      RegionFinder (const QuadNeighbors& of, QuadRegions& out) : of(of), out(out) {}
 
-      /*! false if it is not regular */
-      bool run ()
+      void run ()
       {
-        if (!findRange()) return false;
-        link();
-        if (!looksRegular()) return false;
-        findNeighbours();
+        cbvh::resizeToFit(flags,of.size());
+        steps = stepsPerQuad*of.size();
+        for (size_t i=0; i<of.size(); i++) flags[i] = of.isValid[i] ? 0 : TAKEN;
+        out.quads.reserve(of.size());
         for (Seeds seeds : { CORNERS,EDGES,ALL })
-          for (unsigned side : { 16u,4u }) take(seeds,side);
+          for (unsigned side : { 16u,QuadRegions::leastSide+0u }) take(seeds,side);
         take(CORNERS,1);
         take(ALL,1);
-        return true;
+        auto isRegular = [](const QuadRegions::Region& r) {
+          return min(r.width,r.height) >= QuadRegions::leastSide;
+        };
+        const auto loose = std::stable_partition(out.regions.begin(),out.regions.end(),isRegular);
+        out.numRegular = size_t(loose - out.regions.begin());
       }
 
     private:
-      enum : unsigned { none = ~0u };
-      static const size_t perTask = 1 << 14;
-
-      enum Flags : uint8_t { TAKEN = 1, HAS_LEFT = 2, HAS_BELOW = 4 };
+      enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
+      /*! The bits above TAKEN are the number of the last pass in which a region that began here was too small. If seeds
+       *  are not corners, all quads of such a region are marked, so that a pass visits each quad once, even in strips
+       *  that are too narrow. */
+      enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
       enum Seeds { CORNERS, EDGES, ALL };
 
-      struct Quad
-      {
-        unsigned index;
-        unsigned v[4];
-        unsigned form;
-      };
+      bool isFree (unsigned quad) const { return quad != none && !(flags[quad] & TAKEN); }
+      unsigned at (QuadNeighbors::Side side, unsigned quad) const { return of.at[side][quad]; }
 
-      /*! A quad that begins at a vertex where one of a lower number begins, and one of its neighbours on that side */
-      struct Other
+      bool isSeed (unsigned quad, Seeds seeds) const
       {
-        unsigned first, second, quad;
-        bool operator< (const Other& other) const { return std::tie(first,second,quad) < std::tie(other.first,other.second,other.quad); }
-      };
-
-      Quad quad (unsigned index) const
-      {
-        Quad q;
-        q.index = index;
-        quads.corners(index,q.v);
-        q.form = quads.form(index);
-        return q;
+        if (!isFree(quad)) return false;
+        if (seeds == ALL) return true;
+        const bool hasLeft = isFree(at(QuadNeighbors::LEFT,quad)), hasBelow = isFree(at(QuadNeighbors::BELOW,quad));
+        return seeds == CORNERS ? !hasLeft && !hasBelow : !hasLeft || !hasBelow;
       }
 
-      /*! whether a quad lies on the right of another, or above it */
-      static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
-      static bool isAbove (const Quad& q, const Quad& other) { return other.v[0] == q.v[3] && other.v[1] == q.v[2]; }
-
-      bool isValid (const Quad& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
-
-      /*! Vertices that the quads have; false if a table of them would be much larger than the mesh. */
-      bool findRange ()
+      /*! Takes all regions with at least `side` quads along each side. */
+      void take (Seeds seeds, unsigned side)
       {
-        typedef std::pair<unsigned,unsigned> Range; // lowest, highest
-        const Range range = parallel_reduce(size_t(0),quads.size(),perTask,Range(unsigned(none),0u),[&](const embree::range<size_t>& r) {
-            Range of(unsigned(none),0u);
-            for (size_t i=r.begin(); i!=r.end(); i++) {
-              const Quad q = quad(unsigned(i));
-              if (isValid(q)) of = Range(min(of.first,q.v[0]),max(of.second,q.v[0]));
-            }
-            return of;
-          },[](const Range& a, const Range& b) { return Range(min(a.first,b.first),max(a.second,b.second)); });
-        if (range.first > range.second) return false;
-        lowest = range.first;
-        const size_t size = size_t(range.second-range.first) + 1;
-        if (size/16 > quads.size()) return false;
-        cbvh::resizeToFit(begins,size);
-        std::fill(begins.begin(),begins.end(),unsigned(none));
+        pass++;
+        marksAll = seeds != CORNERS;
+        for (size_t i=0; i<of.size(); i++)
+          while (isSeed(unsigned(i),seeds) && !isMarked(unsigned(i)))
+            if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
+      }
+
+      /*! Grows regions from a seed and from the seeds that this creates. Returns false if the region of the first seed
+       *  is too small. */
+      bool growAll (unsigned seed, unsigned side, Seeds seeds)
+      {
+        const bool isTaken = grow(seed,side);
+        while (!corners.empty() || (seeds == EDGES && !edges.empty()))
+        {
+          std::vector<unsigned>& from = corners.empty() ? edges : corners;
+          const unsigned quad = from.back();
+          from.pop_back();
+          if (&from == &corners ? isSeed(quad,CORNERS) : isSeed(quad,EDGES))
+            grow(&from == &corners ? quad : moved(quad),side);
+        }
+        edges.clear();
+        return isTaken;
+      }
+
+      /*! Returns the quad at which the region of a quad begins. If quads form a ring, any quad of the ring. */
+      unsigned moved (unsigned quad)
+      {
+        for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
+          const unsigned begin = quad;
+          for (unsigned next=at(side,quad); isFree(next) && steps != 0; next=at(side,quad), steps--) {
+            quad = next;
+            if (quad == begin) break;
+          }
+        }
+        return quad;
+      }
+
+      bool isMarked (unsigned quad) const { return flags[quad]/PASS == pass; }
+      unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
+
+      /*! Takes the region of a seed. Returns false if it is too small. */
+      bool grow (unsigned seed, unsigned side)
+      {
+        if (isMarked(seed)) return false;
+        quadOfRegion(0,0) = seed;
+        flags[seed] |= TAKEN;
+        width = height = 1;
+        for (bool isWideOpen = true, isHighOpen = true; isWideOpen || isHighOpen; )
+        {
+          if (isWideOpen && (!isHighOpen || width <= height)) isWideOpen = width < maxSide && growRight();
+          else isHighOpen = height < maxSide && growUp();
+          if ((!isWideOpen && width < side) || (!isHighOpen && height < side)) {
+            for (unsigned y=0; y<height; y++)
+              for (unsigned x=0; x<width; x++)
+                if (marksAll) flags[quadOfRegion(x,y)] = uint8_t(pass*PASS); else letGo(quadOfRegion(x,y));
+            flags[seed] = uint8_t(pass*PASS);
+            return false;
+          }
+        }
+        out.regions.push_back(QuadRegions::Region{ out.quads.size(),width,height });
+        for (unsigned y=0; y<height; y++)
+          for (unsigned x=0; x<width; x++) out.quads.push_back(quadOfRegion(x,y));
+        for (unsigned y=0; y<height; y++) open(at(QuadNeighbors::RIGHT,quadOfRegion(width-1,y)));
+        for (unsigned x=0; x<width; x++) open(at(QuadNeighbors::ABOVE,quadOfRegion(x,height-1)));
         return true;
       }
 
-      /*! quads by the vertex at which they begin */
-      void link ()
+      /*! Adds a quad that lost a neighbor to the seeds. */
+      void open (unsigned quad)
       {
-        std::atomic<size_t> numLeftOut(0);
-        parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
-            size_t n = 0;
-            for (size_t i=r.begin(); i!=r.end(); i++)
-            {
-              const Quad q = quad(unsigned(i));
-              if (!isValid(q)) { n++; continue; }
-              const cbvh::AtomicRef<unsigned> slot(begins[q.v[0]-lowest]);
-              unsigned found = slot.load(std::memory_order_relaxed);
-              while (q.index < found && !slot.exchangeWeak(found,q.index,std::memory_order_relaxed));
-            }
-            if (n) numLeftOut += n;
-          });
-        out.numLeftOut = numLeftOut;
-        MutexSys mutex;
-        parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
-            std::vector<Other> right, above;
-            for (size_t i=r.begin(); i!=r.end(); i++) {
-              const Quad q = quad(unsigned(i));
-              if (!isValid(q) || begins[q.v[0]-lowest] == q.index) continue;
-              right.push_back(Other{ q.v[0],q.v[3],q.index });
-              above.push_back(Other{ q.v[0],q.v[1],q.index });
-            }
-            if (right.empty()) return;
-            Lock<MutexSys> lock(mutex);
-            othersRight.insert(othersRight.end(),right.begin(),right.end());
-            othersAbove.insert(othersAbove.end(),above.begin(),above.end());
-          });
-        std::sort(othersRight.begin(),othersRight.end());
-        std::sort(othersAbove.begin(),othersAbove.end());
+        if (!isFree(quad)) return;
+        if (isSeed(quad,CORNERS)) corners.push_back(quad); else edges.push_back(quad);
       }
 
-      /*! A quad that begins at vertex `first` and has `second` as corner `c`, and the form of q; or none. */
-      bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<Other>& others, Quad& found) const
+      void letGo (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
+
+      /*! Takes the neighbor of a quad of the region if it is free and adjacent to the quad taken before it. */
+      bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
+                     unsigned& next)
       {
-        if (first < lowest || first-lowest >= begins.size()) return false;
-        const unsigned index = begins[first-lowest];
-        if (index == none) return false;
-        found = quad(index);
-        if (found.v[c] == second) return found.form == q.form && index != q.index;
-        if (others.empty()) return false;
-        const auto other = std::lower_bound(others.begin(),others.end(),Other{ first,second,0 });
-        if (other == others.end() || other->first != first || other->second != second) return false;
-        found = quad(other->quad);
-        return found.form == q.form && found.index != q.index;
-      }
-
-      bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
-      bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
-
-      /*! whether of some quads a quarter has a quad on its right and one above that have the same quad between them */
-      bool looksRegular () const
-      {
-        const size_t step = max(quads.size()/4096,size_t(1));
-        size_t looked = 0, regular = 0;
-        for (size_t i=0; i<quads.size(); i+=step) {
-          const Quad q = quad(unsigned(i));
-          Quad right, up, corner;
-          looked++;
-          regular += isValid(q) && rightOf(q,right) && above(q,up) && above(right,corner) && isRight(up,corner);
-        }
-        return 4*regular >= looked;
-      }
-
-      void findNeighbours ()
-      {
-        cbvh::resizeToFit(flags,quads.size());
-        std::fill(flags.begin(),flags.end(),uint8_t(0));
-        out.quads.reserve(quads.size());
-        parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
-            for (size_t i=r.begin(); i!=r.end(); i++) {
-              const Quad q = quad(unsigned(i));
-              Quad next;
-              if (!isValid(q)) { mark(q.index,TAKEN); continue; }
-              if (rightOf(q,next)) mark(next.index,HAS_LEFT);
-              if (above(q,next)) mark(next.index,HAS_BELOW);
-            }
-          });
-      }
-
-      void mark (unsigned index, Flags flag) { cbvh::AtomicRef<uint8_t>(flags[index]).fetchOr(flag,std::memory_order_relaxed); }
-
-      bool isSeed (unsigned index, Seeds seeds) const
-      {
-        const unsigned f = flags[index];
-        if (f & TAKEN) return false;
-        return seeds == ALL || (seeds == CORNERS ? (f & (HAS_LEFT | HAS_BELOW)) == 0 : (f & (HAS_LEFT | HAS_BELOW)) != (HAS_LEFT | HAS_BELOW));
-      }
-
-      /*! regions of that many quads along each side, or more */
-      void take (Seeds seeds, unsigned side)
-      {
-        for (size_t i=0; i<quads.size(); i++)
-        {
-          if (!isSeed(unsigned(i),seeds)) continue;
-          grow(unsigned(i),side);
-          while (!corners.empty()) {
-            const unsigned corner = corners.back();
-            corners.pop_back();
-            if (isSeed(corner,CORNERS)) grow(corner,side);
-          }
-        }
-      }
-
-      void grow (unsigned seed, unsigned side)
-      {
-        rows.assign(1,std::vector<Quad>(1,quad(seed)));
-        flags[seed] |= TAKEN;
-        for (bool isWideOpen = true, isHighOpen = true; isWideOpen || isHighOpen; )
-        {
-          const size_t width = rows[0].size(), height = rows.size();
-          if (isWideOpen && (!isHighOpen || width <= height)) isWideOpen = width < QuadRegions::maxSide && growRight();
-          else isHighOpen = height < QuadRegions::maxSide && growUp();
-          if ((!isWideOpen && rows[0].size() < side) || (!isHighOpen && rows.size() < side)) {
-            for (const auto& row : rows) letGo(row);
-            return;
-          }
-        }
-        out.regions.push_back(QuadRegions::Region{ out.quads.size(),unsigned(rows[0].size()),unsigned(rows.size()) });
-        for (const auto& row : rows)
-          for (const Quad& q : row) out.quads.push_back(q.index);
-        Quad next;
-        for (const auto& row : rows)
-          if (rightOf(row.back(),next)) open(next.index,HAS_LEFT);
-        for (const Quad& q : rows.back())
-          if (above(q,next)) open(next.index,HAS_BELOW);
-      }
-
-      /*! a quad that has lost a neighbour, and may be a corner now */
-      void open (unsigned index, Flags lost)
-      {
-        flags[index] &= ~lost;
-        if (isSeed(index,CORNERS)) corners.push_back(index);
-      }
-
-      void letGo (const std::vector<Quad>& of) { for (const Quad& q : of) flags[q.index] &= ~TAKEN; }
-
-      /*! Takes a quad next to a side of the region, the first of a line or behind its last. */
-      bool takeNext (const Quad& q, bool isUp)
-      {
-        Quad next;
-        if (!(isUp ? above(q,next) : rightOf(q,next)) || (flags[next.index] & TAKEN)) return false;
-        if (!line.empty() && !(isUp ? isRight(line.back(),next) : isAbove(line.back(),next))) return false;
-        flags[next.index] |= TAKEN;
-        line.push_back(next);
+        next = at(side,quad);
+        if (!isFree(next) || (before != none && at(across,before) != next)) return false;
+        flags[next] |= TAKEN;
         return true;
       }
 
       bool growRight ()
       {
-        line.clear();
-        for (const auto& row : rows)
-          if (!takeNext(row.back(),false)) { letGo(line); return false; }
-        for (size_t y=0; y<rows.size(); y++) rows[y].push_back(line[y]);
+        for (unsigned y=0, before=none; y<height; before=quadOfRegion(width,y++))
+          if (!takeNext(quadOfRegion(width-1,y),QuadNeighbors::RIGHT,before,QuadNeighbors::ABOVE,
+                        quadOfRegion(width,y))) {
+            while (y-- > 0) letGo(quadOfRegion(width,y));
+            return false;
+          }
+        width++;
         return true;
       }
 
       bool growUp ()
       {
-        line.clear();
-        for (const Quad& q : rows.back())
-          if (!takeNext(q,true)) { letGo(line); return false; }
-        rows.push_back(line);
+        for (unsigned x=0, before=none; x<width; before=quadOfRegion(x++,height))
+          if (!takeNext(quadOfRegion(x,height-1),QuadNeighbors::ABOVE,before,QuadNeighbors::RIGHT,
+                        quadOfRegion(x,height))) {
+            while (x-- > 0) letGo(quadOfRegion(x,height));
+            return false;
+          }
+        height++;
         return true;
       }
 
-      const Quads quads;
-      const size_t numVertices;
+      /*! Total number of steps by which seeds move, per quad of the mesh. Prevents long walks along a strip from each
+       *  of its quads. */
+      static const size_t stepsPerQuad = 2;
+
+      const QuadNeighbors& of;
       QuadRegions& out;
-      unsigned lowest = 0;
-      mvector<unsigned> begins;                    //!< lowest quad that begins at a vertex
-      std::vector<Other> othersRight, othersAbove; //!< the other quads there, by what they have to share
-      mvector<uint8_t> flags;
-      std::vector<unsigned> corners;               //!< that came up while regions were taken
-      std::vector<std::vector<Quad>> rows;         //!< of the region that grows
-      std::vector<Quad> line;
+      cbvh::UnmonitoredVector<uint8_t> flags;
+      size_t steps = 0;                     //!< steps that seeds may still move
+      unsigned pass = 0;
+      bool marksAll = false;                //!< marks all quads of regions that are too small
+      std::vector<unsigned> corners, edges; //!< seeds that were created while regions were taken
+      unsigned region[maxSide*maxSide];     //!< the growing region
+      unsigned width = 0, height = 0;
     };
 
-    template<typename Quads>
-    std::shared_ptr<const QuadRegions> findRegions (const Quads& quads, size_t numVertices, Device* device, const std::shared_ptr<QuadRegions>& out)
-    {
-      if (quads.size() == 0 || !RegionFinder<Quads>(quads,numVertices,device,*out).run()) return nullptr;
-      return out;
-    }
-
-    /*! Collects the first triangle of each pair, unless all are of triangles 2i and 2i+1. False where a look at some triangles says that few have a
-     *  partner. */
-    bool findPairs (const TriangleMesh* mesh, mvector<unsigned>& firsts)
+    /*! Collects the first triangle of each pair of consecutive triangles; none if all pairs are triangles 2i and 2i+1.
+     *  Returns false if a sample shows that few triangles have a partner next to them. */
+    bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
+      const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       auto isPair = [&](size_t i) {
-        unsigned v[4], turns;
-        if (i+1 >= n || !PairsOfMesh::join(mesh->triangles[i].v,mesh->triangles[i+1].v,v,turns)) return false;
-        return *std::max_element(v,v+4) < mesh->numVertices(); // else only one of them is left out
+        return i+1 < n && triangles.areJoined(i,i+1); // otherwise only one of them may be invalid
       };
       const size_t step = max(n/4096,size_t(1));
       size_t looked = 0, paired = 0;
       for (size_t i=0; i<n; i+=step, looked++) paired += isPair(i) || (i > 0 && isPair(i-1));
       if (2*paired < looked) return false;
-      const bool isRegular = n % 2 == 0 && parallel_reduce(size_t(0),n/2,size_t(1) << 14,true,[&](const range<size_t>& r) {
-          for (size_t i=r.begin(); i!=r.end(); i++)
-            if (!isPair(2*i)) return false;
-          return true;
-        },std::logical_and<bool>());
-      if (isRegular) return true;
+      const size_t perTask = 1 << 14;
+      auto arePairs = [&](const range<size_t>& r) {
+        for (size_t i=r.begin(); i!=r.end(); i++)
+          if (!isPair(2*i)) return false;
+        return true;
+      };
+      if (n % 2 == 0 && parallel_reduce(size_t(0),n/2,perTask,true,arePairs,std::logical_and<bool>())) return true;
       for (size_t i=0; i<n; i+=isPair(i) ? 2 : 1) firsts.push_back(unsigned(i));
       return true;
     }
+
+    typedef std::shared_ptr<QuadRegions> Found;
+
+    /*! Finds regions of quads. Vertices and pairs must be known. */
+    template<typename Mesh>
+    void findRegions (const Mesh* mesh, QuadRegions& out)
+    {
+      const auto quads = quadsOf(mesh,out);
+      if (quads.size() == 0) return;
+      QuadNeighbors neighbors;
+      if (!NeighborFinder<decltype(quadsOf(mesh,out))>(quads,mesh->numVertices(),neighbors).run()) return;
+      out.haveOwnForms = neighbors.haveOwnForms;
+      out.numLeftOut = neighbors.numLeftOut;
+      RegionFinder(neighbors,out).run();
+    }
+
+    Found findIn (const QuadMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    {
+      const Found out = std::make_shared<QuadRegions>();
+      out->welded = welded;
+      findRegions(mesh,*out);
+      return out;
+    }
+
+    Found findIn (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    {
+      const Found out = std::make_shared<QuadRegions>();
+      out->welded = welded;
+      if (findConsecutivePairs(mesh,welded.get(),out->firsts)) findRegions(mesh,*out);
+      return out;
+    }
+
+    Found findInPairsAnywhere (const TriangleMesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    {
+      const Found out = std::make_shared<QuadRegions>();
+      out->welded = welded;
+      if (pairTriangles(mesh,welded.get(),out->firsts,out->seconds)) findRegions(mesh,*out);
+      return out;
+    }
+
+    Found findInPairsAnywhere (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
+
+    /*! True if at most 5% of the quads are loose. */
+    bool areFewLoose (const QuadRegions& found)
+    {
+      const size_t few = 20;
+      const size_t all = found.numQuads(0,found.regions.size());
+      return all != 0 && few*found.numQuads(found.numRegular,found.regions.size()) <= all;
+    }
+
+    /*! Estimates the bytes of the tables of numbers of all blocks, from a sample of regions. */
+    template<typename Mesh>
+    size_t bytesOfTables (const Mesh* mesh, const QuadRegions& found)
+    {
+      const size_t step = found.regions.size()/64 + 1;
+      size_t bytes = 0, looked = 0;
+      cbvh::QuadNumbers numbers;
+      cbvh::NumbersEncoder encoder;
+      for (size_t i=0; i<found.regions.size(); i+=step)
+      {
+        const QuadRegions::Region& r = found.regions[i];
+        numberRegion(quadsOf(mesh,found),found,i,numbers);
+        const unsigned side = cbvh::vertBlockQuads;
+        encoder.set(numbers,0,0,min(r.width,side),min(r.height,side));
+        if (cbvh::haveTable(encoder.form))
+          bytes += size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.form)*encoder.pattern.y/8;
+        looked += size_t(r.width)*r.height;
+      }
+      return size_t(double(bytes)*double(found.numQuads(0,found.regions.size()))/double(max(looked,size_t(1))));
+    }
+
+    /*! Replaces `best` by `other` if it needs fewer bytes. */
+    template<typename Mesh>
+    void improve (const Mesh* mesh, Found& best, const Found& other)
+    {
+      if (!other || other->regions.empty()) return;
+      auto bytes = [&](const Found& found) {
+        const size_t blocks = mesh->numTimeSteps == 1 ? found->bytesWithMeshBlocks() : found->bytesOfBlocks();
+        return blocks + bytesOfTables(mesh,*found);
+      };
+      if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
+    }
+
+    /*! True if little can be gained, because nearly all blocks are full. */
+    bool isGood (const QuadRegions& found)
+    {
+      const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
+      const double least = double(bytesOfGridBlocks(side,side,true))*double(quads)/double(side*side);
+      return quads != 0 && double(found.bytesOfBlocks()) <= 1.1*least;
+    }
+
+    /*! Tries pairs of consecutive triangles first. If they leave many quads loose, also tries partners anywhere in the
+     *  mesh. */
+    template<typename Mesh>
+    Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
+    {
+      Found best = findIn(mesh,welded);
+      if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,welded));
+      return best;
+    }
+
+    size_t numQuadsOf (const QuadMesh* mesh) { return mesh->quads.size(); }
+    size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
+
+    /*! Tries indices first, unless there are far more vertices than quads. Welding equal vertices is tried next, and
+     *  kept if it needs fewer bytes. It does not always: an application may have numbered the quads of regions that it
+     *  did not weld. */
+    template<typename Mesh>
+    std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
+    {
+      const bool areSplit = mesh->numVertices() > 2*numQuadsOf(mesh);
+      Found best;
+      if (!areSplit) {
+        best = findIn(mesh,nullptr);
+        if (isGood(*best)) return best;
+      }
+      const std::shared_ptr<const WeldedVertices> welded =
+        WeldedVertices::find(&mesh->vertices[0],mesh->numTimeSteps,mesh->numVertices());
+      if (welded || !best) {
+        const Found other = findBestIn(mesh,welded);
+        if (best) improve(mesh,best,other); else best = other;
+      }
+      else if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,nullptr));
+      if (welded && areSplit && !isGood(*best)) improve(mesh,best,findIn(mesh,nullptr));
+      return best;
+    }
   }
 
-  std::shared_ptr<const QuadRegions> QuadRegions::find (const QuadMesh* mesh) {
-    return findRegions(QuadsOfMesh{ mesh },mesh->numVertices(),mesh->device,std::make_shared<QuadRegions>(mesh->device));
+  static size_t inGrid (const QuadRegions::Region& region) {
+    return bytesOfGridBlocks(region.width,region.height,true);
   }
 
-  std::shared_ptr<const QuadRegions> QuadRegions::find (const TriangleMesh* mesh)
+  static size_t inMeshBlocks (const QuadRegions::Region& region) {
+    return bytesOfMeshTriangles(2*size_t(region.width)*region.height);
+  }
+
+  size_t QuadRegions::bytesOfBlocks () const
   {
-    const std::shared_ptr<QuadRegions> out = std::make_shared<QuadRegions>(mesh->device);
-    if (!findPairs(mesh,out->firsts)) return nullptr;
-    return findRegions(out->pairs(mesh),mesh->numVertices(),mesh->device,out);
+    size_t bytes = 0;
+    for (const Region& region : regions) bytes += inGrid(region);
+    return bytes;
   }
+
+  size_t QuadRegions::bytesWithMeshBlocks () const
+  {
+    size_t bytes = 0;
+    for (const Region& region : regions) bytes += isSmallerInMeshBlocks(region) ? inMeshBlocks(region) : inGrid(region);
+    return bytes;
+  }
+
+  bool QuadRegions::isSmallerInMeshBlocks (const Region& region) { return inMeshBlocks(region) <= inGrid(region); }
+
+  size_t QuadRegions::numQuads (size_t beginRegion, size_t endRegion) const
+  {
+    size_t n = 0;
+    for (size_t i=beginRegion; i<endRegion; i++) n += size_t(regions[i].width)*regions[i].height;
+    return n;
+  }
+
+  std::shared_ptr<const QuadRegions> QuadRegions::find (const QuadMesh* mesh) { return findBest(mesh); }
+  std::shared_ptr<const QuadRegions> QuadRegions::find (const TriangleMesh* mesh) { return findBest(mesh); }
 }

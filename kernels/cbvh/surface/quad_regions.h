@@ -3,110 +3,211 @@
 
 #pragma once
 
-/* Regions of a mesh in which its quads lie like those of a grid, found from indices alone: what was diced is regular inside, and its
- * connectivity says so. Quads are those of a quad mesh, or pairs of triangles of a triangle mesh that follow each other and share an
- * edge. Corners of a quad are v0 to v3 around it, and Embree cuts it from v1 to v3, as it cuts the quads of grids:
+/* Regions of a mesh whose quads form a grid, found from the connectivity alone: diced meshes are regular inside.
+ * Vertices with the same position count as one (welded_vertices.h). Quads are the quads of a quad mesh, or pairs of
+ * triangles of a triangle mesh that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree
+ * splits it from v1 to v3, like the quads of grids:
  *
- *     v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q, and it is above q if its v0
- *      |  \  |   \  |       and v1 are v3 and v2 of q. So all quads of a region begin at the same corner, have the same two
- *     v0 --- v1 --- .       triangles as in their mesh, and a vertex of a region is one of the mesh, whichever quad is asked. */
+ *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
+ *    v1
+ *     |  \  |   \  |       are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
+ *    v0 --- v1 --- .       triangles as in their mesh. Vertices that quads share are the same for all of them. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
-#include "../../cvert/format/quad_numbers.h"
+#include "../../cvert/encoder/numbers_encoder.h"
+#include "welded_vertices.h"
+#include <algorithm>
 #include <memory>
 
 namespace embree
 {
-  /*! the quads of a quad mesh */
-  struct QuadsOfMesh
+  inline namespace CBVH_ISA
   {
-    const QuadMesh* mesh;
-
-    size_t size () const { return mesh->quads.size(); }
-    void corners (size_t quad, unsigned v[4]) const { memcpy(v,mesh->quads.getPtr(quad),4*sizeof(unsigned)); }
-
-    /*! primID, and that of its second triangle less 1 */
-    unsigned number (size_t quad) const { return unsigned(quad); }
-
-    /*! see cvert/format/quad_numbers.h */
-    unsigned form (size_t) const { return 0; }
-  };
-
-  /*! the pairs of triangles of a triangle mesh */
-  struct PairsOfMesh
-  {
-    const TriangleMesh* mesh;
-    const mvector<unsigned>* firsts; //!< triangles of pairs; null if pair i begins with triangle 2i
-
-    size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
-    unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
-
-    /*! whether it is a triangle without a second one: the corner v2 is v1 then */
-    bool isSingle (size_t pair) const
+    /*! The quads of a quad mesh. */
+    struct QuadsOfMesh
     {
-      if (!firsts) return false;
-      return (pair+1 < firsts->size() ? (*firsts)[pair+1] : mesh->triangles.size()) == size_t((*firsts)[pair]) + 1;
-    }
+      const QuadMesh* mesh;
+      const WeldedVertices* welded; //!< null if all vertices differ
 
-    /*! Corners of triangles that share an edge: the first has 00, 10, 01, the second 11, 01, 10. False if they share none. */
-    static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
-    {
-      for (unsigned i=0; i<3; i++)
-        for (unsigned j=0; j<3; j++) {
-          if (a[i] != b[(j+1)%3] || a[(i+1)%3] != b[j]) continue;
-          v[0] = a[(i+2)%3]; v[1] = a[i]; v[2] = b[(j+2)%3]; v[3] = b[j];
-          turns = cbvh::formOfTurns((3-(i+2)%3)%3,(3-(j+2)%3)%3);
-          return true;
-        }
-      return false;
-    }
+      size_t size () const { return mesh->quads.size(); }
 
-    /*! its form */
-    unsigned look (size_t pair, unsigned v[4]) const
-    {
-      const size_t first = number(pair);
-      unsigned a[3], b[3], turns = 0;
-      triangle(first,a);
-      if (isSingle(pair)) {
-        v[0] = a[0]; v[1] = v[2] = a[1]; v[3] = a[2];
-        return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
+      void corners (size_t quad, unsigned v[4]) const
+      {
+        memcpy(v,mesh->quads.getPtr(quad),4*sizeof(unsigned));
+        if (welded)
+          for (int i=0; i<4; i++) v[i] = (*welded)[v[i]];
       }
-      triangle(first+1,b);
-      join(a,b,v,turns);
-      return cbvh::numbersOfTriangles | turns;
-    }
 
-    void corners (size_t pair, unsigned v[4]) const { look(pair,v); }
-    unsigned form (size_t pair) const { unsigned v[4]; return look(pair,v); }
+      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID
+      unsigned second (size_t quad) const { return unsigned(quad); } //!< the same
 
-  private:
-    void triangle (size_t i, unsigned v[3]) const { memcpy(v,mesh->triangles.getPtr(i),3*sizeof(unsigned)); }
-  };
+      /*! See cvert/format/quad_numbers.h. */
+      unsigned form (size_t) const { return 0; }
+
+      /*! Sets the corners and returns the form. */
+      unsigned look (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
+    };
+
+    /*! The pairs of triangles of a triangle mesh. */
+    struct PairsOfMesh
+    {
+      const TriangleMesh* mesh;
+      const WeldedVertices* welded;     //!< null if all vertices differ
+      const mvector<unsigned>* firsts;  //!< first triangles of pairs; null if pair i begins with triangle 2i
+      const mvector<unsigned>* seconds; //!< second triangles; null if they follow the first ones
+
+      size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
+      unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
+
+      /*! Returns the second triangle, or number(pair) if there is none. */
+      unsigned second (size_t pair) const
+      {
+        if (seconds) return (*seconds)[pair];
+        const unsigned first = number(pair);
+        if (!firsts) return first+1;
+        const size_t next = pair+1 < firsts->size() ? (*firsts)[pair+1] : mesh->triangles.size();
+        return next == size_t(first)+1 ? first : first+1;
+      }
+
+      /*! Sets the corners of a quad of two triangles that share an edge: the first has the corners 00, 10, 01, the
+       *  second 11, 01, 10. Returns false if they share no edge. */
+      static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
+      {
+        for (unsigned i=0; i<3; i++)
+          for (unsigned j=0; j<3; j++) {
+            if (a[i] != b[(j+1)%3] || a[(i+1)%3] != b[j]) continue;
+            v[0] = a[(i+2)%3]; v[1] = a[i]; v[2] = b[(j+2)%3]; v[3] = b[j];
+            turns = cbvh::formOfTurns((3-(i+2)%3)%3,(3-(j+2)%3)%3);
+            return true;
+          }
+        return false;
+      }
+
+      /*! True if two triangles share an edge, and all their indices are vertices. */
+      bool areJoined (size_t first, size_t second) const
+      {
+        unsigned a[3], b[3], v[4], turns;
+        triangle(first,a);
+        triangle(second,b);
+        return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
+      }
+
+      /*! Sets the corners and returns the form. */
+      unsigned look (size_t pair, unsigned v[4]) const
+      {
+        const unsigned first = number(pair), other = second(pair);
+        unsigned a[3], b[3], turns = 0;
+        triangle(first,a);
+        if (other == first) { // a single triangle: corner v2 is v1
+          v[0] = a[0]; v[1] = v[2] = a[1]; v[3] = a[2];
+          return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
+        }
+        triangle(other,b);
+        join(a,b,v,turns);
+        return cbvh::numbersOfTriangles | turns;
+      }
+
+      void corners (size_t pair, unsigned v[4]) const { look(pair,v); }
+      unsigned form (size_t pair) const { unsigned v[4]; return look(pair,v); }
+
+      void triangle (size_t i, unsigned v[3]) const
+      {
+        memcpy(v,mesh->triangles.getPtr(i),3*sizeof(unsigned));
+        if (welded)
+          for (int k=0; k<3; k++) v[k] = (*welded)[v[k]];
+      }
+    };
+  }
 
   struct QuadRegions
   {
     struct Region
     {
-      size_t first;           //!< of its quads
+      size_t first;           //!< first of its quads
       unsigned width, height; //!< in quads
     };
 
-    /*! A region has at most so many quads along a side: its vertices have one lattice, and quads of a mesh may grow along it. */
+    /*! Largest number of quads along a side of a region. Limited because a region has one lattice, and the size of
+     *  quads may change along it. */
     static const unsigned maxSide = 64;
 
-    mvector<Region> regions;
-    mvector<unsigned> quads;  //!< of each region, row by row from its v0
-    mvector<unsigned> firsts; //!< of PairsOfMesh; empty if that needs none
-    bool isOutOfMemory = false; //!< there was not enough to find them
-    size_t numLeftOut = 0;    //!< quads and triangles with an index that is no vertex, which rays do not hit
+    /*! Quads are loose if their region has fewer quads along a side. A block takes 138 bytes and about 1 per quad: 16
+     *  bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    static const unsigned leastSide = 4;
 
-    explicit QuadRegions (Device* device) : regions(device,0), quads(device,0), firsts(device,0) {}
+    cbvh::UnmonitoredVector<Region> regions; //!< first the regions without loose quads; empty if the mesh is not
+                                             //!< regular
+    size_t numRegular = 0;                   //!< regions without loose quads
+    cbvh::UnmonitoredVector<unsigned> quads; //!< quads of each region, row by row from its v0
+    std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
+    cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
+    bool haveOwnForms = false; //!< quads of a region have their own forms: their triangles begin at different corners
+    bool isOutOfMemory = false; //!< the regions could not be found
+    cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
+    bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
+    size_t numLeftOut = 0;    //!< quads and triangles with an index that is not a vertex; rays do not hit them
 
-    PairsOfMesh pairs (const TriangleMesh* mesh) const { return PairsOfMesh{ mesh,firsts.empty() ? nullptr : &firsts }; }
+    size_t bytes () const
+    {
+      return regions.size()*sizeof(Region) + (welded ? welded->bytes() : 0)
+        + (quads.size() + firsts.size() + seconds.size() + loose.size())*sizeof(unsigned);
+    }
 
-    /*! Null where a look at some quads says that it is not regular. */
+    bool hasLoose () const { return areAllLoose || !loose.empty(); }
+
+    /*! Estimated bytes of the blocks of all regions, with their share of the tree. Ignores tables of numbers without a
+     *  pattern. */
+    size_t bytesOfBlocks () const;
+
+    /*! As above, for a mesh with one time step: regions are stored in mesh blocks if those need fewer bytes. */
+    size_t bytesWithMeshBlocks () const;
+
+    /*! True if a region needs fewer bytes in mesh blocks than in blocks of a grid. */
+    static bool isSmallerInMeshBlocks (const Region& region);
+
+    size_t numQuads (size_t beginRegion, size_t endRegion) const;
+
+    /*! Finds the regions of a mesh, with all threads; the result does not depend on their number. Never null. Returns
+     *  no regions if a sample of quads shows that the mesh is not regular. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
   };
+
+  inline namespace CBVH_ISA
+  {
+    inline QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions& of) {
+      return QuadsOfMesh{ mesh,of.welded.get() };
+    }
+
+    inline PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& of)
+    {
+      auto ofPairs = [](const mvector<unsigned>& triangles) { return triangles.empty() ? nullptr : &triangles; };
+      return PairsOfMesh{ mesh,of.welded.get(),ofPairs(of.firsts),ofPairs(of.seconds) };
+    }
+
+    /*! Sets the numbers of the quads of a region and of their triangles. quads: result of quadsOf(). */
+    template<typename Quads>
+    void numberRegion (const Quads& quads, const QuadRegions& of, size_t region, cbvh::QuadNumbers& out)
+    {
+      const QuadRegions::Region& r = of.regions[region];
+      const unsigned* const at = of.quads.data()+r.first;
+      const size_t n = size_t(r.width)*r.height;
+      out.form = quads.form(*at);
+      out.width = r.width;
+      out.numbers.resize(n);
+      for (size_t k=0; k<n; k++) out.numbers[k] = quads.number(at[k]);
+      const bool areAllAlike = of.seconds.empty() && !of.haveOwnForms;
+      const bool needSeconds = !areAllAlike && cbvh::isOfTriangles(out.form) && !cbvh::isOneTriangle(out.form);
+      out.seconds.resize(needSeconds ? n : 0);
+      out.turns.resize(needSeconds ? n : 0);
+      if (!needSeconds) return;
+      const unsigned turns = cbvh::formOfTurns(3,3);
+      out.form &= ~turns;
+      for (size_t k=0; k<n; k++) {
+        out.seconds[k] = quads.second(at[k]);
+        out.turns[k] = uint8_t(quads.form(at[k]) & turns);
+      }
+    }
+  }
 }

@@ -5,27 +5,29 @@
 
 /* The rule of shared borders.
  *
- * The primitives of a geometry, faces or grids, meet along edges and in corners. Each evaluates its vertices there by
- * itself, and rounds its own vertices to its own lattice. Rays would slip through the gaps between the results. So all
- * primitives store the same floats there, and the surface is closed by sharing:
+ * The primitives of a geometry, faces or grids, meet along edges and in corners. Each one evaluates its vertices there
+ * by itself, and rounds its own vertices to its own lattice. Rays would pass through the gaps between the results.
+ * Therefore all primitives store the same floats there, which makes the surface watertight:
  *
- *  1. Owner. One primitive owns a shared edge, and one owns a shared corner: the one with the least claim. A primitive
- *     that GRID traces comes first, because GRID cannot be given other vertices. Then comes the primitive with the
- *     fewest vertices along the edge, then the lower number. The owner's positions are the positions of all.
- *  2. Rate. An edge has the lowest of the rates that its primitives have there. A primitive with more vertices is
- *     stitched to it: each of its vertices moves to one of the edge's.
- *  3. Lattice. A shared vertex lies on the coarsest of the lattices of its primitives (border_lattices.h). It is a
- *     point of all of them, as lattices are nested. A vertex that GRID has lies on no lattice: it stays where it is.
- *  4. Vertices on an edge. Where an application moved the vertices of a fine grid onto the edges of a coarse one, they
- *     are stored on these edges as stored, and on no lattice (stitched_vertices.h).
- *  5. Values that are not finite. A primitive that has one at its border keeps it, and leaves out its own quads. It
- *     does not pass the value on, nor does it lose quads for the value of an owner.
- *  6. Time. Owners, rates and shared vertices are the same at all time steps; positions and lattices are not.
+ * 1. Owner. One primitive owns a shared edge, and one owns a shared corner: the primitive with the smallest claim.
+ *    Primitives that GRID traces come first, because GRID cannot use other vertices. Then the primitive with the fewest
+ *    vertices along the edge comes first, then the lower number. All primitives use the positions of the owner.
+ * 2. Rate. An edge has the lowest rate of its primitives. A primitive with more vertices is stitched to it: each of its
+ *    vertices moves to a vertex of the edge.
+ * 3. Lattice. A shared vertex is on the coarsest lattice of its primitives (border_lattices.h). It is a point of all of
+ *    these lattices, because they are nested. A vertex of GRID is on no lattice: it stays in place.
+ * 4. Vertices on an edge. If an application moved vertices of a fine grid onto the edges of a coarse one, they are
+ *    stored on the stored edges, and on no lattice (stitched_vertices.h).
+ * 5. Values that are not finite. A primitive with such a value at its border keeps it, and leaves out its own quads. It
+ *    does not pass the value on, and it loses no quads because of a value of an owner.
+ * 6. Time. Owners, rates and the choice of shared vertices are the same at all time steps. Positions and lattices are
+ *    not.
  *
- * Grids need no owner and no common rate, because vertices that they share are equal floats.
+ * Grids need no owner and no common rate, because the vertices that they share are equal floats.
  *
- * Where the topology comes from is not part of the rule. Cages have half-edges: cage_topology.h finds owners and rates,
- * cage_borders.h evaluates what is owned. Grids and the regions of meshes have equal floats: grid_borders.h. */
+ * The rule does not depend on the source of the topology. Cages have half-edges: cage_topology.h finds owners and
+ * rates, and cage_borders.h evaluates the owned vertices. Grids and regions of meshes have equal floats:
+ * grid_borders.h. */
 
 #include "../base/build_statistics.h"
 #include "../base/codec.h"
@@ -37,35 +39,36 @@ namespace embree
 {
   namespace isa
   {
-    /*! a vertex on a border, as all primitives have it that share it */
+    /*! A vertex on a border, the same for all primitives that share it. */
     struct SharedVertex
     {
-      float position[3]; //!< before it is rounded
-      int exponent;      //!< of the lattice that it lies on, or exactLattice
+      float position[3]; //!< before rounding
+      int exponent;      //!< exponent of its lattice, or exactLattice
 
       SharedVertex () {}
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
     };
 
-    /*! Claim of a primitive to own an edge or a corner; the least one owns it. rate: of the edge, below 2^31, and 0 for
-     *  a corner, whose owner does not depend on it; number: unique among those that claim. */
+    /*! Claim of a primitive to an edge or a corner; the smallest claim owns it. rate: rate of the edge, less than 2^31;
+     *  0 for a corner, because its owner does not depend on rates. number: unique among the claims. */
     inline uint64_t claimOf (bool isTracedByGrid, unsigned rate, uint32_t number) {
       return uint64_t(!isTracedByGrid) << 63 | uint64_t(rate) << 32 | number;
     }
 
-    /*! First of the vertices of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves to
-     *  vertex k of an edge of a lower rate. It is the nearest one to it. */
+    /*! First vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves to vertex k
+     *  of an edge of a lower rate. It is the nearest vertex. */
     inline unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) {
       return (2*k*fine + coarse-1)/(2*coarse);
     }
 
-    /*! Vertex of an edge of the rate `own` that is nearest to vertex k of the same edge at a rate not above it. */
+    /*! Vertex of an edge at rate `own` that is nearest to vertex k of the same edge at `rate`, which is at most
+     *  `own`. */
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
-    /*! Replaces the vertices of a part that lie on the border of a patch of quadsX x quadsY quads by the shared ones,
-     *  rounded to their lattices, and adds how far they moved, and how far the owner's positions differ, to the
-     *  statistics. own: as the primitive evaluates them; stored: the result. Both are row by row of the part and may be
-     *  the same. Patch: see source.h. */
+    /*! Replaces the vertices of a part that are on the border of a patch of quadsX x quadsY quads by the shared
+     *  vertices, rounded to their lattices. Adds the distances that they moved, and by which the owner's positions
+     *  differ, to the statistics. own: vertices as the primitive evaluates them. stored: result. Both contain the part
+     *  row by row, and may be the same array. Patch: see source.h. */
     template<typename Patch>
     inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*stored)[3], cbvh::BuildStatistics& statistics)
@@ -74,7 +77,7 @@ namespace embree
       for (int s=0; s<4; s++)
       {
         const bool alongU = s % 2 == 0;
-        const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // the row or the column of the side
+        const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // row or column of the side
         if (alongU ? at < part.y0 || at > part.y1 : at < part.x0 || at > part.x1) continue;
         const auto side = patch.side(s,step);
         const unsigned fine = alongU ? quadsX : quadsY;

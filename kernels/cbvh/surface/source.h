@@ -3,78 +3,78 @@
 
 #pragma once
 
-/* Source and Patch: the interface between what an application hands over, a cage, grids or a mesh, and the code that
- * makes blocks of it. A source enumerates the primitives of one geometry; a patch is a rectangle of quads of one
- * primitive. They are template parameters, not base classes: BuilderOf (building/surface_builder.h) is compiled for
- * each source, and the writers (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source when it
- * is compiled; each of its messages names the member that is missing. CageSource and GridSource (building/) are
- * sources; tests/library/sphere_source.h is a short one to begin with.
+/* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the code that builds
+ * blocks. A source enumerates the primitives of one geometry. A patch is a rectangle of quads of one primitive. Both
+ * are template parameters, not base classes: BuilderOf (building/surface_builder.h) is compiled for each source, and
+ * the writers (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source at compile time, and its
+ * messages name missing members. CageSource and GridSource (building/) are sources; tests/library/sphere_source.h is a
+ * short example.
  *
- * UNITS. Positions are floats in the geometry's own space. Quads and rates are counts. A lattice is the exponent of its
- * spacing (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
+ * UNITS. Positions are floats in object space. Quads and rates are counts. A lattice is the exponent of its spacing
+ * (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
  *
  * SIDES are numbered around the patch: v = 0, u = 1, v = 1, u = 0. Vertices of a side are counted in that direction.
  *
  * THREADS. The builder constructs a source, and calls prepare() and release(), on one thread at a time. prepare() may
- * use all threads. Between these two calls, all const members are called by several threads at once. Scratch and
- * Writer, and the patches made with them, belong to one task.
+ * use all threads. Between these two calls, several threads call all const members at once. Scratch and Writer, and the
+ * patches made with them, belong to one task.
  *
- * ERRORS. Every member may throw: an rtcore_error, std::bad_alloc, or what progress() throws to cancel. The build ends
- * then, and the geometry keeps its old blocks. No member reports a vertex that is not finite as an error: writers leave
- * its quads out and count them.
+ * ERRORS. Every member may throw: an rtcore_error, std::bad_alloc, or the exception with which progress() cancels. The
+ * build then ends, and the geometry keeps its old blocks. Vertices that are not finite are not an error: writers leave
+ * out their quads and count them.
  *
- * PATCH. A class derived from SurfacePatch, below, whose members it sets before it is handed out, and
+ * PATCH. A class derived from SurfacePatch, below, whose members it sets in its constructor, and
  *
  *   Patch (const Patch& other, Scratch& scratch)
  *       The same patch for another task. `other` outlives it.
  *   PatchVertices& evaluate (unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
- *       Evaluates a part of the patch as quadsX x quadsY quads, not fewer than `quads`, at a time step: the displaced
- *       vertices, row by row, and the undisplaced ones if a writer of blocks with frames reads the patch. Edges of a
- *       lower rate are stitched as Embree stitches them. The result is valid, and the caller may overwrite it, until
- *       the next call with the same scratch.
+ *       Evaluates a part of the patch at a time step, as quadsX x quadsY quads, at least `quads`. Returns the displaced
+ *       vertices, row by row, and the undisplaced vertices if a writer of blocks with frames reads the patch. Edges of
+ *       a lower rate are stitched as in Embree. The result is valid until the next call with the same scratch, and the
+ *       caller may overwrite it.
  *   Side side (int s, unsigned step) const
- *       The vertices along a side, as all primitives have them that share it, by the rule in shared_border.h. A Side
+ *       The vertices along a side, the same for all primitives that share it, by the rule in shared_border.h. A Side
  *       has `unsigned rate`, at most the patch's quads there, and `SharedVertex operator[] (unsigned k) const` for k of
  *       0 to rate.
  *   int latticeExponent (unsigned step) const
- *       The lattice of the vertices that the patch shares with no other; exactLattice if they stay where they are.
+ *       The lattice of the vertices that the patch does not share; exactLattice if they are not rounded.
  *
  * SOURCE. A class with
  *
  *   typedef Patch, Scratch; class Writer
  *       Scratch is the memory of a task, constructed from a Device*. It may be a PatchVertices.
  *   static const bool isDeterministic
- *       True if a vertex that is evaluated again is the same floats. Otherwise the builder evaluates rows that two
- *       tasks share once for both.
+ *       True if evaluating a vertex again returns the same floats. Otherwise the builder evaluates rows that two tasks
+ *       share once for both.
  *   Source (Mesh* mesh, const CompressionPlan& plan)
  *       Both outlive the source. Mesh is the type that BuilderOf is constructed with, a CompressibleGeometry.
  *   size_t size () const
- *       Number of primitives. Blocks name them by 32 bits.
+ *       Number of primitives. Blocks store them in 32 bits.
  *   size_t estimateBlocks () const
- *       Rough number of blocks: decides whether the surface is small or large, and how much memory is reserved. May be
- *       called before prepare().
+ *       Rough number of blocks. Determines whether the surface is small or large, and how much memory is reserved. May
+ *       be called before prepare().
  *   size_t perTask (bool isSmall) const
- *       Primitives per task, at least 1. isSmall: the blocks are few; one task should take all. May be called before
- *       prepare().
+ *       Primitives per task, at least 1. isSmall: there are few blocks, and one task should take all. May be called
+ *       before prepare().
  *   void prepare (size_t perTask, const Progress& progress)
- *       Finds what must be known of all primitives before one of them is written: lattices and shared vertices. Calls
- *       progress(0.0) now and then, also from several threads at once.
+ *       Finds data of all primitives that is required before any of them is written: lattices and shared vertices.
+ *       Calls progress(0.0) from time to time, also from several threads at once.
  *   void release ()
- *       Frees what prepare() allocated. No patch is used later.
+ *       Frees what prepare() allocated. No patch is used afterwards.
  *   void forEachPatch (size_t primitive, Scratch& scratch, const Closure& closure) const
  *       Calls closure(Patch&) for the patches of a primitive, always in the same order. A primitive that cannot be
  *       evaluated has none. A patch is valid during its call.
  *   bool isInvalid (size_t primitive, bool hasInvalidQuads) const
- *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left quads of it out.
+ *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it.
  *   bool isUnsupported (size_t primitive) const
- *       True if the primitive has no patches because Embree cannot evaluate it. It is counted, and no error.
+ *       True if the primitive has no patches because Embree cannot evaluate it. It is counted; this is not an error.
  *   size_t bytesInEmbree (const SurfacePatch& patch) const
  *       Estimated bytes of Embree's own kernels for the patch, for the line that reports a commit.
  *   Writer (const Source& source, BlockStore& store, cbvh::BuildStatistics& statistics)
- *       Writes the patches of a task in their order, appends blocks to the store and counts them. All outlive it.
+ *       Writes the patches of a task in order, appends blocks to the store and counts them. All arguments outlive it.
  *   bool Writer::write (size_t primitive, Patch& patch)
  *       Writes the blocks of a patch. Returns false, and writes nothing, if the patch has so many rows that the builder
- *       should cut it into strips, one per task. */
+ *       should divide it into strips, one per task. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -88,19 +88,20 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned looseSide = 4; //!< quads of a mesh that lie in no grid of so many along each side are loose
+    static const unsigned looseSide = 4; //!< quads of a mesh are loose if they are in no grid with so many quads along
+                                         //!< each side
 
     struct SurfacePatch
     {
-      uint32_t surface;     //!< its number, surface_ids.h
+      uint32_t surface;     //!< number of the surface, see surface_ids.h
       unsigned primID;
-      unsigned corner[2];   //!< parameters of the primitive at the patch's corner, in halves
+      unsigned corner[2];   //!< parameters of the primitive at the patch's corner, times 2
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
-      const float* rate;    //!< of its four sides, integers
-      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is of one primitive
+      const float* rate;    //!< rates of the four sides, integers
+      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is a single primitive
     };
 
-    /*! The expressions that builder and writers apply to a source S, as types; Has says whether they compile. */
+    /*! Types of the expressions that builder and writers apply to a source S. Has is true if an expression compiles. */
     namespace source_members
     {
       template<typename> struct Void { typedef void type; };
@@ -138,7 +139,7 @@ namespace embree
       template<typename S> using Write = decltype(bool(a<typename S::Writer>().write(size_t(0),aMutablePatch<S>())));
     }
 
-    /*! True if S is a source; otherwise a message of the compiler names each member that is missing. */
+    /*! True if S is a source. Otherwise a compiler message names each missing member. */
     template<typename S>
     constexpr bool isSource ()
     {

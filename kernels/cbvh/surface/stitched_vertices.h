@@ -3,14 +3,15 @@
 
 #pragma once
 
-/* Vertices that an application put onto edges of coarser grids: the fourth part of the rule in shared_border.h.
+/* Vertices that an application put onto edges of coarser grids: part 4 of the rule in shared_border.h.
  *
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * An edge on the border of one grid only, p to q, whose ends are shared, is followed along such edges of other grids.
- * If they lie on it and lead from p to q, the vertices between are stitched: they are stored on the edge from p to q as
- * stored. They lie there at all time steps, except for the application's rounding, or nowhere. */
+ * An open edge is on the border of only one grid. From an open edge p to q with shared ends, other open edges are
+ * followed that begin at p. If they lie on the edge from p to q and lead to q, the vertices between are stitched: they
+ * are stored on the edge between the stored p and q. They must lie on the edge at all time steps, except for the
+ * application's rounding. */
 
 #include "border_lattices.h"
 #include "position_table.h"
@@ -21,8 +22,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: as for PositionTable, and size(), of grids, position(vertex,step) and
-     *  forBorderEdges(grid,closure(a,b)) */
+    /*! Positions: a class with the members that PositionTable requires, and size(), the number of grids,
+     *  position(vertex,step) and forBorderEdges(grid,closure(a,b)). */
     template<typename Positions>
     class StitchedVertices
     {
@@ -35,7 +36,8 @@ namespace embree
                         unsigned numSteps)
         : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
 
-      /*! Finds the vertices and marks them in the table. If all vertices on borders are shared, there are none. */
+      /*! Finds the stitched vertices and marks them in the table. There are none if all vertices on borders are
+       *  shared. */
       template<typename Progress>
       void find (size_t gridsPerTask, const Progress& progress)
       {
@@ -54,8 +56,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Where grids store a vertex. Edges that end on other edges may do so again, and where grids overlap in a
-       *  circle: not for ever. */
+      /*! Returns where grids store a vertex. The ends of an edge can lie on other edges in turn. Limits the depth,
+       *  because grids that overlap can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -66,18 +68,18 @@ namespace embree
         auto comesBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
         const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,comesBefore)->edge;
         const cbvh::Double3 a = stored(edge.begin,step,depth+1);
-        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same place on it at all steps
+        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same parameter at all steps
       }
 
     private:
-      /*! an edge on the border of one grid alone */
+      /*! An open edge. */
       struct Edge
       {
         Entry end, begin;
-        operator uint64_t () const { return uint64_t(begin) << 32 | end; } // their order
+        operator uint64_t () const { return uint64_t(begin) << 32 | end; } // sort key
       };
 
-      /*! a vertex of a finer grid, and the edge of a coarser one that it lies on */
+      /*! A vertex of a finer grid, and the edge of a coarser grid that it lies on. */
       struct Stitched
       {
         Entry vertex;
@@ -90,21 +92,21 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! in an order that is the same whichever thread was first */
+      /*! An order that does not depend on the order of threads. */
       bool isBefore (Entry a, Entry b) const
       {
         const cbvh::Double3 p = at(a), q = at(b);
         return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
       }
 
-      /*! 0 to 1, of the nearest position to p */
+      /*! Returns the parameter, 0 to 1, of the position on the edge that is nearest to p. */
       double parameterOn (const Edge& edge, const cbvh::Double3& p) const
       {
         const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
         return dot(p-a,d)/dot(d,d);
       }
 
-      /*! Returns edges of borders that no other border has, in both directions, in order. */
+      /*! Returns the open edges, in both directions, sorted. */
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {
@@ -136,8 +138,8 @@ namespace embree
         radix_sort_u64(edges.data(),room.data(),edges.size());
       }
 
-      /*! Follows open edges that lie on this one, from its begin. If they lead to its end, the vertices between are
-       *  stitched. */
+      /*! Follows open edges that lie on this edge, from its begin. If they lead to its end, adds the vertices between
+       *  to `stitched`. */
       void followEdge (const Edge& edge, const mvector<Edge>& open)
       {
         const size_t before = stitched.size();
@@ -150,7 +152,7 @@ namespace embree
           for (; next != open.end() && next->begin == from; next++)
           {
             const bool isLast = next->end == edge.end;
-            if (from == edge.begin && isLast) continue; // itself
+            if (from == edge.begin && isLast) continue; // the edge itself
             const double s = isLast ? 1.0 : parameterOn(edge,at(next->end));
             if (s < tNearest && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
           }
@@ -161,8 +163,8 @@ namespace embree
         }
       }
 
-      /*! True if a vertex with parameter s lies on the edge after parameter t at all time steps, except for rounding by
-       *  the application. */
+      /*! True if a vertex with parameter s lies on the edge after parameter t, at all time steps, within the
+       *  application's rounding. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {
         if (!(t < s && s < 1.0)) return false;
@@ -180,7 +182,7 @@ namespace embree
       Table& table;
       const BorderLattices& lattices;
       const unsigned numSteps;
-      std::vector<Stitched> stitched; //!< in the order of vertices
+      std::vector<Stitched> stitched; //!< sorted by vertex
     };
   }
 }

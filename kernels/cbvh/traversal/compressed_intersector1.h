@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* BVH4 traversal of single rays over blocks and grids. A leaf of the top-level BVH says by its type what
- * it refers to. */
+/* BVH4 traversal of single rays over blocks and grids. The type of a leaf of the top-level BVH selects its
+ * intersector. */
 
 #include "top_level1.h"
 #include "kind_visitors1.h"
@@ -28,8 +28,10 @@ namespace embree
       };
 
       template<int N, bool robust>
-      static __forceinline void intersect (const Accel::Intersectors* This, State& state, RayHit& ray, IntersectContext* context,
-                                           const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
+      static __forceinline void intersect (const Accel::Intersectors* This, State& state, RayHit& ray,
+                                           IntersectContext* context,
+                                           const Primitive* prim, size_t type, const TravRay<N,robust>& tray,
+                                             size_t& lazyNode)
       {
         bool found;
         if (!cbvh::intersectBlock(type,ray,context,state.framed,state.vert,prim,found))
@@ -37,8 +39,10 @@ namespace embree
       }
 
       template<int N, bool robust>
-      static __forceinline bool occluded (const Accel::Intersectors* This, State& state, Ray& ray, IntersectContext* context,
-                                          const Primitive* prim, size_t type, const TravRay<N,robust>& tray, size_t& lazyNode)
+      static __forceinline bool occluded (const Accel::Intersectors* This, State& state, Ray& ray,
+                                          IntersectContext* context,
+                                          const Primitive* prim, size_t type, const TravRay<N,robust>& tray,
+                                            size_t& lazyNode)
       {
         bool found;
         if (cbvh::intersectBlock(type,ray,context,state.framed,state.vert,prim,found)) return found;
@@ -61,9 +65,12 @@ namespace embree
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return; // before 0: it has ended
+        // tfar < 0: the ray has ended
+        if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return;
         CompressedSubdivIntersector1::State state(ray,bvh);
-        const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,cbvh::StillNodes(),ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
+        const bool isOccluded =
+          cbvh::traverseAnyHit1(bvh->root,cbvh::StillNodes(),ray,
+            [&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
             size_t type;
             const void* prim = leaf.leaf(type);
             return CompressedSubdivIntersector1::occluded(This,state,ray,context,prim,type,tray,lazyNode);
@@ -102,8 +109,8 @@ namespace embree
       };
     };
 
-    /*! The same over blocks that move. Rays are tested first against a box that holds all of them at all times, so
-     *  that a scene's still surfaces lose little by others that move elsewhere. */
+    /*! Traversal of moving blocks. Rays are tested first with a box around all of them at all times, so that surfaces
+     *  that move elsewhere cost the still surfaces of a scene little. */
     struct CompressedMotionTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
@@ -115,13 +122,14 @@ namespace embree
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) occludedTree(bvh,ray,context); // before 0: it has ended
+        // tfar < 0: the ray has ended
+        if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
       }
 
-      /*! Of all blocks at all times, or empty. */
+      /*! Returns the box around all blocks at all times, or an empty box. */
       static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
 
-      /*! What is behind these tests. */
+      /*! Traversal after these tests. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
       {
         Leaves leaves = { ray,context };
@@ -130,7 +138,9 @@ namespace embree
       static __noinline void occludedTree (const BVH4* bvh, Ray& ray, IntersectContext* context)
       {
         cbvh::VertRay vertRay;
-        const bool isOccluded = cbvh::traverseAnyHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,[&](BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
+        const bool isOccluded =
+          cbvh::traverseAnyHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,
+            [&](BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
             return cbvh::intersectMovingVert(ray,context,vertRay,blockOf(leaf));
           });
         if (isOccluded) ray.tfar = neg_inf;
@@ -156,7 +166,9 @@ namespace embree
 
         static __forceinline bool hasFrame (BVH4::NodeRef) { return false; }
         __forceinline void setEnter (float) {}
-        __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) { cbvh::intersectMovingVert(ray,context,vertRay,blockOf(leaf)); }
+        __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
+          cbvh::intersectMovingVert(ray,context,vertRay,blockOf(leaf));
+        }
       };
     };
   }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Single rays, instantiated for one ISA. */
+/* Intersectors of single rays, instantiated for one ISA. */
 
 #include "compressed_intersector1.h"
 

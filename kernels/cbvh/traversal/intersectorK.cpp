@@ -1,14 +1,15 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Packets and streams, instantiated for one ISA. Hits are those of single rays. Rays that are said to be
- * coherent go together through the top-level BVH and through blocks, all others one by one, and so do all through blocks that move: each has
- * a time of its own. */
+/* Intersectors of packets and streams, instantiated for one ISA. The hits are the same as those of single rays. Rays of
+ * a coherent context traverse the top-level BVH and blocks together. All other rays are traced one by one, and so are
+ * all rays through moving blocks, because each ray has its own time. */
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
 #include "packet_traversal.h"
 #include "../vert/intersectorK.h"
+#include "../vert/mesh_intersectorK.h"
 #include "../base/primitive_type.h"
 #if defined(EMBREE_CBVH_NO_PAPER)
 #include "no_framed_raysK.h"
@@ -20,7 +21,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Blocks, and GRID's own leaves where a face is not compressed, at the rays of a packet. */
+    /*! Intersects leaves with the rays of a packet: blocks, and Embree's grids for faces that are not compressed. */
     template<int K, typename Rays>
     class CompressedSubdivLeavesK
     {
@@ -29,12 +30,14 @@ namespace embree
       static const bool isAnyHit = cbvh::IsAnyHit<Rays>::value;
 
     public:
-      vfloat<K> tfar; //!< where rays end
+      vfloat<K> tfar; //!< where each ray ends
 
-      __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
+      __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
+                                             IntersectContext* context)
         : tfar(rays.tfar), This(This), rays(rays), context(context), grids(valid,rays), framed(rays.tfar) {}
 
-      __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray, size_t& lazyNode)
+      __forceinline void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray,
+                                    size_t& lazyNode)
       {
         framed.setEnter(enter);
         size_t type;
@@ -43,7 +46,7 @@ namespace embree
         else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
-      /*! once all is traced */
+      /*! Call this after the traversal. */
       __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
 
     private:
@@ -51,19 +54,23 @@ namespace embree
         tfar = isAnyHit ? select(hit,vfloat<K>(neg_inf),tfar) : vfloat<K>(rays.tfar);
       }
 
-      vbool<K> intersectGrid (const vbool<K>& valid, RayHitK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray, size_t& lazyNode) {
+      vbool<K> intersectGrid (const vbool<K>& valid, RayHitK<K>& rays, const GridSOA* prim, size_t type,
+        const Tray& tray, size_t& lazyNode) {
         Grids::intersect(valid,This,grids,rays,context,prim,type,tray,lazyNode);
         return valid;
       }
-      vbool<K> intersectGrid (const vbool<K>& valid, RayK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray, size_t& lazyNode) {
+      vbool<K> intersectGrid (const vbool<K>& valid, RayK<K>& rays, const GridSOA* prim, size_t type, const Tray& tray,
+        size_t& lazyNode) {
         return Grids::occluded(valid,This,grids,rays,context,prim,type,tray,lazyNode) & valid;
       }
 
-      /*! which rays accepted a hit */
+      /*! Returns the rays that accepted a hit. */
       __forceinline vbool<K> intersectBlock (const vbool<K>& valid, size_t type, const void* prim)
       {
         using namespace cbvh;
-        if (type == VERT_BLOCK) return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        if (type == VERT_BLOCK)
+          return VertIntersectorK<K,Rays>::intersect(valid,rays,context,vert,(const VertHeader*)prim);
+        if (type == MESH_BLOCK) return MeshIntersectorK<K,Rays>::intersect(valid,rays,context,vert,prim);
         return framed.intersect(valid,rays,context,prim);
       }
 
@@ -75,7 +82,7 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
-    /*! Rays of a packet one by one; alone: bits of them. intersect(ray), occluded(ray): trace one. */
+    /*! Traces rays of a packet one by one. alone: mask of these rays. intersect(ray), occluded(ray): trace one ray. */
     template<int K, typename Intersect>
     __forceinline void traceAlone (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
@@ -99,25 +106,29 @@ namespace embree
       }
     }
 
-    /*! rays of a packet that may hit anything */
+    /*! Returns the rays of a packet that can hit anything. */
     template<int K>
-    __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) { return (mask == vint<K>(-1)) & cbvh::mayHit(rays); }
+    __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) {
+      return (mask == vint<K>(-1)) & cbvh::mayHit(rays);
+    }
 
     template<int K>
     struct CompressedMotionIntersectorK
     {
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        traceAlone<K>(thatMayMeet(*mask,bvh,rays),rays,[&](RayHit& ray) { CompressedMotionTraversal1::intersectTree(bvh,ray,context); });
+        traceAlone<K>(thatMayMeet(*mask,bvh,rays),rays,
+          [&](RayHit& ray) { CompressedMotionTraversal1::intersectTree(bvh,ray,context); });
       }
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
         const uint32_t ended = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
-        traceAlone<K>(thatMayMeet(*mask,bvh,rays) & ~ended,rays,[&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
+        traceAlone<K>(thatMayMeet(*mask,bvh,rays) & ~ended,rays,
+          [&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
       }
 
     private:
-      /*! bits of rays that may meet something which moves */
+      /*! Returns the mask of the rays that may hit moving blocks. */
       static __forceinline uint32_t thatMayMeet (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
       {
         const vbool<K> valid = validOf<K>(mask,rays);
@@ -131,7 +142,8 @@ namespace embree
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
       {
         const vbool<K> valid = validOf<K>(*mask,rays);
-        traceAlone<K>(together(valid,This,rays,context).alone,rays,[&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
+        traceAlone<K>(together(valid,This,rays,context).alone,rays,
+          [&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
       }
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
@@ -144,13 +156,14 @@ namespace embree
     private:
       struct Traced
       {
-        uint32_t alone; //!< rays that are left
-        vbool<K> ended; //!< rays that any hit ended
+        uint32_t alone; //!< rays that have not been traced
+        vbool<K> ended; //!< rays that an any-hit query ended
       };
 
-      /*! traces rays that go one way */
+      /*! Traces rays whose directions have equal signs together. */
       template<typename Rays>
-      static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays, IntersectContext* context)
+      static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
+                                         IntersectContext* context)
       {
         Traced traced = { uint32_t(movemask(valid)),vbool<K>(false) };
         const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;
@@ -166,7 +179,8 @@ namespace embree
           for (int axis=0; axis<3; axis++) same &= (descends[axis] >> k) & 1u ? descends[axis] : ~descends[axis];
           rest &= ~same;
           if (popcnt(same) <= 2) alone |= same;
-          else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,leaves);
+          else cbvh::PacketTraversal<K,CompressedSubdivLeavesK<K,Rays>>::run(vbool<K>(int(same)),k,root,rays,tray,
+            leaves);
         }
         leaves.end(valid);
         traced.alone = alone;
@@ -186,7 +200,7 @@ namespace embree
     DEFINE_INTERSECTOR16(BVH4CompressedSubdivIntersector16,CompressedSubdivIntersectorK<16>);
     DEFINE_INTERSECTOR16(BVH4CompressedMotionIntersector16,CompressedMotionIntersectorK<16>);
 #endif
-    /* streams: Embree's own fallback, which hands over packets */
+    /* Streams use Embree's fallback, which passes packets. */
     DEFINE_INTERSECTORN(BVH4CompressedSubdivIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
     DEFINE_INTERSECTORN(BVH4CompressedMotionIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
 #endif

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* The intersector of each kind of leaves, by the type of the primitive and the kind in its header. */
+/* Selects the intersector of a leaf by the type of its primitive. */
 
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../vert/intersector1.h"
+#include "../vert/mesh_intersector1.h"
 #if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/framed_rays1.h"
 #endif
@@ -19,7 +20,7 @@ namespace embree
     namespace cbvh
     {
 #if defined(EMBREE_CBVH_NO_PAPER)
-      /*! What framed/framed_rays1.h has, of a library that traces no blocks with frames. */
+      /*! Replaces framed/framed_rays1.h in a library without the paper's representations. */
       struct FramedRay
       {
         __forceinline explicit FramedRay (float) {}
@@ -31,11 +32,13 @@ namespace embree
       };
 #endif
 
-      /*! Returns false for a primitive that is not a block. found: whether a hit was accepted */
+      /*! Returns false if the primitive is not a block. found: true if a hit was accepted. */
       template<typename RayType>
-      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed, VertRay& vertRay, const void* prim, bool& found)
+      __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed,
+                                         VertRay& vertRay, const void* prim, bool& found)
       {
         if (type == VERT_BLOCK) { found = intersectVert(ray,context,vertRay,(const VertHeader*)prim); return true; }
+        if (type == MESH_BLOCK) { found = intersectMesh(ray,context,vertRay,prim); return true; }
         if (type != FRAMED_BLOCK) return false;
         found = framed.intersect(ray,context,prim);
         return true;

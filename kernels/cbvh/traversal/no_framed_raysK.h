@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Packets of a library without the paper's representations, framed/framed_raysK.h. */
+/* Replaces framed/framed_raysK.h in a library without the paper's representations. */
 
 #include "../embree/ray.h"
 
@@ -19,7 +19,9 @@ namespace embree
         __forceinline explicit FramedRaysK (const vfloat<K>&) {}
         __forceinline void setEnter (const vfloat<K>&) {}
         template<typename Rays>
-        __forceinline vbool<K> intersect (const vbool<K>&, Rays&, IntersectContext*, const void*) { return vbool<K>(false); }
+        __forceinline vbool<K> intersect (const vbool<K>&, Rays&, IntersectContext*, const void*) {
+          return vbool<K>(false);
+        }
         __forceinline void end (const vbool<K>&, vfloat<K>&) const {}
       };
     }

@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by the rays of a packet together. Nodes are left out by the frustum of the
- * rays, as in Embree's traversal of coherent packets; but there rays come to all blocks that one of them
- * meets, and hit what sticks out of bounds that they miss (framed/block_bounds.h). Here a ray comes to blocks
- * whose bounds it meets, and passes where it enters them, as top_level1.h does: its hits are those of a single ray. */
+/* Traversal of the top-level BVH by the rays of a packet. Nodes are culled with the frustum of the rays, as in Embree's
+ * traversal of coherent packets. In Embree's traversal, all rays visit each block that any of them intersects, so rays
+ * could hit geometry outside of bounds that they miss (framed/block_bounds.h). Here a ray only visits blocks whose
+ * bounds it intersects. The entry distance is passed along, as in top_level1.h, so hits are the same as those of single
+ * rays. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -17,28 +18,31 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Leaves: has, of closest hit and of any hit,
+      /*! Leaves: a class for closest hit or any hit with these members:
        *
-       *    void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray, size_t& lazyNode)
-       *
-       *  and after it `tfar`, where rays end, -inf of those that have ended; lazyNode: what is to be traversed next. */
+       *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray,
+       *                     size_t& lazyNode)
+       *       Intersects a leaf. lazyNode: set to a node that must be traversed next.
+       *     vfloat<K> tfar
+       *       Where rays end; -inf for rays that have ended. Read after each call of intersect(). */
       template<int K, typename Leaves>
       class PacketTraversal
       {
         typedef BVH4::NodeRef NodeRef;
         typedef TravRayK<K,true> Tray;
 
-        /*! a node, and where each ray enters it: not a number if it does not */
+        /*! A node, and the entry distance of each ray; NaN for rays that miss the node. */
         struct Entry
         {
           vfloat<K> enter;
           NodeRef node;
-          float first; //!< of the packet
+          float first; //!< smallest entry distance of the packet
         };
 
       public:
-        /*! rays with the same signs of tray.rdir, the first of which is ray k */
-        static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray, Leaves& leaves)
+        /*! Traverses rays that have the same signs of tray.rdir. k: the first of these rays. */
+        static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray,
+                                    Leaves& leaves)
         {
           tray.tnear = select(valid,max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),vfloat<K>(pos_inf));
           tray.tfar = select(valid,max(vfloat<K>(rays.tfar),vfloat<K>(zero)),vfloat<K>(neg_inf));
@@ -62,16 +66,17 @@ namespace embree
             size_t lazyNode = 0;
             leaves.intersect(meets,at.node,at.enter,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
-              /* lanes that are off may hold what is not a number, of which the frustum would make any maximum */
+              /* Inactive lanes may contain NaN, which would spoil the maximum in the frustum. */
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first }; // of the rays that met the leaf, and no others
+            // for the rays that intersected the leaf, and no others
+            if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first };
           }
         }
 
       private:
-        /*! Embree's robust test of one ray, for the rays of a packet */
+        /*! Embree's robust test of a single ray, for the rays of a packet. */
         class Boxes
         {
           vfloat<K> rdirNear[3], rdirFar[3];
@@ -89,7 +94,7 @@ namespace embree
 
           __forceinline vbool<K> meet (const BVH4::AABBNode* node, size_t i, const Tray& tray, vfloat<K>& enter) const
           {
-            const vfloat4* planes = &node->lower_x; // lower, upper of each axis
+            const vfloat4* planes = &node->lower_x; // lower and upper plane of each axis
             vfloat<K> leave = tray.tfar;
             enter = tray.tnear;
             for (int axis=0; axis<3; axis++) {
@@ -100,8 +105,9 @@ namespace embree
           }
         };
 
-        /*! the nearest last */
-        static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes, const Tray& tray, Entry* top)
+        /*! Pushes the children that rays intersect, the nearest one last. */
+        static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes,
+                                                  const Tray& tray, Entry* top)
         {
           const BVH4::AABBNode* node = at.node.getAABBNode();
           vfloat4 first;

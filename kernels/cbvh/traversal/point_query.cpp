@@ -1,15 +1,17 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries: the application's function is called for the primitives whose blocks are near enough, several times if several of
- * their blocks are; for those of a block that numbers its quads, if the primitive's own box is. As in Embree, they see grids,
- * quads and triangles, where they are at the query's time, and no subdivision surfaces. */
+/* Point queries. The application's function is called for the primitive of each block within reach, and therefore
+ * several times if several blocks of a primitive are. For blocks that number their quads, and for mesh blocks, it is
+ * called for each primitive whose box, or the box of one of whose triangles, is within reach. As in Embree, queries
+ * find grids, quads and triangles, at the query's time, and no subdivision surfaces. */
 
 #include "point_query.h"
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
+#include "../../cvert/decoder/decoded_mesh.h"
 #include "../embree/scene.h"
 #include "../stored/compressed_tree.h"
 #include "../stored/vertices_at_time.h"
@@ -28,7 +30,7 @@ namespace embree
       public:
         PointQueryTraversal (PointQuery* query, PointQueryContext* context) : query(query), context(context) {}
 
-        /*! nearest children first; whether a call changed the query */
+        /*! Traverses the nearest children first. Returns true if a call changed the query. */
         bool operator() (const BVH4* bvh)
         {
           if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->hasGrids) return false;
@@ -43,7 +45,8 @@ namespace embree
             if (item.ref.isLeaf()) { changed |= call(item.ref); continue; }
             const size_t first = n;
             vboolf4 isThere(true);
-            const vfloat4 distance = item.ref.isAABBNode() ? distanceOf(item.ref.getAABBNode()) : distanceOf(item.ref,isThere);
+            const vfloat4 distance = item.ref.isAABBNode() ? distanceOf(item.ref.getAABBNode())
+              : distanceOf(item.ref,isThere);
             for (size_t mask=movemask((distance <= vfloat4(reach())) & isThere); mask; ) {
               const size_t i = bscf(mask);
               const BVH4::NodeRef child = item.ref.baseNode()->child(i);
@@ -58,28 +61,33 @@ namespace embree
         struct Item
         {
           BVH4::NodeRef ref;
-          float distance; //!< as distanceOf
+          float distance; //!< see distanceOf
         };
 
         bool isSphere () const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
-        /*! that a box is not beyond, as distanceOf measures it */
+        /*! Largest distance, as returned by distanceOf, at which a box is within reach. */
         float reach () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
-        /*! of the children: squares for a sphere, for a box how far they are outside of it */
+        /*! Distances of the children of a node. Sphere: squared distance. Box: distance from the box. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
-          return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
+          return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),
+            outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
         }
 
-        /*! of the children of a node that moves; isThere: which of them are there at the time */
+        /*! Distances of the children of a moving node. isThere: children that exist at the time of the query. */
         vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isThere) const
         {
           const BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
           const vfloat4 time(query->time);
-          if (ref.isAABBNodeMB4D()) isThere = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
-          return distanceOf(outside(query->p.x,madd(time,node->lower_dx,node->lower_x),madd(time,node->upper_dx,node->upper_x)),
-                            outside(query->p.y,madd(time,node->lower_dy,node->lower_y),madd(time,node->upper_dy,node->upper_y)),
-                            outside(query->p.z,madd(time,node->lower_dz,node->lower_z),madd(time,node->upper_dz,node->upper_z)));
+          if (ref.isAABBNodeMB4D())
+            isThere = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
+          return distanceOf(outside(query->p.x,madd(time,node->lower_dx,node->lower_x),
+            madd(time,node->upper_dx,node->upper_x)),
+                            outside(query->p.y,madd(time,node->lower_dy,node->lower_y),
+                              madd(time,node->upper_dy,node->upper_y)),
+                            outside(query->p.z,madd(time,node->lower_dz,node->lower_z),
+                              madd(time,node->upper_dz,node->upper_z)));
         }
 
         vfloat4 distanceOf (const vfloat4& x, const vfloat4& y, const vfloat4& z) const
@@ -89,19 +97,25 @@ namespace embree
           return max(max(max(x-vfloat4(r.x),y-vfloat4(r.y)),z-vfloat4(r.z)),vfloat4(0.0f));
         }
 
-        static vfloat4 outside (float p, const vfloat4& lower, const vfloat4& upper) { return max(max(lower-vfloat4(p),vfloat4(p)-upper),vfloat4(0.0f)); }
+        static vfloat4 outside (float p, const vfloat4& lower, const vfloat4& upper) {
+          return max(max(lower-vfloat4(p),vfloat4(p)-upper),vfloat4(0.0f));
+        }
 
         bool call (BVH4::NodeRef leaf)
         {
           size_t type;
           const void* block = leaf.leaf(type);
-          if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK) return false;
+          const bool isMesh = type == MESH_BLOCK;
+          if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK && !isMesh) return false;
           const VertHeader* header = (const VertHeader*)block;
-          if (type == VERT_BLOCK && !embree::cbvh::isUsable(block,true)) return false;
-          const uint32_t geomID = context->scene->surfaceIDs[header->surface];
+          if (type != MOVING_VERT_BLOCK && !embree::cbvh::isUsable(block,isMesh ? MESH_FORM : VERT_FORM)) return false;
+          const uint32_t geomID =
+            context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
           Geometry* const geometry = context->scene->get(geomID);
-          if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH || !embree::cbvh::VerticesAtTime::isThere(header,time())) return false;
+          if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return false;
           context->geomID = geomID;
+          if (isMesh) return callTriangles(geometry,(const MeshHeader*)block);
+          if (!embree::cbvh::VerticesAtTime::isThere(header,time())) return false;
           if (hasNumbers(header->boxForm)) return callQuads(geometry,header);
           context->primID = header->primID;
           return geometry->pointQuery(query,context);
@@ -109,7 +123,8 @@ namespace embree
 
         embree::cbvh::TraversalTime time () const { return { query->time,false }; }
 
-        /*! Those of quads, or triangles, of which all vertices are finite; whether a call changed the query. */
+        /*! Calls the function for the quads or triangles of a block whose vertices are all finite. Returns true if a
+         *  call changed the query. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const embree::cbvh::VerticesAtTime block(header,time());
@@ -118,11 +133,43 @@ namespace embree
           for (uint32_t y=0; y<vertQuadsY(header->region); y++)
             for (uint32_t x=0; x<vertQuadsX(header->region); x++)
             {
-              const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) }, * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
-              const uint32_t number = numberOfQuad(header,x,y);
-              if (!isOfTriangles(form)) changed |= call(geometry,number,{ diagonal[0],diagonal[1],ends[0],ends[1] });
-              else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++) changed |= call(geometry,number+i,{ diagonal[0],diagonal[1],ends[i] });
+              const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) },
+                * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
+              auto primitive = [&](bool isSecond) { return primitiveOfQuad(header,x,y,isSecond).primID; };
+              if (!isOfTriangles(form))
+                changed |= call(geometry,primitive(false),{ diagonal[0],diagonal[1],ends[0],ends[1] });
+              else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++)
+                changed |= call(geometry,primitive(i == 1),{ diagonal[0],diagonal[1],ends[i] });
             }
+          return changed;
+        }
+
+        /*! Calls the function for the primitives of a mesh block that have a triangle within reach. Returns true if a
+         *  call changed the query. */
+        bool callTriangles (Geometry* geometry, const MeshHeader* block)
+        {
+          const MeshView view(block);
+          bool changed = false;
+          for (uint32_t g=0; g<view.groups; g++)
+          {
+            BBox3fa bounds;
+            view.groupBox(g,&bounds.lower.x,&bounds.upper.x);
+            if (view.isSheared()) {
+              const uint32_t m = meshShearedAxis(block->form);
+              bounds.lower[m] = neg_inf;
+              bounds.upper[m] = pos_inf;
+            }
+            if (!(distanceOf(bounds) <= reach())) continue;
+            const DecodedMeshGroup group(view,g);
+            for (uint32_t t=0; t<group.numTriangles; t++)
+            {
+              float corners[3][3];
+              for (int c=0; c<3; c++)
+                for (int k=0; k<3; k++) corners[c][k] = group.corners[c][k][t];
+              changed |= call(geometry,primitiveOfMesh(block->form,group.numbers[t]),
+                { corners[0],corners[1],corners[2] });
+            }
+          }
           return changed;
         }
 
@@ -138,20 +185,23 @@ namespace embree
           return geometry->pointQuery(query,context);
         }
 
-        /*! as of children */
+        /*! As distanceOf for children. */
         float distanceOf (const BBox3fa& bounds) const
         {
           float d[3];
           for (int k=0; k<3; k++) d[k] = max(max(bounds.lower[k]-query->p[k],query->p[k]-bounds.upper[k]),0.0f);
           if (isSphere()) return d[0]*d[0] + d[1]*d[1] + d[2]*d[2];
-          return max(max(d[0]-context->query_radius[0],d[1]-context->query_radius[1]),max(d[2]-context->query_radius[2],0.0f));
+          return max(max(d[0]-context->query_radius[0],d[1]-context->query_radius[1]),
+            max(d[2]-context->query_radius[2],0.0f));
         }
 
         PointQuery* query;
         PointQueryContext* context;
       };
 
-      bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context) { return PointQueryTraversal(query,context)(bvh); }
+      bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context) {
+        return PointQueryTraversal(query,context)(bvh);
+      }
     }
   }
 }

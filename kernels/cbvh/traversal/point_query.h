@@ -11,7 +11,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Answers a point query by the blocks of a CompressedTree. Returns true if a call of the application's function changed the query. */
+      /*! Runs a point query on the blocks of a CompressedTree. Returns true if a call of the application's function
+       *  changed the query. */
       bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context);
     }
   }

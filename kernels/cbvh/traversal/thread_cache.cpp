@@ -7,8 +7,8 @@
 #if !defined(EMBREE_CBVH_NO_PAPER)
 #include "../framed/node_cache.h"
 #endif
-#include "../vert/cache.h"
-#include <mm_malloc.h>
+#include "../vert/mesh_cache.h"
+#include <cstdlib>
 #include <new>
 
 namespace embree
@@ -17,9 +17,9 @@ namespace embree
   {
     std::atomic<unsigned> cacheGeneration(0);
 
-    /* set by who maps blocks, so that codecs need nothing else of the library */
+    /* Set by the code that maps blocks, so that codecs depend on nothing else in the library. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
-    std::atomic<bool (*) (const void* block, bool isVert)> isMappedBlockGood(nullptr);
+    std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
 
     void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
 
@@ -29,24 +29,27 @@ namespace embree
     template<typename Entries>
     ThreadCache<Entries>& ThreadCache<Entries>::renew (unsigned now)
     {
-      struct Owner { ~Owner () { _mm_free(current); current = nullptr; } };
+      struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
-        static thread_local Owner owner; // ends with the thread
+        static thread_local Owner owner; // destroyed when the thread ends
         (void)owner;
-        current = (ThreadCache*)_mm_malloc(sizeof(ThreadCache),64);
-        if (current == nullptr) throw std::bad_alloc();
+        void* memory = nullptr;
+        if (posix_memalign(&memory,64,sizeof(ThreadCache)) != 0) throw std::bad_alloc();
+        current = (ThreadCache*)memory;
       }
       current->clear();
       current->made = now;
       return *current;
     }
 
-    static_assert(sizeof(VertEntries) < 512*1024,"more than the second-level cache of a core: see docs/performance.md");
+    static_assert(sizeof(VertEntries) < 512*1024,
+      "VertEntries must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
     template class ThreadCache<NodeEntries>;
 #endif
     template class ThreadCache<VertEntries>;
     template class ThreadCache<MotionEntries>;
+    template class ThreadCache<MeshEntries>;
   }
 }

@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by one ray, that of blocks which do not move or that of those which do: Embree's, by rays of top_level_ray.h. For the closest hit it passes to a leaf where
- * the ray enters its bounds, so that it does not matter in what order blocks are met (nearest_hit.h). */
+/* Traversal of the top-level BVH by a single ray, for still or for moving blocks. It is Embree's traversal with the
+ * rays of top_level_ray.h. For the closest hit it passes the distance at which the ray enters the bounds of a leaf, so
+ * that the result does not depend on the order of blocks (nearest_hit.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -15,18 +16,22 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! children of a node that a ray meets, and where */
+      /*! Intersects the children of a node. Returns their mask and distances. */
       struct StillNodes
       {
         static const int types = BVH_AN1;
-        __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const { return intersectNodeRobust<4>(node.getAABBNode(),tray,distances); }
+        __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const {
+          return intersectNodeRobust<4>(node.getAABBNode(),tray,distances);
+        }
       };
 
       struct MovingNodes
       {
         static const int types = BVH_AN2_AN4D;
         const float time;
-        __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const { return intersectNodeMB4DRobust<4>(node,tray,time,distances); }
+        __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const {
+          return intersectNodeMB4DRobust<4>(node,tray,time,distances);
+        }
       };
 
       __forceinline float distanceOf (const StackItemT<BVH4::NodeRef>& entry)
@@ -36,9 +41,11 @@ namespace embree
         return distance;
       }
 
-      /*! Embree sorts the children of a node alone: something nearer than a leaf may wait below on the stack. Then that goes to
-       *  the top, and the leaf takes its place, so that leaves come in the order of their distance. */
-      __forceinline bool putBehindNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack, StackItemT<BVH4::NodeRef>*& top)
+      /*! Embree sorts only the children of one node, so a nearer entry than a leaf can be further down the stack. If
+       *  there is one, this moves it to the top and puts the leaf in its place: leaves are then visited in the order of
+       *  their distances. */
+      __forceinline bool putBehindNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
+                                          StackItemT<BVH4::NodeRef>*& top)
       {
         StackItemT<BVH4::NodeRef>* nearest = nullptr;
         float least = enter;
@@ -53,16 +60,17 @@ namespace embree
         return true;
       }
 
-      /*! Leaves has
+      /*! Leaves: a class with these members:
        *
-       *    bool isSorted
-       *      blocks with frames come in the order of their bounds, so that filters see accepted hits come nearer.
-       *    bool hasFrame (leaf)
-       *      whether it is a block with a frame. Others hit nothing before their bounds.
-       *    void setEnter (t)
-       *      where the ray enters the bounds of the block with a frame that is met next.
-       *    void intersect (leaf, tray, lazyNode)
-       *      lazyNode: what is to be traversed next. */
+       *     bool isSorted
+       *       True if blocks with frames must be visited in the order of their bounds, so that each hit that a filter
+       *       function accepts is nearer than the one before.
+       *     bool hasFrame (leaf)
+       *       True if the leaf is a block with a frame. Other leaves cannot be hit before their bounds.
+       *     void setEnter (t)
+       *       Sets where the ray enters the bounds of the next block with a frame.
+       *     void intersect (leaf, tray, lazyNode)
+       *       Intersects a leaf. lazyNode: set to a node that must be traversed next. */
       template<typename Nodes, typename Leaves>
       __forceinline void traverseClosestHit1 (BVH4::NodeRef root, const Nodes& nodes, RayHit& ray, Leaves& leaves)
       {
@@ -70,7 +78,7 @@ namespace embree
         typedef StackItemT<NodeRef> Entry;
 
         TopLevelRay tray(ray);
-        Entry stack[1+3*BVH4::maxDepth+3]; // it is written 16 wide
+        Entry stack[1+3*BVH4::maxDepth+3]; // stores are 16 lanes wide
         Entry* top = stack+1;
         stack[0].ptr = root;
         stack[0].dist = neg_inf;
@@ -87,7 +95,8 @@ namespace embree
           {
             mask = nodes(cur,tray,distances);
             if (unlikely(mask == 0)) break;
-            BVHNNodeTraverser1Hit<4,Nodes::types>::traverseClosestHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(Entry));
+            BVHNNodeTraverser1Hit<4,Nodes::types>::traverseClosestHit(cur,mask,distances,top,
+              stack+sizeof(stack)/sizeof(Entry));
           }
           if (unlikely(mask == 0)) continue;
           if (Leaves::hasFrame(cur)) {
@@ -106,9 +115,11 @@ namespace embree
         }
       }
 
-      /*! Whether a ray hits anything. isOccluded(leaf, tray, lazyNode): in a leaf, or at once; lazyNode as above. */
+      /*! Returns true if a ray hits anything. isOccluded(leaf,tray,lazyNode): returns true for a hit in the leaf;
+       *  lazyNode as above. */
       template<typename Nodes, typename IsOccluded>
-      __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray, const IsOccluded& isOccluded)
+      __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray,
+                                          const IsOccluded& isOccluded)
       {
         typedef BVH4::NodeRef NodeRef;
 
@@ -125,7 +136,8 @@ namespace embree
             vfloat4 distances;
             mask = nodes(cur,tray,distances);
             if (unlikely(mask == 0)) break;
-            BVHNNodeTraverser1Hit<4,Nodes::types>::traverseAnyHit(cur,mask,distances,top,stack+sizeof(stack)/sizeof(NodeRef));
+            BVHNNodeTraverser1Hit<4,Nodes::types>::traverseAnyHit(cur,mask,distances,top,
+              stack+sizeof(stack)/sizeof(NodeRef));
           }
           if (unlikely(mask == 0)) continue;
           size_t lazyNode = 0;

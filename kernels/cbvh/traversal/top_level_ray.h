@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* Rays as the top-level BVH is traversed by them: Embree's, but for two things.
+/* Rays that traverse the top-level BVH. They differ from Embree's rays in two ways:
  *
- * Rays that are not finite hit nothing, and are left out before traversal: a comparison with what is not a number would
- * take children for met that are not there, and a packet would be bounded by no number.
+ * Rays that are not finite hit nothing, and are rejected before traversal. Comparisons with NaN would report hits of
+ * children that do not exist, and would make the bounds of a packet useless.
  *
- * Embree's reciprocal of a component below 1e-18 is 1e18, however short the direction. Of a direction of length 1e-12 with a
- * zero in it that is a tilt of 1e-6, by which rays miss boxes of what they hit. Here it is relative (cvert/rule/reciprocal.h).
- * It is also never 0: so nothing in traversal of finite rays and boxes is not a number, and children that are
- * not there, whose bounds begin at infinity and end at -infinity, are met by none. */
+ * Embree replaces the reciprocal of a component below 1e-18 by 1e18, however short the direction is. For a direction of
+ * length 1e-12 with a component of zero, this tilts the ray by 1e-6, and it misses boxes of geometry that it hits. Here
+ * the threshold is relative to the largest component (cvert/rule/reciprocal.h). The reciprocal is also never 0.
+ * Traversal of finite rays and boxes therefore computes no NaN, and no ray hits children that do not exist, whose
+ * bounds begin at infinity and end at -infinity. */
 
 #include "../base/vectors.h"
 #include "../embree/traversal.h"
@@ -22,41 +23,47 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Whether a ray may hit anything: its origin and direction are finite, and tnear is at most tfar. */
+      /*! True if a ray can hit anything: its origin and direction are finite, and tnear is at most tfar. */
       __forceinline bool mayHit (const Ray& ray)
       {
         const Vec3fa bound(pos_inf);
-        return all(lt_mask(abs(Vec3fa(ray.org)),bound) & lt_mask(abs(Vec3fa(ray.dir)),bound)) & (ray.tnear() <= ray.tfar);
+        return all(lt_mask(abs(Vec3fa(ray.org)),bound) & lt_mask(abs(Vec3fa(ray.dir)),bound))
+          & (ray.tnear() <= ray.tfar);
       }
 
       template<int K>
       __forceinline vbool<K> mayHit (const RayK<K>& rays)
       {
         vbool<K> finite = rays.tnear() <= rays.tfar;
-        for (int axis=0; axis<3; axis++) finite &= (abs(rays.org[axis]) < vfloat<K>(pos_inf)) & (abs(rays.dir[axis]) < vfloat<K>(pos_inf));
+        for (int axis=0; axis<3; axis++)
+          finite &= (abs(rays.org[axis]) < vfloat<K>(pos_inf)) & (abs(rays.dir[axis]) < vfloat<K>(pos_inf));
         return finite;
       }
 
-      /*! What distances to planes are multiplied by, in x, y and z: near makes them less than they are, far makes them more. */
+      /*! Factors of distances to planes, in x, y and z: `near` makes distances smaller than they are, and `far`
+       *  larger. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
 
         __forceinline explicit PlaneFactors (const Vec3fa& dir)
-          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(1.0f-3.0f*float(ulp))*rdir), far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
+          : rdir(directionReciprocals(vfloat4(dir.m128))), near(vfloat4(1.0f-3.0f*float(ulp))*rdir),
+            far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
       };
 
-      /*! Whether a ray may meet anything in a box, by TopLevelRay's arithmetic: boxes in it are met by no other rays. */
+      /*! Returns false if the ray misses a box. Uses the arithmetic of TopLevelRay, so that the ray then also misses
+       *  all boxes inside this box. */
       __forceinline bool mayMeet (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
         const vbool4 descends = factors.rdir < vfloat4(zero);
         const vfloat4 org(ray.org.m128), lower(box.lower.m128), upper(box.upper.m128);
-        const Vec3fa enter((select(descends,upper,lower)-org)*factors.near), leave((select(descends,lower,upper)-org)*factors.far);
+        const Vec3fa enter((select(descends,upper,lower)-org)*factors.near),
+          leave((select(descends,lower,upper)-org)*factors.far);
         return max(reduce_max(enter),max(ray.tnear(),0.0f)) <= min(reduce_min(leave),max(ray.tfar,0.0f));
       }
 
-      /*! The same of a packet's. */
+      /*! As above, for the rays of a packet. */
       template<int K>
       __forceinline vbool<K> mayMeet (const RayK<K>& rays, const BBox3fa& box)
       {
@@ -64,7 +71,8 @@ namespace embree
         vfloat<K> enter = max(rays.tnear(),vfloat<K>(zero)), leave = max(rays.tfar,vfloat<K>(zero));
         for (int axis=0; axis<3; axis++)
         {
-          const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]), upper(box.upper[axis]);
+          const vfloat<K> rdir = directionReciprocal(rays.dir[axis],largest), lower(box.lower[axis]),
+            upper(box.upper[axis]);
           const vbool<K> descends = rdir < vfloat<K>(zero);
           enter = max(enter,(select(descends,upper,lower)-rays.org[axis])*(vfloat<K>(1.0f-3.0f*float(ulp))*rdir));
           leave = min(leave,(select(descends,lower,upper)-rays.org[axis])*(vfloat<K>(1.0f+3.0f*float(ulp))*rdir));
@@ -97,7 +105,7 @@ namespace embree
         }
       };
 
-      /*! Rays of a packet. Lanes that are off hold numbers, too; tnear and tfar are left open. */
+      /*! Rays of a packet. Inactive lanes contain numbers as well. The caller must set tnear and tfar. */
       template<int K>
       struct TopLevelRays : public TravRayK<K,true>
       {
@@ -110,7 +118,9 @@ namespace embree
           const vfloat<K> largest = max(max(abs(this->dir.x),abs(this->dir.y)),abs(this->dir.z));
           for (int axis=0; axis<3; axis++) {
             this->rdir[axis] = directionReciprocal(this->dir[axis],largest);
-            this->nearXYZ[axis] = select(this->rdir[axis] < vfloat<K>(zero),vint<K>(int(sizeof(vfloat4))*(2*axis+1)),vint<K>(int(sizeof(vfloat4))*2*axis));
+            this->nearXYZ[axis] =
+              select(this->rdir[axis] < vfloat<K>(zero),vint<K>(int(sizeof(vfloat4))*(2*axis+1)),
+                vint<K>(int(sizeof(vfloat4))*2*axis));
           }
         }
       };

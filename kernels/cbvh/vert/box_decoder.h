@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoder of the boxes of groups of cVERT, cvert/format/block.h: their axes, and their planes, which are those of
- * their corners, grown by margins. */
+/* Decoder of the boxes of cVERT groups (cvert/format/block.h). The planes are the planes of the corners of a group,
+ * widened by margins. */
 
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"
@@ -19,11 +19,12 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! vertSpacing(), by vectors */
+      /*! As vertSpacing(), with vector instructions. */
       __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
       {
         const __m128i values = _mm_loadu_si128((const __m128i*)corners);
-        const uint32_t bits = uint32_t(_mm_movemask_epi8(_mm_packs_epi16(values,_mm_slli_epi16(values,1)))); // signs: bits 15, then bits 14
+        // signs of packed words: bits 15, then bits 14
+        const uint32_t bits = uint32_t(_mm_movemask_epi8(_mm_packs_epi16(values,_mm_slli_epi16(values,1))));
         VertSpacing spacing;
         spacing.at[0] = floatOfBits((word >> 24) << 23);
         spacing.at[1] = floatOfBits((bits & 255u) << 23);
@@ -31,7 +32,7 @@ namespace embree
         return spacing;
       }
 
-      /*! the shear of boxes; the axes are those of the world if there is none */
+      /*! Sets the sheared axis and the shear of boxes. Without shear, the axes are the world's axes. */
       __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
       {
         axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
@@ -40,11 +41,12 @@ namespace embree
           for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
       }
 
-      /*! Not the extent of a raw block, which is that of its planes. */
+      /*! Sets the axes of a block. The extent of a raw block must be set from its planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
         const bool raw = isRaw(block->boxForm);
-        const float extent = unlikely(raw) ? 0.0f : vertExtent(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
+        const float extent = unlikely(raw) ? 0.0f
+          : vertExtent(block->boxForm,block->reach,reachStep(block->boxForm),spacingOf(block->word,block->corners));
         setShear(block->boxForm,!raw,axes);
         for (int k=0; k<3; k++) {
           axes.origin[k] = block->origin[k];
@@ -55,11 +57,12 @@ namespace embree
       class PlanesDecoder
       {
       public:
-        /*! form: shear and shifts of margins, as of a block */
-        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups, const VertSpacing& spacing, const float* origin)
+        /*! form: shear and shifts of margins, as in the header of a block. */
+        __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups,
+                                     const VertSpacing& spacing, const float* origin)
           : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
 
-        /*! corners: of groups, in coordinates; planes: by axis */
+        /*! corners: corners of groups, in coordinates. planes: by axis. */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
           const int m = shearedAxis(form);
@@ -71,7 +74,9 @@ namespace embree
           alignas(64) float sheared[VertTables::lanes];
           for (int c=0; c<cellVectors; c++) {
             const int n = vectorWidth*c;
-            vfloatV::store(sheared+n,madd(s2,vfloatV::load(corners.at[m2]+n),madd(s1,vfloatV::load(corners.at[m1]+n),vfloatV::load(corners.at[m]+n))));
+            vfloatV::store(sheared+n,
+              madd(s2,vfloatV::load(corners.at[m2]+n),
+                madd(s1,vfloatV::load(corners.at[m1]+n),vfloatV::load(corners.at[m]+n))));
           }
           decode(m,sheared,0.0f,planes[m]);
         }
@@ -79,19 +84,22 @@ namespace embree
       private:
         __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
         {
-          alignas(16) uint8_t expanded[24]; // 8 are read at a time
+          alignas(16) uint8_t expanded[24]; // 8 bytes are loaded at a time
           const uint8_t* ofAxis = expandRows(margins + k*groups.groups,expanded);
           const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
             const vintV m = loadBytes(ofAxis+vectorWidth*j);
-            vfloatV::store(out.at[0]+vectorWidth*j,madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
-            vfloatV::store(out.at[1]+vectorWidth*j,madd(madd(vfloatV(m >> 4),step,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
+            vfloatV::store(out.at[0]+vectorWidth*j,
+              madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
+            vfloatV::store(out.at[1]+vectorWidth*j,
+              madd(madd(vfloatV(m >> 4),step,max(max(c[0],c[1]),max(c[2],c[3]))),spacing,origin));
           }
         }
 
-        /*! a byte a group to a byte a lane; reads up to 16 bytes, which a block has there */
+        /*! Expands one byte per group to one byte per lane. Callers may read 16 bytes from the result; a block has that
+         *  many there. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
           if (likely(groups.groupsX == 4)) return rows;

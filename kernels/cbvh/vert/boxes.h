@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Rays and the boxes of a block of cVERT, and its bounds. They only cull: planes are exact, and are widened as rule.h
- * says. Numbers are floats, of one ray, or vectors, of the rays of a packet. */
+/* Intersects rays with the bounds of a cVERT block and with its boxes. Boxes only cull: planes are exact, and are
+ * widened as described in rule.h. `Real` is float for a single ray, or a vector for the rays of a packet. */
 
 #include "box_decoder.h"
 #include "ray.h"
@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The ray along a block's sheared coordinate, from the block's origin. */
+      /*! A ray along the sheared coordinate of a block, relative to the block's origin. */
       template<typename Real>
       struct ShearedRay
       {
@@ -27,15 +27,16 @@ namespace embree
         __forceinline ShearedRay (const VertRayAxes<Real>& ray, const VertAxes& axes)
         {
           ShearedCoordinate<Real> along = noShearedCoordinate<Real>();
-          for (int k=0; k<3; k++) along = addSheared(along,ray.org[k],ray.dir[k],axes.origin[k],axes.extent[k],axes.shear[k]);
+          for (int k=0; k<3; k++)
+            along = addSheared(along,ray.org[k],ray.dir[k],axes.origin[k],axes.extent[k],axes.shear[k]);
           org = along.org;
           rcp = directionReciprocal(along.dir,ray.largest);
           error = shearedSlack(along.size);
         }
       };
 
-      /*! What a single ray needs for the boxes of a block, computed for all axes at once: the same as boxSlack and
-       *  ShearedRay. Vectors of four also read what follows an array of three, and ignore it. */
+      /*! Values that a single ray needs for the boxes of a block, computed for all axes at once. Equal to boxSlack and
+       *  ShearedRay. Vectors of four also load the float after an array of three, and ignore it. */
       struct RayInBoxes
       {
         alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
@@ -63,19 +64,22 @@ namespace embree
 
       struct BlockBounds : public VertAxes, public BlockReach
       {
-        float slack[3];             //!< by axis: what they may be too small by
+        float slack[3];             //!< amount by which bounds may be too small, by axis
       };
 
-      /*! Whether rays meet such bounds between tNear and tFar: most that do not meet a group do not, and nothing is decoded for them. */
+      /*! Returns false if a ray misses the bounds between tNear and tFar. Most rays that hit no group of a block miss
+       *  its bounds, which saves decoding the block. */
       template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar)
+        -> decltype(tNear <= tFar)
       {
         const int m = bounds.axis;
         RayInterval<Real> interval = { tNear,tFar };
         for (int i=0; i<2; i++)
         {
           const int k = axisAfter(m,1+i);
-          const Real from = Real(bounds.origin[k])-ray.org[k], slack = boxSlack(ray.org[k],bounds.origin[k],bounds.extent[k]) + Real(bounds.slack[k]);
+          const Real from = Real(bounds.origin[k])-ray.org[k],
+            slack = boxSlack(ray.org[k],bounds.origin[k],bounds.extent[k]) + Real(bounds.slack[k]);
           interval = clipped(interval,from-slack,(from + Real(bounds.upper[i]))+slack,ray.rcp[k]);
         }
         const ShearedRay<Real> sheared(ray,bounds);
@@ -85,9 +89,10 @@ namespace embree
         return interval.from <= interval.to;
       }
 
-      /*! of a block that is not raw */
+      /*! As above, for a block that is not raw. */
       template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar) -> decltype(tNear <= tFar)
+      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
+        -> decltype(tNear <= tFar)
       {
         BlockBounds bounds;
         setShear(block->boxForm,true,bounds);
@@ -102,7 +107,7 @@ namespace embree
         return meetsBounds<Real>(ray,bounds,tNear,tFar);
       }
 
-      /*! The bounds of a block in a segment of its motion, straight from its steps. */
+      /*! The bounds of a block in a segment of its motion, read directly from its steps. */
       class SegmentReach
       {
         struct End
@@ -115,7 +120,7 @@ namespace embree
         uint32_t form;
 
       public:
-        bool raw; //!< an end is: there are no bounds
+        bool raw; //!< an end is raw, and there are no bounds
 
         __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
         {
@@ -133,13 +138,13 @@ namespace embree
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
-        /*! of a segment without a raw end, at both ends */
+        /*! Returns the larger of the extents at both ends. No end may be raw. */
         __forceinline float extent () const
         {
           return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
         }
 
-        /*! at a fraction of the segment */
+        /*! Sets the bounds at a fraction of the segment. */
         __forceinline void set (float f, BlockBounds& out) const
         {
           setShear(form,true,out);

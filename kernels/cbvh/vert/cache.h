@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What each thread keeps of blocks of cVERT (thread_cache.h). */
+/* Decoded cVERT blocks in the cache of a thread (thread_cache.h). */
 
 #include "../base/thread_cache.h"
 #include "tables.h"
@@ -12,52 +12,52 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! vertices of a cell by axis, in a lane each; the lanes after the last vertex are undefined */
+    /*! Vertices of a cell by axis, one per lane. The lanes after the last vertex are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! the same in coordinates: x, y and z of a lane, and 0 */
+    /*! Vertices of a cell in coordinates of the block: x, y, z and 0 per lane. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
-    /*! Planes of groups' boxes on one axis, in the world, or, of the sheared one, from the block's origin;
-     *  group (x,y) in lane x + 4 y. Lanes without a group are undefined. */
+    /*! Planes of the boxes of groups on one axis, in world space; on the sheared axis, relative to the origin of the
+     *  block. Group (x,y) is in lane x + 4 y. Lanes without a group are undefined. */
     struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
 
-    /*! the axes of a block's boxes: those of the world, but that one may be sheared */
+    /*! The axes of a block's boxes: the world's axes, one of which may be sheared. */
     struct VertAxes
     {
-      int axis;        //!< that is sheared, or 3, as of a raw block
+      int axis;        //!< the sheared axis, or 3 if none is, as in raw blocks
       float origin[3]; //!< of the block
-      float extent[3]; //!< of the block from its origin, at least
-      float shear[3];  //!< the sheared coordinate is the sum of the world's from the origin times these
+      float extent[3]; //!< upper bound of the block's extent from its origin
+      float shear[3];  //!< sheared coordinate: sum of the world coordinates relative to the origin, times these factors
     };
 
-    /*! boxes of a block's groups */
+    /*! Boxes of the groups of a block. */
     struct GroupBoxes : public VertAxes
     {
-      uint32_t lanes;        //!< that have a group, as a mask
+      uint32_t lanes;        //!< mask of the lanes that have a group
       GroupPlanes planes[3]; //!< by axis
     };
 
-    /*! What a block's groups have in common, and their boxes. A raw block only has axes, lanes and planes. */
+    /*! Data that the groups of a block share, and their boxes. For a raw block, only axes, lanes and planes are set. */
     struct VertBoxes : public GroupBoxes
     {
-      uint32_t words[16];    //!< of each group's cell
-      uint16_t fields[16];   //!< of each group: bytes from the block's start
-      CellCoordinates corners; //!< of groups
-      const void* block;     //!< that the boxes belong to
+      uint32_t words[16];    //!< word of each group's cell
+      uint16_t fields[16];   //!< fields of each group: offset in bytes from the start of the block
+      CellCoordinates corners; //!< corners of groups
+      const void* block;     //!< block that the boxes belong to
     };
-    static_assert(sizeof(VertBoxes) == 12*64,"a slot takes more lines of memory");
+    static_assert(sizeof(VertBoxes) == 12*64,"VertBoxes must occupy exactly 12 cache lines");
 
-    /*! a group of a block as one number: blocks lie at multiples of 16 bytes */
+    /*! Key of the group in a lane of a block. It is unique because blocks are aligned to 16 bytes. */
     __forceinline size_t keyOfGroup (const void* block, uint32_t lane) { return size_t(block) + lane; }
 
     class VertEntries
     {
     public:
-      /*! The slot of a block: what is there is the caller's if `block` says so, else it is to be filled, and named. */
+      /*! Returns the slot of a block. If its `block` differs, the caller must fill the slot and set `block`. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[placeOfBlock(block,512) % numBlocks]; }
 
-      /*! The slot of a group: what is there is the caller's if its key says so, else it is to be filled, and named. */
+      /*! Returns the slot of a group. If its key differs, the caller must fill the slot and set the key. */
       static __forceinline size_t slot (const void* block, uint32_t lane) {
         return (placeOfBlock(block,32) + lane) % numGroups;
       }
@@ -71,17 +71,17 @@ namespace embree
       }
 
     private:
-      /* Together less than 512 KiB, the second-level cache of a core: more would take it from what is traced. */
+      /* Together less than 512 KiB, the second-level cache of a core: a larger cache would evict the scene from it. */
       static const size_t numBlocks = 256, numGroups = 768;
 
       VertBoxes blocks[numBlocks];
       size_t keys[numGroups];
-      CellVertices groups[numGroups]; //!< in the world
+      CellVertices groups[numGroups]; //!< in world space
     };
 
-    /* --- blocks that move: segments, at both of their ends --- */
+    /* --- moving blocks: segments, at both of their ends --- */
 
-    /*! a block of a segment, or a group of it */
+    /*! Key of a block in a segment, or of a group of the block. */
     struct SegmentKey
     {
       const void* block;
@@ -92,36 +92,36 @@ namespace embree
       }
     };
 
-    /*! a step's cells, as far as they are known once for all groups */
+    /*! Data of the cells of a step that all groups share. */
     struct StepCells
     {
-      alignas(64) uint16_t fields[16]; //!< of each group: bytes from the step's start
-      uint32_t words[16];              //!< of each group's cell
-      CellCoordinates corners;         //!< of groups
+      alignas(64) uint16_t fields[16]; //!< fields of each group: offset in bytes from the start of the step
+      uint32_t words[16];              //!< word of each group's cell
+      CellCoordinates corners;         //!< corners of groups
     };
 
-    /*! What the groups of a block have in common in a segment, and their boxes at both of its ends. At a time in
-     *  between, boxes are in between. */
+    /*! Data that the groups of a block share in a segment, and their boxes at both of its ends. Boxes at a time in
+     *  between are interpolated. */
     struct SegmentBoxes : public GroupBoxes
     {
-      SegmentKey key;            //!< of the block
-      float origins[2][3];       //!< of the block, at the ends
-      GroupPlanes ends[2][3];    //!< planes at the ends, by axis; the planes of GroupBoxes are not used
-      StepCells steps[2];        //!< of the ends; not used for a raw step
+      SegmentKey key;            //!< key of the block
+      float origins[2][3];       //!< origin of the block at both ends
+      GroupPlanes ends[2][3];    //!< planes at both ends, by axis; the planes of GroupBoxes are unused
+      StepCells steps[2];        //!< steps at both ends; unused for a raw step
     };
 
-    /*! vertices of a group at the ends of a segment, in the world */
+    /*! Vertices of a group at the ends of a segment, in world space. */
     struct SegmentVertices
     {
-      SegmentKey key;            //!< of the group
+      SegmentKey key;            //!< key of the group
       CellVertices ends[2];
     };
 
     class MotionEntries
     {
     public:
-      /*! The slot of a block (of a group) in a segment: what is there is the caller's if its key says so, else
-       *  it is to be filled, and named. */
+      /*! Returns the slot of a block or a group in a segment. If its key differs, the caller must fill the slot and set
+       *  the key. */
       __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) {
         return blocks[(placeOfBlock(block,512) + segment) % numBlocks];
       }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A block of cVERT as the thread's cache has it, or gets it now. What it refers to lasts until a hit is
- * reported: a filter may trace rays. */
+/* Gives access to a decoded cVERT block, decoding it into the thread's cache if necessary. References into the cache
+ * become invalid once a hit is reported, because a filter function may trace further rays. */
 
 #include "../base/mapped_blocks.h"
 #include "boxes.h"
@@ -19,12 +19,12 @@ namespace embree
       class CachedVertBlock
       {
       public:
-        /*! ray: VertRay or VertRays, with the thread's cache */
+        /*! ray: VertRay or VertRays, with the thread's cache. */
         template<typename RayOrRays>
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
           : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
 
-        /*! its boxes, or null if they are not decoded */
+        /*! Returns the boxes, or null if they are not decoded. */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
         /*! Returns false if a ray misses the bounds of the block between tNear and tFar. Decodes nothing; the block
@@ -33,17 +33,17 @@ namespace embree
           return unlikely(isRaw(block->boxForm)) || meetsBounds<float>(ray,block,tNear,tFar);
         }
 
-        /*! Returns false if the block is damaged: nothing of it may be read, not even its header. */
-        __forceinline bool isUsable () const { return cbvh::isUsable(block,true); }
+        /*! Returns false if the block is damaged. Then no byte of it may be read, not even its header. */
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
 
-        /*! boxes of groups of a usable block */
+        /*! Returns the boxes of groups. The block must be usable. */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
           return slot;
         }
 
-        /*! of the group in a lane, in the world */
+        /*! Returns the vertices of the group in a lane, in world space. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           const size_t slot = cache.slot(block,lane);
@@ -54,8 +54,8 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          /* The block at once, as long as most are: where its groups' fields lie is known late, and memory
-           * that is waited for then is not hidden by anything. */
+          /* Prefetch as many bytes as most blocks have: the position of a group's fields is known late, and nothing
+           * would hide the latency then. */
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           VertDecoder(block).decode(slot);
@@ -70,7 +70,7 @@ namespace embree
 
         VertCache& cache;
         const VertHeader* block;
-        VertBoxes& slot; //!< of its boxes
+        VertBoxes& slot; //!< slot of the block's boxes
       };
     }
   }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoder of a cell of cVERT, cvert/format/cell.h, all vertices of an axis at a time. Floats hold
- * every number here exactly, so this equals the codec's integers, fused or not. */
+/* Decoder of a cVERT cell (cvert/format/cell.h): all vertices at once, axis by axis. Floats hold every number here
+ * exactly, so the result equals the integers of the codec, with fused operations or without. */
 
 #include "quad_corners.h"
 #include "cache.h"
@@ -17,27 +17,28 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! x, y and z of a vertex, 16 bits each, and what is behind them: 8 bytes are read */
+      /*! Loads x, y and z of a vertex, 16 bits each, and the 16 bits that follow. */
       __forceinline vfloat4 coordinatesAt (const void* p) {
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
 
-      /*! of a corner of a block, whose words have other bits, too */
+      /*! Loads a corner of a block, and clears the upper bits of its words, which are no coordinates. Lane 3 is
+       *  undefined. */
       __forceinline vfloat4 cornerAt (const uint32_t corners[6], int c) {
-        const __m128i coordinates = _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
+        const __m128i coordinates =
+          _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
         return vfloat4(vint4(_mm_unpacklo_epi16(coordinates,_mm_setzero_si128())));
       }
 
-      /*! component of residuals before slopes; without any bits a shift by 32 makes 0 */
+      /*! Returns a component of the residuals before slopes are applied. For 0 bits, the shift by 32 yields 0. */
       __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
 
-      /*! predictions of a cell's vertices, from its corners' coordinates */
+      /*! Predictions of the vertices of a cell from the coordinates of its corners. */
       class CellPrediction
       {
       public:
-        /*! corners 00, 10, 01 and 11 */
         __forceinline CellPrediction (const vfloat4& c00, const vfloat4& c10, const vfloat4& c01, const vfloat4& c11)
         {
           const vfloat4 x = c10-c00, y = c01-c00;
@@ -48,28 +49,32 @@ namespace embree
           vfloat4::store(upper,c11);
         }
 
-        /*! along an axis; x, y: weights of the upper corners */
+        /*! Returns predictions along an axis. x, y: weights of the upper corners. */
         __forceinline vfloatV at (int axis, const vfloatV& x, const vfloatV& y) const {
-          return vfloatV(k[axis]) + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
+          return vfloatV(k[axis])
+            + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
         }
 
-        /*! the cell's last vertex, corner 11 */
+        /*! Returns the last vertex of the cell, corner 11. */
         __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
 
       private:
         alignas(16) float k[4], dx[4], dy[4], dxy[4], upper[4]; //!< by axis
       };
 
-      /*! what residuals are added to: predictions of a cell's vertices, vector by vector */
+      /*! The base that residuals are added to: the predictions of a cell's vertices, vector by vector. */
       class CellBase
       {
       public:
-        /*! ofQuads: a group's, else the first cell's; quads: along its sides */
+        /*! ofQuads: true for the cell of a group, false for the first cell. quadsX, quadsY: quads along the sides of
+         *    the cell. */
         __forceinline CellBase (const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
-          : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]), weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
+          : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]),
+            weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
 
         __forceinline vfloatV at (int axis, int vector) const {
-          return prediction.at(axis,vfloatV::load(weightX+vectorWidth*vector),vfloatV::load(weightY+vectorWidth*vector));
+          return prediction.at(axis,vfloatV::load(weightX+vectorWidth*vector),
+            vfloatV::load(weightY+vectorWidth*vector));
         }
         __forceinline vfloatV last (int axis) const { return prediction.last(axis); }
 
@@ -79,7 +84,7 @@ namespace embree
         const float* weightY;
       };
 
-      /*! where vertices go: coordinates of the block as they are */
+      /*! Output of a decoder: stores vertices in coordinates of the block. */
       struct CoordinatesOfCell
       {
         CellVertices& out;
@@ -93,7 +98,7 @@ namespace embree
         }
       };
 
-      /*! vertices in the world */
+      /*! Output of a decoder: stores vertices in world space. */
       struct WorldOfCell
       {
         CellVertices& out;
@@ -105,13 +110,14 @@ namespace embree
         }
       };
 
-      /*! Base: as CellBase */
+      /*! Base: a class with the members of CellBase. */
       template<typename Base>
       class CellDecoder
       {
       public:
-        /*! data: fields */
-        __forceinline CellDecoder (uint32_t word, const uint8_t* data, const Base& base) : word(word), data(data), base(base) {}
+        /*! data: the fields. */
+        __forceinline CellDecoder (uint32_t word, const uint8_t* data, const Base& base)
+          : word(word), data(data), base(base) {}
 
         template<typename Out>
         __forceinline void decode (const Out& out) const
@@ -129,8 +135,8 @@ namespace embree
         }
 
       private:
-        /*! Residuals that come axis by axis: those of rough blocks on fine lattices. The cell is a copy, so that the one it is of stays
-         *  in registers. */
+        /*! Decodes residuals that are stored axis by axis, as in rough blocks on fine lattices. Takes the decoder by
+         *  value, so that the caller's decoder stays in registers. */
         template<typename Out>
         static __noinline void decodeByAxis (const CellDecoder cell, const Out out)
         {
@@ -141,10 +147,11 @@ namespace embree
           cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
         }
 
-        /*! Component i of residuals, at `shift` in fields, and what it makes of the base. main: residuals along the main
-         *  axis, the first component's. */
+        /*! Decodes component i of the residuals, which begins at bit `shift` of the fields, and passes the vertices to
+         *  `out`. main: residuals along the main axis, which component 0 sets. */
         template<int i, typename Out>
-        __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors], const Out& out) const
+        __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors],
+                                      const Out& out) const
         {
           const int bits = cellBits(word,i), axis = cellAxis(word,i);
           const vfloatV slope(i == 0 ? 0.0f : float(cellSlope(word,i))*(1.0f/16.0f));
@@ -165,10 +172,12 @@ namespace embree
       };
 
       template<typename Base, typename Out>
-      __forceinline void decodeCell (uint32_t word, const uint8_t* data, const Base& base, const Out& out) { CellDecoder<Base>(word,data,base).decode(out); }
+      __forceinline void decodeCell (uint32_t word, const uint8_t* data, const Base& base, const Out& out) {
+        CellDecoder<Base>(word,data,base).decode(out);
+      }
 
       /*! Copies the vertices of group (gx,gy) of a raw block or step. from: all of its vertices. Quads beyond the
-       *  region get no area. */
+       *  region become degenerate. */
       __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy,
                                            CellVertices& out)
       {
@@ -181,8 +190,8 @@ namespace embree
           }
       }
 
-      /*! Adds their remainders, one after the other as few blocks have any, to the vertices of group (gx,gy). start:
-       *  of the block or step; remainders: their word */
+      /*! Adds the remainders of the vertices of group (gx,gy), one by one because few blocks have any. start: start of
+       *  the block or step. remainders: its word of remainders. */
       __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
                                             uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
       {
@@ -195,7 +204,7 @@ namespace embree
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
               const uint32_t bit = remainderBegin(remainders,vertex,k);
-              uint64_t word; // may extend past the block, by less than readBehindVert
+              uint64_t word; // can extend past the block, by less than readBehindVert
               memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
               x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);

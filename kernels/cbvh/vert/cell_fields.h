@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Fields of a cell of cVERT, cvert/format/cell.h, out of their bits: all of them at a time. */
+/* Extracts all fields of a cVERT cell (cvert/format/cell.h) at once. */
 
 #include "tables.h"
+#include "../base/intrinsics.h"
 #include "../base/vectors.h"
 #include "../base/codec.h"
 #include "../../cvert/format/cell.h"
@@ -18,17 +19,17 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Vectors that have the vertices of a cell, and those of them that have fields: the last vertex, which
-       *  is a corner, may have one of its own. */
+      /*! Number of vectors that hold the vertices of a cell, and number of vectors that hold fields. The last vertex is
+       *  a corner without a field, and may occupy a vector of its own. */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
-      /*! fields of a cell, lane by lane, 0 in lanes without one; bits above the field's are not cleared */
+      /*! Fields of a cell, one per lane; 0 in lanes without a field. The bits above a field are undefined. */
       struct CellFields
       {
         vintV lanes[fieldVectors];
 
-        /*! start: of the first, in bits; reads up to 8 bytes behind the last field */
+        /*! start: first bit of the first field. Reads up to 8 bytes after the last field. */
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
@@ -38,30 +39,34 @@ namespace embree
           const __m512i a = _mm512_maskz_loadu_epi32(low,data), b = _mm512_maskz_loadu_epi32(high,data+64);
           for (int c=0; c<fieldVectors; c++)
           {
-            const __m512i bit = _mm512_add_epi32(_mm512_mullo_epi32(_mm512_load_si512((const void*)(vertTables.field+16*c)),_mm512_set1_epi32(bits)),_mm512_set1_epi32(start));
+            const __m512i bit =
+              _mm512_add_epi32(_mm512_mullo_epi32(_mm512_load_si512((const void*)(vertTables.field+16*c)),
+                _mm512_set1_epi32(bits)),_mm512_set1_epi32(start));
             const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
             const __m512i first = _mm512_permutex2var_epi32(a,word,b);
             const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
-            /* a shift by 32 makes 0 */
-            lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),_mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
+            /* A shift by 32 yields 0. */
+            lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),
+              _mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
           }
 #else
-#if defined(__SSE4_1__)
+#if defined(CBVH_BYTE_SHUFFLES)
           if (likely(start == 0 && VertTables::hasWindows(bits))) {
             const VertTables::Windows& windows = vertTables.windows[bits];
             if (likely(bits <= VertTables::maxBitsOfFour)) {
               for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<false>(data,windows,c);
               return;
             }
-#if defined(__AVX2__)
+#if defined(CBVH_LANE_SHIFTS)
             for (int c=0; c<fieldVectors; c++) lanes[c] = ofVector<true>(data,windows,c);
             return;
 #endif
           }
 #endif
           alignas(64) uint32_t fields[VertTables::lanes];
-          fields[laneOfVertex(0,0)] = fields[laneOfVertex(4,0)] = fields[laneOfVertex(0,4)] = fields[laneOfVertex(4,4)] = 0;
+          fields[laneOfVertex(0,0)] = fields[laneOfVertex(4,0)] = fields[laneOfVertex(0,4)] =
+            fields[laneOfVertex(4,4)] = 0;
           for (int l=cellVertices; l<VertTables::lanes; l++) fields[l] = 0;
           for (int f=0, bit=start; f<cellFields; f++, bit+=bits) {
             uint64_t word;
@@ -73,17 +78,20 @@ namespace embree
         }
 
       private:
-#if defined(__SSE4_1__) && !defined(__AVX512F__)
-        static __forceinline __m128i pick (const uint8_t* data, const VertTables::Windows& windows, int i, const uint8_t (*control)[16]) {
-          return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),_mm_load_si128((const __m128i*)control[i]));
+#if defined(CBVH_BYTE_SHUFFLES) && !defined(__AVX512F__)
+        static __forceinline __m128i pick (const uint8_t* data, const VertTables::Windows& windows, int i,
+                                           const uint8_t (*control)[16]) {
+          return _mm_shuffle_epi8(_mm_loadu_si128((const __m128i*)(data + windows.offset[i])),
+            _mm_load_si128((const __m128i*)control[i]));
         }
 
-        /*! fields of the first four columns of a row */
+        /*! Returns the fields of the first four columns of a row. */
         static __forceinline vint4 ofRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
-          return _mm_srli_epi32(_mm_mullo_epi32(pick(data,windows,row,windows.control),_mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
+          return _mm_srli_epi32(_mm_mullo_epi32(pick(data,windows,row,windows.control),
+            _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
-        /*! fields of the fifth column: corners have none */
+        /*! Returns the fields of the fifth column, in which the corners have none. */
         static __forceinline vint4 ofColumn (const uint8_t* data, const VertTables::Windows& windows)
         {
           auto field = [&](int row) {
@@ -91,28 +99,31 @@ namespace embree
             memcpy(&word,data + windows.columnOffset[row],sizeof(word));
             return int(word >> windows.columnShift[row]);
           };
-          return _mm_insert_epi32(_mm_insert_epi32(_mm_insert_epi32(_mm_setzero_si128(),field(1),1),field(2),2),field(3),3);
+          return _mm_insert_epi32(_mm_insert_epi32(_mm_insert_epi32(_mm_setzero_si128(),field(1),1),field(2),2),
+            field(3),3);
         }
 
-        /*! ofRow where a field may have bits in five bytes */
+        /*! As ofRow, for fields that can have bits in five bytes. */
         static __forceinline vint4 ofWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
         {
-#if defined(__AVX2__)
+#if defined(CBVH_LANE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
-          /* a shift by 32 makes 0 */
+          /* A shift by 32 yields 0. */
           return _mm_or_si128(_mm_srlv_epi32(pick(data,windows,row,windows.control),shift),
-                              _mm_sllv_epi32(pick(data,windows,row,windows.fifth),_mm_sub_epi32(_mm_set1_epi32(32),shift)));
+                              _mm_sllv_epi32(pick(data,windows,row,windows.fifth),
+                                _mm_sub_epi32(_mm_set1_epi32(32),shift)));
 #else
-          return ofRow(data,windows,row); // is never asked
+          return ofRow(data,windows,row); // unreachable
 #endif
         }
 
         template<bool wide>
         static __forceinline vint4 ofFour (const uint8_t* data, const VertTables::Windows& windows, int i) {
-          return i == VertTables::Windows::rows ? ofColumn(data,windows) : wide ? ofWideRow(data,windows,i) : ofRow(data,windows,i);
+          return i == VertTables::Windows::rows ? ofColumn(data,windows) : wide ? ofWideRow(data,windows,i)
+            : ofRow(data,windows,i);
         }
 
-        /*! fields of vector c of lanes */
+        /*! Returns the fields of vector c of lanes. */
         template<bool wide>
         static __forceinline vintV ofVector (const uint8_t* data, const VertTables::Windows& windows, int c)
         {

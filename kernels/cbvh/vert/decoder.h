@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Decoder of a block of cVERT, cvert/format/block.h: what its groups have in common, then a group at a time. */
+/* Decoder of a cVERT block (cvert/format/block.h): first the data that all groups share, then one group at a time. */
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
@@ -15,9 +15,9 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Decodes the words of all groups, and the offsets of their fields, which follow each other. low, high: halves
-       *  of the words, by group; high may be null. begin: offset of the fields of the first group. words, fields: by
-       *  lane. Reads up to 16 bytes at `high`, which a block has there. */
+      /*! Decodes the words of all groups, and the offsets of their fields, which are stored in the order of the groups.
+       *  low, high: halves of the words, by group; high may be null. begin: offset of the fields of the first group.
+       *  words, fields: by lane. Reads up to 16 bytes at `high`, which a block has there. */
       __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
                                            const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
       {
@@ -35,22 +35,26 @@ namespace embree
           }
           return;
         }
-        const __m128i upper = high ? _mm_loadu_si128((const __m128i*)high) : _mm_setzero_si128(), nibble = _mm_set1_epi16(15);
+        const __m128i upper = high ? _mm_loadu_si128((const __m128i*)high) : _mm_setzero_si128(),
+          nibble = _mm_set1_epi16(15);
         __m128i before = _mm_set1_epi16(short(begin));
         for (int half=0; half<2; half++)
         {
           const __m128i lower = _mm_loadu_si128((const __m128i*)(low+16*half));
-          const __m128i higher = half ? _mm_unpackhi_epi8(upper,_mm_setzero_si128()) : _mm_unpacklo_epi8(upper,_mm_setzero_si128());
+          const __m128i higher = half ? _mm_unpackhi_epi8(upper,_mm_setzero_si128())
+            : _mm_unpacklo_epi8(upper,_mm_setzero_si128());
           _mm_store_si128((__m128i*)(words+8*half),_mm_unpacklo_epi16(lower,higher));
           _mm_store_si128((__m128i*)(words+8*half+4),_mm_unpackhi_epi16(lower,higher));
           const __m128i bits = _mm_add_epi16(_mm_and_si128(lower,nibble),
             _mm_add_epi16(_mm_and_si128(_mm_srli_epi16(lower,4),nibble),_mm_and_si128(_mm_srli_epi16(lower,8),nibble)));
-          const __m128i size = _mm_srli_epi16(_mm_add_epi16(_mm_mullo_epi16(bits,_mm_set1_epi16(cellFields)),_mm_set1_epi16(7)),3);
+          const __m128i size =
+            _mm_srli_epi16(_mm_add_epi16(_mm_mullo_epi16(bits,_mm_set1_epi16(cellFields)),_mm_set1_epi16(7)),3);
           __m128i sum = _mm_add_epi16(size,_mm_slli_si128(size,2));
           sum = _mm_add_epi16(sum,_mm_slli_si128(sum,4));
           sum = _mm_add_epi16(sum,_mm_slli_si128(sum,8));
           _mm_storeu_si128((__m128i*)(fields+8*half),_mm_add_epi16(before,_mm_sub_epi16(sum,size)));
-          before = _mm_add_epi16(before,_mm_shuffle_epi32(_mm_shufflehi_epi16(sum,_MM_SHUFFLE(3,3,3,3)),_MM_SHUFFLE(3,3,3,3)));
+          before = _mm_add_epi16(before,
+            _mm_shuffle_epi32(_mm_shufflehi_epi16(sum,_MM_SHUFFLE(3,3,3,3)),_MM_SHUFFLE(3,3,3,3)));
         }
       }
 
@@ -58,9 +62,10 @@ namespace embree
       {
       public:
         __forceinline VertDecoder (const VertHeader* block)
-          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
+          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
+            quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
-        /*! everything that all groups need */
+        /*! Decodes the data that all groups share. Does not set out.block. */
         __forceinline void decode (VertBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -72,11 +77,13 @@ namespace embree
           CellVertices corners;
           decodeCorners(corners);
           pack(corners,out.corners);
-          PlanesDecoder(block->boxForm,(const uint8_t*)block + layout.margins,layout,spacing,block->origin).decode(corners,out.planes);
-          decodeGroupWords(bytes(layout.words),bytes(layout.wordsHigh),layout.cell + cellBytes(block->word),layout,out.words,out.fields);
+          PlanesDecoder(block->boxForm,(const uint8_t*)block + layout.margins,layout,spacing,
+            block->origin).decode(corners,out.planes);
+          decodeGroupWords(bytes(layout.words),bytes(layout.wordsHigh),layout.cell + cellBytes(block->word),layout,
+            out.words,out.fields);
         }
 
-        /*! vertices of the group in a lane, in the world; boxes: of the block */
+        /*! Decodes the vertices of the group in a lane, in world space. boxes: boxes of this block. */
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
@@ -92,7 +99,7 @@ namespace embree
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
-        /*! coordinates are less than maxExtent */
+        /*! Packs coordinates, which are less than maxExtent. */
         static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
           for (int l=0; l<cellVertices; l+=4)
@@ -105,7 +112,7 @@ namespace embree
         }
 
       private:
-        /*! corners of groups, in coordinates */
+        /*! Decodes the corners of groups, in coordinates. */
         __forceinline void decodeCorners (CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(block->corners,c); };
@@ -123,7 +130,7 @@ namespace embree
             const uint32_t g = min(l >> 2,layout.groupsY-1)*layout.groupsX + min(l & 3,layout.groupsX-1);
             out.planes[k].at[0][l] = planes[k*layout.groups+g];
             out.planes[k].at[1][l] = planes[(3+k)*layout.groups+g];
-            highest = max(highest,out.planes[k].at[1][l]); // an empty group has none
+            highest = max(highest,out.planes[k].at[1][l]); // no effect for an empty group
           }
           out.extent[k] = highest - block->origin[k];
         }

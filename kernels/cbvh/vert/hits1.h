@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hits of a ray in the triangles of a group of cVERT whose edges it passes inside of. */
+/* Finds and reports the hits of a ray in those triangles of a cVERT group whose edges it passes inside of. */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -15,16 +15,26 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Target: the ray; it has tnear(), tfar(), report(block,primID,hit), which is true if the hit is accepted, isRead(block), which is
-       *  false if nothing of it is looked at, and ids(), of the scene's surfaces. Cached: as in intersector1.h */
+      /*! Returns the primitive of a hit in triangle h of group g, and the parameters there. */
+      template<typename Cached>
+      __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t h,
+                                             const VertTriangle::Sides& sides) {
+        return surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
+      }
+
+      /*! Target: the ray, with these members: tnear(), tfar(); report(block,primID,hit), which returns true if the hit
+       *  is accepted; isRead(block), which returns false if nobody reads the data of the hit; ids(), the surface IDs of
+       *  the scene. Cached: as in intersector1.h. */
       template<typename Target, typename Cached>
       class VertHits
       {
       public:
-        __forceinline VertHits (const Target& target, const VertRay& vertRay, VertNearest& nearest, const VertHeader* block, const Cached& cached)
+        __forceinline VertHits (const Target& target, const VertRay& vertRay, VertNearest& nearest,
+                                const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
-        /*! Reports hits, nearest first; true if one was accepted. triangles: bits of GroupTriangles */
+        /*! Reports hits, nearest first, until one is accepted. Returns true if one was. triangles: mask of
+         *  GroupTriangles. */
         __forceinline bool report (uint32_t g, uint32_t triangles)
         {
           if (!target.isRead(block)) return reportAny(g,triangles);
@@ -35,14 +45,15 @@ namespace embree
             const VertTriangle::Sides sides = triangle.sides(vertRay);
             const WideNormal<double> normal = triangle.normal();
             float t;
-            return triangle.contains(vertRay,sides) && isInRange(triangle.distance(vertRay,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
+            return triangle.contains(vertRay,sides)
+              && isInRange(triangle.distance(vertRay,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
           }
           return reportNearest(g,triangles);
         }
 
       private:
-        /*! Reports hits of which nothing is looked at, in any order. Where a triangle lies between tnear and tfar as a whole, so does its
-         *  hit, and nobody asks where. */
+        /*! Reports hits in any order, because nobody reads their data. If a triangle lies between tnear and tfar as a
+         *  whole, so does its hit, and the distance is not computed. */
         __forceinline bool reportAny (uint32_t g, uint32_t triangles)
         {
           for (; triangles; triangles&=triangles-1)
@@ -67,7 +78,8 @@ namespace embree
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
             const VertTriangle triangle(cached.vertices(g),h);
-            if (triangle.contains(vertRay,triangle.sides(vertRay)) && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
+            if (triangle.contains(vertRay,triangle.sides(vertRay))
+              && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
           }
           while (open)
           {
@@ -83,7 +95,8 @@ namespace embree
           return false;
         }
 
-        /*! between tnear and tfar */
+        /*! Returns true if the hit counts: it lies between tnear and tfar, or at tfar and takes precedence over the
+         *  nearest hit. Sets t. */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);
@@ -92,12 +105,13 @@ namespace embree
           return likely(place == hitIsNearest) || (place == hitIsTied && nearest.isBehind(block,number,target.ids()));
         }
 
-        __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t, const VertTriangle::Sides& sides)
+        __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t,
+                                      const VertTriangle::Sides& sides)
         {
           SurfaceHit1 hit;
           hit.t = t;
           hit.Ng = VertTriangle::Ng(vertRay,normal);
-          const SurfacePoint point = surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
+          const SurfacePoint point = pointOfHit(cached,block,g,h,sides);
           hit.u = point.u; hit.v = point.v;
           if (!target.report(block,point.primID,hit)) return false;
           nearest = VertNearest(block,32*g+h,t);

@@ -3,13 +3,14 @@
 
 #pragma once
 
-/* hits1.h for the rays of a packet: those that pass inside of the edges of one triangle, as most do, together,
- * and the others, and where anything is not clear, one by one. */
+/* As hits1.h, for the rays of a packet. Rays that pass inside the edges of exactly one triangle, as most do, are
+ * processed together. The others, and rays whose hit is not certain, are processed one by one. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/double4.h"
 #include "hits1.h"
 #include "../base/epilogues.h"
+#include <tuple>
 
 namespace embree
 {
@@ -17,7 +18,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! what VertHits reports to */
+      /*! The target of VertHits for ray k of a packet. */
       template<int K, typename Rays>
       struct VertTargetK
       {
@@ -29,17 +30,21 @@ namespace embree
         __forceinline float tfar () const { return rays.tfar[k]; }
         __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
         __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(rays,context,block->surface); }
-        __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const { return cbvh::report(rays,k,context,block->surface,primID,hit); }
+        __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const {
+          return cbvh::report(rays,k,context,block->surface,primID,hit);
+        }
       };
 
       template<int K, typename Rays>
       class VertHitsK
       {
       public:
-        __forceinline VertHitsK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block, const CachedVertBlock& cached)
+        __forceinline VertHitsK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block,
+                                 const CachedVertBlock& cached)
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
-        /*! Those of some rays that accept a hit. triangles: of each ray; kz: of all */
+        /*! Returns the mask of the rays that accepted a hit. triangles: mask per ray, see GroupTrianglesK. kz: the same
+         *  for all rays in `mask`. */
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
         {
           uint32_t accepted = 0;
@@ -53,22 +58,23 @@ namespace embree
           return accepted;
         }
 
-        /*! the same of one ray */
+        /*! As above, for ray k. */
         __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
         {
           typedef VertTargetK<K,Rays> Target;
-          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,cached).report(g,triangles);
+          return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,
+            cached).report(g,triangles);
         }
 
       private:
-        /*! rays that each are in one triangle, their vertices by axis, and where the rays meet the planes */
+        /*! One triangle per ray: its vertices by axis, and the intersection of the ray with its plane. */
         struct Triangles
         {
           alignas(64) float vertices[3][3][K];
           alignas(64) float x[K], y[K];  //!< quad of the patch
           alignas(64) float normal[3][K], t[K];
-          uint32_t isMet; //!< not before tnear
-          uint32_t lies;  //!< rays that lie in the plane
+          uint32_t isMet; //!< rays whose intersection is not before tnear
+          uint32_t lies;  //!< rays that lie in the plane of their triangle
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)
@@ -104,21 +110,25 @@ namespace embree
             }
           }
 
-          /*! rays whose triangles are between tnear and tfar as a whole */
-          __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear, const vfloat<K>& tfar) const
+          /*! Returns the rays whose triangle lies between tnear and tfar as a whole. */
+          __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
+                                          const vfloat<K>& tfar) const
           {
             uint32_t mask = 0;
             for (int j=0; j<K; j+=4)
             {
               const Four four(*this,vertRays,j);
               const TriangleSpan<Double4> span = four.span(kz);
-              mask |= ((Double4(lanesFrom(tnear,j)) <= span.nearest) & (span.farthest < Double4(lanesFrom(tfar,j)))).bits() << j;
+              mask |= ((Double4(lanesFrom(tnear,j)) <= span.nearest)
+                & (span.farthest < Double4(lanesFrom(tfar,j)))).bits() << j;
             }
             return mask;
           }
 
         private:
-          static __forceinline Float4 lanesFrom (const vfloat<K>& x, int j) { return Float4::load((const float*)&x + j); }
+          static __forceinline Float4 lanesFrom (const vfloat<K>& x, int j) {
+            return Float4::load((const float*)&x + j);
+          }
 
           struct Four
           {
@@ -140,19 +150,24 @@ namespace embree
           };
         };
 
-        /*! Those that are done; others may be in the triangle or not, by the rounding of sides, lie in its plane, or have a
-         *  hit at the very place already. */
+        /*! Processes rays together and returns the mask of those that are complete. The caller must process the others
+         *  one by one: rounding leaves open whether they are in the triangle, or they lie in its plane, or they already
+         *  have a hit at the same distance. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
-          Triangles of(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),float(firstQuadY(block->region,g)));
+          Triangles of(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
+            float(firstQuadY(block->region,g)));
           const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
           const vfloat<K> tfar = rays.tfar;
           if (!isRead(rays,context,block->surface))
           {
-            const uint32_t clear = mask & uint32_t(movemask(areCertain(sides))) & of.between(vertRays,kz,rays.tnear(),tfar);
+            const uint32_t clear = mask & uint32_t(movemask(areCertain(sides)))
+              & of.between(vertRays,kz,rays.tnear(),tfar);
             const vfloat<K> unread(zero);
             const vbool<K> lanes = vbool<K>(int(clear));
-            accepted |= uint32_t(movemask(lanes & cbvh::report(rays,lanes,context,block->surface,block->primID,[&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
+            accepted |= uint32_t(movemask(lanes
+              & cbvh::report(rays,lanes,context,block->surface,block->primID,
+                [&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
             return clear;
           }
           of.meet(vertRays,kz,rays.tnear());
@@ -163,16 +178,22 @@ namespace embree
 
           Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
-          if (unlikely(any(hit & isLine))) Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
-          const QuadPosition<vfloat<K>> at = positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
+          if (unlikely(any(hit & isLine)))
+            Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
+          const QuadPosition<vfloat<K>> at =
+            positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
           if (hasNumbers(block->boxForm)) {
             accepted |= reportOwn(uint32_t(movemask(hit)),g,triangles,at,t,Ng);
             return done;
           }
           const VertEdges edges = edgesOf(block);
-          const vfloat<K> u = faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
-          const vfloat<K> v = faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
-          const uint32_t of1 = uint32_t(movemask(hit & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
+          const vfloat<K> u =
+            faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
+          const vfloat<K> v =
+            faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
+          const uint32_t of1 =
+            uint32_t(movemask(hit
+              & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
           for (uint32_t rest=of1; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
             vertRays.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
@@ -181,8 +202,9 @@ namespace embree
           return done;
         }
 
-        /*! Reports rays that each hit a primitive of their own; those that accept it. */
-        uint32_t reportOwn (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at, const vfloat<K>& t, const Vec3vf<K>& Ng)
+        /*! Reports rays that hit different primitives, and returns the mask of those that accept the hit. */
+        uint32_t reportOwn (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
+                            const vfloat<K>& t, const Vec3vf<K>& Ng)
         {
           uint32_t accepted = 0;
           for (; mask; mask&=mask-1)
@@ -200,7 +222,7 @@ namespace embree
           return accepted;
         }
 
-        /*! VertTriangle::sides */
+        /*! As VertTriangle::sides. */
         __forceinline TriangleSides<vfloat<K>> sidesOf (const Triangles& of, size_t kz) const
         {
           const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));

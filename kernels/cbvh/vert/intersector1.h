@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Single-ray intersector of blocks of cVERT: boxes of groups, groups front to back, their
- * triangles. */
+/* Single-ray intersector of cVERT blocks: the boxes of groups, then the groups front to back, then their triangles. */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -16,7 +15,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! what VertHits reports to */
+      /*! The target of VertHits for a single ray. */
       template<typename RayType>
       struct VertTarget1
       {
@@ -27,10 +26,47 @@ namespace embree
         __forceinline float tfar () const { return ray.tfar; }
         __forceinline const SurfaceIDs& ids () const { return context->scene->surfaceIDs; }
         __forceinline bool isRead (const VertHeader* block) const { return cbvh::isRead(ray,context,block->surface); }
-        __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const { return cbvh::report(ray,context,block->surface,primID,hit); }
+        __forceinline bool report (const VertHeader* block, uint32_t primID, SurfaceHit1& hit) const {
+          return cbvh::report(ray,context,block->surface,primID,hit);
+        }
       };
 
-      /*! takes the group out that begins first */
+      /*! Returns the lanes of the groups whose boxes the ray intersects between tnear and tfar. enter: entry
+       *  distances. */
+      __forceinline uint32_t meetGroupBoxes (const VertRay& vertRay, float tnear, float tfar, const GroupBoxes& boxes,
+                                             float enter[16])
+      {
+        const int vectors = QuadCornersV::vectors;
+        vfloatV tNear[vectors], tFar[vectors];
+        for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
+        /* descends is an index, because a branch would be mispredicted. */
+        auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
+          uint32_t descends) {
+          const float* near = planes.at[descends];
+          const float* far  = planes.at[1-descends];
+          const vfloatV org(from), rcp(reciprocal), slack(slackOfPlanes);
+          for (int j=0; j<vectors; j++) {
+            tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
+            tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
+          }
+        };
+        const int m = boxes.axis;
+        const RayInBoxes at(vertRay,boxes);
+        for (int k=0; k<3; k++)
+          if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.descends >> k) & 1u);
+        if (likely(m < 3)) {
+          const ShearedRay<float> sheared = at.sheared(vertRay);
+          clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
+        }
+        uint32_t open = 0;
+        for (int j=0; j<vectors; j++) {
+          vfloatV::store(enter+vectorWidth*j,tNear[j]);
+          open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
+        }
+        return open & boxes.lanes;
+      }
+
+      /*! Removes and returns the open group with the smallest entry distance. */
       __forceinline uint32_t takeFirst (uint32_t& open, const float enter[16])
       {
         uint32_t best = uint32_t(bsf(open));
@@ -42,7 +78,7 @@ namespace embree
         return best;
       }
 
-      /*! takes any group out */
+      /*! Removes and returns any open group. */
       __forceinline uint32_t takeAny (uint32_t& open)
       {
         const uint32_t g = uint32_t(bsf(open));
@@ -50,14 +86,15 @@ namespace embree
         return g;
       }
 
-      /*! Cached: a block as the thread's cache has it, or between two of its steps, moving_block.h */
+      /*! Cached: a block in the thread's cache (cached_block.h), or between two of its steps (moving_block.h). */
       template<typename RayType, typename Cached>
       class VertIntersector1
       {
       public:
-        /*! Whether a hit was accepted; any hit ends with it. */
+        /*! Returns true if a hit was accepted. An any-hit query ends with the first one. */
         template<typename... At>
-        static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block, const At&... at)
+        static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay,
+                                             const VertHeader* block, const At&... at)
         {
           vertRay.set(ray);
           return VertIntersector1(ray,context,vertRay,block,at...).run();
@@ -65,7 +102,8 @@ namespace embree
 
       private:
         template<typename... At>
-        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& vertRay, const VertHeader* block, const At&... at)
+        __forceinline VertIntersector1 (RayType& ray, IntersectContext* context, const VertRay& vertRay,
+                                        const VertHeader* block, const At&... at)
           : ray(ray), context(context), vertRay(vertRay), block(block), cached(vertRay,block,at...) {}
 
         __forceinline bool run ()
@@ -75,8 +113,9 @@ namespace embree
             if (!cached.isUsable() || !cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
-          uint32_t open = meetBoxes(*boxes);
-          VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,cached);
+          uint32_t open = meetGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
+          VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,
+            cached);
           bool found = false;
           while (open)
           {
@@ -90,61 +129,31 @@ namespace embree
           return found;
         }
 
-        /*! lanes of groups whose boxes the ray meets; sets enter */
-        __forceinline uint32_t meetBoxes (const GroupBoxes& boxes)
-        {
-          const int vectors = QuadCornersV::vectors;
-          vfloatV tNear[vectors], tFar[vectors];
-          for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(ray.tnear()); tFar[j] = vfloatV(ray.tfar); }
-          /* descends: an index, as a branch would not be foreseen */
-          auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
-                          uint32_t descends) {
-            const float* near = planes.at[descends];
-            const float* far  = planes.at[1-descends];
-            const vfloatV org(from), rcp(reciprocal), slack(slackOfPlanes);
-            for (int j=0; j<vectors; j++) {
-              tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
-              tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
-            }
-          };
-          const int m = boxes.axis;
-          const RayInBoxes at(vertRay,boxes);
-          for (int k=0; k<3; k++)
-            if (k != m) clip(boxes.planes[k],vertRay.org[k],vertRay.rcp[k],at.slack[k],(vertRay.descends >> k) & 1u);
-          if (likely(m < 3)) {
-            const ShearedRay<float> sheared = at.sheared(vertRay);
-            clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
-          }
-          uint32_t open = 0;
-          for (int j=0; j<vectors; j++) {
-            vfloatV::store(enter+vectorWidth*j,tNear[j]);
-            open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
-          }
-          return open & boxes.lanes;
-        }
-
         RayType& ray;
         IntersectContext* context;
         const VertRay& vertRay;
         const VertHeader* block;
         const Cached cached;
-        alignas(64) float enter[16]; //!< where the ray enters the box of the group in each lane
+        alignas(64) float enter[16]; //!< distance at which the ray enters the box of the group in each lane
       };
 
       /* Not inlined, so that traversal keeps its ray in registers. */
 
       template<typename RayType>
-      __noinline bool intersectVert (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block) {
+      __noinline bool intersectVert (RayType& ray, IntersectContext* context, VertRay& vertRay,
+                                     const VertHeader* block) {
         return VertIntersector1<RayType,CachedVertBlock>::intersect(ray,context,vertRay,block);
       }
 
-      /*! of a block that moves, at the ray's time */
+      /*! Intersects a moving block, at the time of the ray. */
       template<typename RayType>
-      __noinline bool intersectMovingVert (RayType& ray, IntersectContext* context, VertRay& vertRay, const VertHeader* block)
+      __noinline bool intersectMovingVert (RayType& ray, IntersectContext* context, VertRay& vertRay,
+                                           const VertHeader* block)
       {
         const VertMotion motion = motionOf(block);
         if (unlikely(!isThere(motion,ray.time()))) return false;
-        return VertIntersector1<RayType,MovingVertBlock>::intersect(ray,context,vertRay,block,timeInMotion(motion,ray.time()));
+        return VertIntersector1<RayType,MovingVertBlock>::intersect(ray,context,vertRay,block,
+          timeInMotion(motion,ray.time()));
       }
     }
   }

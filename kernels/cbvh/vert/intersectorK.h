@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersector of blocks of cVERT for the rays of a packet: boxes of groups are left out by what bounds the rays
- * together, the others are tested with a ray in each lane, and so are triangles. */
+/* Intersector of cVERT blocks for the rays of a packet. Boxes of groups are first culled with bounds of all rays, then
+ * tested with one ray per lane, and so are triangles. */
 
 #include "intersector1.h"
 #include "hitsK.h"
@@ -19,18 +19,20 @@ namespace embree
       class VertIntersectorK
       {
       public:
-        /*! which of the rays in some lanes accepted a hit; any hit ends with it */
-        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block)
+        /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
+                                              VertRays<K>& vertRays, const VertHeader* block)
         {
           vertRays.set(rays);
           return VertIntersectorK(rays,context,vertRays,block).run(valid);
         }
 
       private:
-        /*! rays up to which triangles are tested one ray after the other */
+        /*! Up to this number of rays, triangles are tested ray by ray. */
         static const size_t few = vectorWidth == K ? 3 : 2;
 
-        __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays, const VertHeader* block)
+        __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
+                                        const VertHeader* block)
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(vertRays,block), found(0) {}
 
         __forceinline vbool<K> run (vbool<K> valid)
@@ -55,14 +57,16 @@ namespace embree
           return vbool<K>(int(found));
         }
 
-        /*! Rays along one axis of boxes, of the same direction: each of them, and what bounds them. */
+        /*! Rays along one axis of the boxes, all with the same sign of the direction: their values and bounds of
+         *  these. */
         struct Axis
         {
           vfloat<K> org, rcp, slack;
           float orgLow, orgHigh, rcpLow, rcpHigh, slackHigh;
           bool descends;
 
-          __forceinline void set (const vbool<K>& lanes, const vfloat<K>& org, const vfloat<K>& rcp, const vfloat<K>& error, bool descends)
+          __forceinline void set (const vbool<K>& lanes, const vfloat<K>& org, const vfloat<K>& rcp,
+                                  const vfloat<K>& error, bool descends)
           {
             this->org = org; this->rcp = rcp; this->descends = descends;
             slack = error*abs(rcp);
@@ -74,8 +78,8 @@ namespace embree
           __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
           __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
 
-          /*! Where the rays enter boxes, at the earliest, and leave them, at the latest: rounding is monotonic, so
-           *  none does before or after that. */
+          /*! Lower bound of the entry distances of all rays, and upper bound of their exit distances. Conservative:
+           *  rounding is monotonic, so no ray enters earlier or leaves later. */
           __forceinline vfloatV enter (const vfloatV& planes) const
           {
             const vfloatV d = planes - vfloatV(descends ? orgLow : orgHigh), slack(slackHigh);
@@ -88,8 +92,12 @@ namespace embree
           }
 
         private:
-          static __forceinline float lowest (const vbool<K>& lanes, const vfloat<K>& x) { return reduce_min(select(lanes,x,vfloat<K>(pos_inf))); }
-          static __forceinline float highest (const vbool<K>& lanes, const vfloat<K>& x) { return reduce_max(select(lanes,x,vfloat<K>(neg_inf))); }
+          static __forceinline float lowest (const vbool<K>& lanes, const vfloat<K>& x) {
+            return reduce_min(select(lanes,x,vfloat<K>(pos_inf)));
+          }
+          static __forceinline float highest (const vbool<K>& lanes, const vfloat<K>& x) {
+            return reduce_max(select(lanes,x,vfloat<K>(neg_inf)));
+          }
         };
 
         void together (uint32_t same, uint32_t form)
@@ -99,7 +107,8 @@ namespace embree
           const int m = boxes.axis;
           for (int k=0; k<3; k++) {
             if (k == m) axes[k].set(lanes,sheared.org,sheared.rcp,sheared.error,(form & 32u) != 0);
-            else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
+            else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
+              boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
           }
           uint32_t open = meetBoxes(lanes,boxes);
           while (open)
@@ -116,10 +125,11 @@ namespace embree
           }
         }
 
-        /*! lanes of groups whose boxes some ray may meet; sets enter */
+        /*! Returns the lanes of the groups whose boxes any ray may intersect, and sets `enter`. */
         __forceinline uint32_t meetBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
         {
-          const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))), tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
+          const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
+            tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
           uint32_t open = 0;
           for (int j=0; j<16; j+=vectorWidth) {
             vfloatV tNear(tnear), tFar(tfar);
@@ -133,7 +143,7 @@ namespace embree
           return open & boxes.lanes;
         }
 
-        /*! rays that meet the box of a group */
+        /*! Returns the rays that intersect the box of a group. */
         __forceinline vbool<K> meetBox (const VertBoxes& boxes, uint32_t g) const
         {
           vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
@@ -145,7 +155,7 @@ namespace embree
           return tNear <= tFar;
         }
 
-        /*! those of some rays that accept a hit in a group */
+        /*! Returns the rays that accept a hit in a group. */
         __forceinline uint32_t meetGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
           VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);
@@ -171,7 +181,7 @@ namespace embree
         ShearedRay<vfloat<K>> sheared;
         Axis axes[3];
         uint32_t found;
-        alignas(64) float enter[16]; //!< where the first ray may enter the box of the group in each lane
+        alignas(64) float enter[16]; //!< lower bound of the entry distances into the box of the group in each lane
       };
     }
   }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoder of a segment of a block of cVERT that moves, cvert/format/motion.h: what its groups have in common, then a group at a time; at both
- * ends. */
+/* Decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends of the segment: first the data
+ * that all groups share, then one group at a time. */
 
 #include "boxes.h"
 #include "decoder.h"
@@ -17,29 +17,33 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! nothing, to which residuals are added */
+      /*! A base of zero, for residuals alone. */
       struct NoBase
       {
         __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
         __forceinline vfloatV last (int) const { return vfloatV(zero); }
       };
 
-      /*! a prediction, and what a step's matrix makes of the residuals of the first step */
+      /*! A base that adds the residuals of the first step, transformed by a step's matrix, to a prediction. */
       class TurnedBase
       {
       public:
-        __forceinline TurnedBase (const CellBase& base, const VertStep& step, const CellVertices& first) : base(base), first(first)
+        __forceinline TurnedBase (const CellBase& base, const VertStep& step, const CellVertices& first)
+          : base(base), first(first)
         {
           const float unit = 1.0f/float(1u << turnShift(step.turned));
           for (uint32_t i=0; i<9; i++) turn[i] = float(turnEntry(step,i))*unit;
         }
 
-        /*! exact, fused or not: numbers have 24 bits at most */
+        /*! Exact, with fused operations or without: numbers have at most 24 bits. */
         __forceinline vfloatV at (int axis, int vector) const
         {
           const int l = vectorWidth*vector;
           const float* row = turn + 3*axis;
-          const vfloatV sum = madd(vfloatV(row[0]),vfloatV::load(first.at[0]+l),madd(vfloatV(row[1]),vfloatV::load(first.at[1]+l),madd(vfloatV(row[2]),vfloatV::load(first.at[2]+l),vfloatV(0.5f))));
+          const vfloatV sum =
+            madd(vfloatV(row[0]),vfloatV::load(first.at[0]+l),
+              madd(vfloatV(row[1]),vfloatV::load(first.at[1]+l),
+                madd(vfloatV(row[2]),vfloatV::load(first.at[2]+l),vfloatV(0.5f))));
           return base.at(axis,vector) + floor(sum);
         }
         __forceinline vfloatV last (int axis) const { return base.last(axis); }
@@ -54,9 +58,10 @@ namespace embree
       {
       public:
         __forceinline explicit MotionDecoder (const VertHeader* block)
-          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)) {}
+          : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
+            quadsY(vertQuadsY(block->region)) {}
 
-        /*! everything that all groups need in a segment, which out.key names */
+        /*! Decodes the data that all groups share in a segment, and sets all of `out` but its key. */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -86,12 +91,14 @@ namespace embree
           else boxesOfVertices(out);
         }
 
-        bool isRaw (uint32_t step) const { return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm); }
+        bool isRaw (uint32_t step) const {
+          return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm);
+        }
 
-        /*! a group's vertices at both ends */
+        /*! Decodes the vertices of a group at both ends. */
         void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
         {
-          CellVertices first; // residuals of the first step, if anything is turned
+          CellVertices first; // residuals of the first step, if any group is transformed
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
@@ -126,7 +133,7 @@ namespace embree
         }
         static __forceinline const VertStep& laterOf (const StepView& step) { return *(const VertStep*)step.data; }
 
-        /*! corners of groups, in coordinates */
+        /*! Decodes the corners of groups, in coordinates. */
         void decodeCorners (const StepView& step, CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
@@ -140,11 +147,12 @@ namespace embree
           else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
         }
 
-        /*! of a group */
+        /*! Decodes the residuals of a group's first step. */
         void residualsOfFirst (const SegmentBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           if (boxes.key.segment == 0) {
-            decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],NoBase(),CoordinatesOfCell{ out });
+            decodeCell(boxes.steps[0].words[lane],(const uint8_t*)block + boxes.steps[0].fields[lane],NoBase(),
+              CoordinatesOfCell{ out });
             return;
           }
           const StepView first = viewOfFirstStep(block,layout);
@@ -152,7 +160,8 @@ namespace embree
           decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
         }
 
-        /*! Widens the sheared planes by what rounding moves vertices and origins between the ends: motionSlack. */
+        /*! Widens the sheared planes by the distance that rounding can move vertices and origins between the ends
+         *  (motionSlack). */
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;
@@ -167,7 +176,7 @@ namespace embree
             }
         }
 
-        /*! of a segment with a raw end, whose steps' cells are decoded */
+        /*! Sets the boxes of a segment with a raw end from its vertices. The cells of both steps must be decoded. */
         __noinline void boxesOfVertices (SegmentBoxes& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)
@@ -184,7 +193,7 @@ namespace embree
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad is there between the ends
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // the group has no quad between the ends
               for (int k=0; k<3; k++) {
                 out.ends[end][k].at[0][l] = lower[k];
                 out.ends[end][k].at[1][l] = upper[k];

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* A block of cVERT at a time between two of its steps, as cached_block.h has those that do not move: what is between the ends of a
- * segment, which the thread's cache has, or gets now.
+/* Gives access to a cVERT block at a time between two of its steps, with the interface of cached_block.h. Boxes and
+ * vertices are interpolated between the ends of a segment, which are decoded into the thread's cache if necessary.
  *
- * Vertices and planes are interpolated by the same operations, each of which rounds monotonically: what a plane bounds at both ends it bounds
- * between them. A vertex that quads share, in a block or in two, is the same floats at both ends and so it is at all times. */
+ * Vertices and planes are interpolated by the same operations, each of which rounds monotonically: what a plane bounds
+ * at both ends it bounds at all times in between. A vertex that quads share, within a block or between blocks, is the
+ * same floats at both ends, and therefore at all times in between. */
 
 #include "motion_decoder.h"
 
@@ -26,14 +27,14 @@ namespace embree
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 
-        /*! its boxes, or null if they are not decoded */
+        /*! Returns the boxes, or null if they are not decoded. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Moving blocks are checked when their file is loaded. */
+        /*! Always true: moving blocks are checked when their file is loaded. */
         __forceinline bool isUsable () const { return true; }
 
         /*! Returns false if a ray misses the bounds of the block between tNear and tFar. Decodes nothing. */
@@ -46,7 +47,7 @@ namespace embree
           return meetsBounds<float>(ray,bounds,tNear,tFar);
         }
 
-        /*! boxes of groups; good as long as this is */
+        /*! Returns the boxes of groups. The reference is valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return now;
@@ -62,12 +63,14 @@ namespace embree
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
               for (int l=0; l<16; l+=vectorWidth)
-                vfloatV::store(now.planes[k].at[side]+l,between(vfloatV::load(of.ends[0][k].at[side]+l),vfloatV::load(of.ends[1][k].at[side]+l)));
+                vfloatV::store(now.planes[k].at[side]+l,
+                  between(vfloatV::load(of.ends[0][k].at[side]+l),vfloatV::load(of.ends[1][k].at[side]+l)));
           isInterpolated = true;
           return now;
         }
 
-        /*! of the group in a lane; good until another one is asked for */
+        /*! Returns the vertices of the group in a lane. The reference is valid until the vertices of another group are
+         *  requested. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           if (lane != this->lane) interpolate(lane);
@@ -75,12 +78,12 @@ namespace embree
         }
 
       private:
-        /*! what is at a fraction of the way from one to another: from 0 to 1 */
+        /*! Interpolates between two values, at a fraction from 0 to 1. */
         struct Between
         {
           const vfloatV before, after;
           __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
-          /*! as Embree's lerp: the same floats as in its own kernels */
+          /*! Computes the same floats as Embree's lerp, and therefore as Embree's own kernels. */
           __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
         };
 
@@ -122,7 +125,7 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< of the group in ofLane
+        mutable uint32_t lane;        //!< lane of the group in ofLane
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices ofLane;

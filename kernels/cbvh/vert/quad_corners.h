@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices of a cell of cVERT in registers, and the corners of its 4 x 4 quads: these are the vertices themselves, moved by
- * one lane, by four, or by both. */
+/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads: these are the vertices themselves, shifted
+ * by one lane, by four, or by both. */
 
 #include "cell_fields.h"
 
@@ -14,12 +14,12 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! one coordinate of a cell's vertices */
+      /*! One coordinate of the vertices of a cell. */
       struct CellVector
       {
         vfloatV at[fieldVectors];
 #if !defined(__AVX512F__)
-        vfloatV last; //!< vertex, in all lanes
+        vfloatV last; //!< last vertex, in all lanes
 #endif
 
         __forceinline CellVector () {}
@@ -38,7 +38,7 @@ namespace embree
 #endif
         }
 
-        /*! f of each pair of vectors of a and b */
+        /*! Applies f to each pair of vectors of a and b. */
         template<typename Function>
         static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
         {
@@ -50,7 +50,7 @@ namespace embree
           return r;
         }
 
-        /*! f of each vector */
+        /*! Applies f to each vector. */
         template<typename Function>
         __forceinline CellVector with (const Function& f) const
         {
@@ -67,7 +67,7 @@ namespace embree
         return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
-      /*! the four corners of the 4 x 4 quads that a cell's vertices make, one coordinate, in vectors of quads */
+      /*! One coordinate of the four corners of the 4 x 4 quads of a cell, in vectors of quads. */
       class QuadCornersV
       {
       public:
@@ -76,13 +76,17 @@ namespace embree
 #if defined(__AVX512F__)
         __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
         {
-          right = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(1,2,3,20, 5,6,7,21, 9,10,11,22, 13,14,15,23),v.at[1]);
-          both  = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(5,6,7,21, 9,10,11,22, 13,14,15,23, 17,18,19,24),v.at[1]);
+          right = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(1,2,3,20, 5,6,7,21, 9,10,11,22, 13,14,15,23),
+            v.at[1]);
+          both  = _mm512_permutex2var_ps(v.at[0],_mm512_setr_epi32(5,6,7,21, 9,10,11,22, 13,14,15,23, 17,18,19,24),
+            v.at[1]);
         }
 
-        /*! corner c of those of vector j: 00, 10, 01, 11 */
+        /*! Returns corner c (00, 10, 01, 11) of the quads of vector j. */
         __forceinline vfloatV at (int, int c) const {
-          return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),_mm512_castps_si512(left.at[0]),4)));
+          return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both
+            : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),
+              _mm512_castps_si512(left.at[0]),4)));
         }
 
       private:
@@ -98,7 +102,7 @@ namespace embree
           right[2] = fourth(v.at[2],v.last);
         }
 
-        /*! corner c of those of vector j: 00, 10, 01, 11 */
+        /*! Returns corner c (00, 10, 01, 11) of the quads of vector j. */
         __forceinline vfloatV at (int j, int c) const
         {
           const vfloatV* side = c & 1 ? right : left.at;
@@ -106,7 +110,7 @@ namespace embree
         }
 
       private:
-        /*! of two rows, a place to the left, and what comes into the last one */
+        /*! Shifts two rows to the left by one lane, and inserts `last` into the last lane of each. */
         static __forceinline vfloatV fourth (const vfloatV& rows, const vfloatV& last) {
           return _mm256_blend_ps(_mm256_permute_ps(rows,_MM_SHUFFLE(0,3,2,1)),last,0x88);
         }
@@ -123,11 +127,11 @@ namespace embree
           right[4] = fourth<0>(v.at[4],v.last);
         }
 
-        /*! corner c of those of vector j: 00, 10, 01, 11 */
+        /*! Returns corner c (00, 10, 01, 11) of the quads of vector j. */
         __forceinline vfloatV at (int j, int c) const { return (c & 1 ? right : left.at)[j+(c >> 1)]; }
 
       private:
-        /*! of a row, a place to the left, and what comes into the last one */
+        /*! Shifts a row to the left by one lane, and inserts lane i of `column` into the last lane. */
         template<int i>
         static __forceinline vfloatV fourth (const vfloatV& row, const vfloatV& column) {
           return _mm_shuffle_ps(row,_mm_shuffle_ps(row,column,_MM_SHUFFLE(i,i,3,3)),_MM_SHUFFLE(2,0,2,1));

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What a ray needs for blocks of cVERT: the shear that takes it to the z axis, for triangles,
- * its reciprocal direction, for boxes, and its nearest hit, for the tie-break (rule.h). */
+/* Data of a ray for cVERT blocks: the shear that maps it to the z axis, for triangles, its reciprocal direction, for
+ * boxes, and its nearest hit, for the tie-break (rule.h). */
 
 #include "cache.h"
 #include "../base/surface_ids.h"
@@ -19,12 +19,12 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! a ray, or the rays of a packet, for boxes */
+      /*! A ray, or the rays of a packet, for boxes. */
       template<typename Real>
       struct VertRayAxes
       {
         Real org[3], dir[3], rcp[3];
-        Real largest; //!< component of the direction
+        Real largest; //!< largest absolute component of the direction
 
         template<typename Vector>
         __forceinline void set (const Vector& o, const Vector& d)
@@ -35,17 +35,18 @@ namespace embree
         }
       };
 
-      /*! a ray's nearest hit in blocks of cVERT */
+      /*! The nearest hit of a ray in cVERT blocks. */
       struct VertNearest
       {
         const VertHeader* block; //!< null if there is none
-        uint32_t triangle;       //!< of the block
+        uint32_t triangle;       //!< triangle of the block
         float t;
 
         __forceinline VertNearest () : block(nullptr) {}
-        __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t) : block(block), triangle(triangle), t(t) {}
+        __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
+          : block(block), triangle(triangle), t(t) {}
 
-        /*! whether a hit as far away as this one counts before it */
+        /*! True if another hit at the same distance takes precedence over this one. */
         __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
           return comesBefore(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
         }
@@ -59,10 +60,10 @@ namespace embree
       struct VertRay : public VertRayAxes<float>
       {
         bool isSet;
-        int kx, ky, kz;   //!< axes; kz that of the largest component
+        int kx, ky, kz;   //!< axes; the direction is largest along kz
         float sx, sy;     //!< shear
-        uint32_t descends; //!< mask of the axes whose rcp is negative; not set by VertRays::at
-        VertCache* cache; //!< the thread's
+        uint32_t descends; //!< mask of the axes on which rcp is negative; not set by VertRays::at
+        VertCache* cache; //!< cache of the thread
 
         mutable VertNearest nearest;
 
@@ -92,14 +93,14 @@ namespace embree
         }
       };
 
-      /*! the rays of a packet */
+      /*! The rays of a packet. */
       template<int K>
       class VertRays : public VertRayAxes<vfloat<K>>
       {
       public:
         vfloat<K> sx, sy;
-        VertCache* cache;    //!< the thread's
-        vint<K> form;        //!< kz, and the signs of rcp from bit 2; rays of one form are traced together
+        VertCache* cache;    //!< cache of the thread
+        vint<K> form;        //!< bits 0..1: kz; from bit 2: signs of rcp. Rays of the same form are traced together.
 
         __forceinline VertRays () : isSet(false), loaded(0) {}
 
@@ -122,7 +123,7 @@ namespace embree
 
         __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
 
-        /*! one of them, for triangles */
+        /*! Returns a single ray, for triangles. */
         __forceinline const VertRay& at (size_t k)
         {
           VertRay& ray = rays[k];

@@ -51,10 +51,11 @@ namespace embree
         for (int l=4*row; l<4*row+4; l++)
         {
           const int bit = field[l]*bits;
-          const int zero = 0x80; // what the shuffle makes of it
+          const int zero = 0x80; // makes the shuffle write 0
           for (int byte=0; byte<4; byte++) {
             w.control[row][4*(l & 3)+byte] = uint8_t(hasField[l] ? bit/8-offset+byte : zero);
-            w.fifth[row][4*(l & 3)+byte] = uint8_t(hasField[l] && byte == 0 && bit % 8 + bits > 32 ? bit/8-offset+4 : zero);
+            w.fifth[row][4*(l & 3)+byte] =
+              uint8_t(hasField[l] && byte == 0 && bit % 8 + bits > 32 ? bit/8-offset+4 : zero);
           }
           w.shift[l] = bit % 8;
           w.factor[l] = 1 << (7-bit % 8);

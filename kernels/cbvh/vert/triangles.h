@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* The 32 triangles of a group of cVERT against one ray, or those of a packet: the sides of rule.h with quads, or rays, in
- * lanes. A side is computed once a quad; the diagonal serves both triangles. */
+/* Intersects the 32 triangles of a cVERT group with a single ray or the rays of a packet: the sides of rule.h, with
+ * quads or rays in lanes. Each side of a quad is computed once; both triangles use the diagonal. */
 
 #include "decoder.h"
+#include "mesh_corners.h"
 #include "ray.h"
 
 namespace embree
@@ -15,17 +16,24 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A triangle of a group, and a ray. */
+      /*! A triangle of a group, tested with a single ray. */
       struct VertTriangle
       {
         typedef TriangleSides<float> Sides;
 
-        /*! h: a bit of GroupTriangles */
+        /*! h: bit of the triangle in GroupTriangles::mask. */
         __forceinline VertTriangle (const CellVertices& group, uint32_t h)
         {
           const uint8_t* const lanes = vertTables.triangles[h];
           for (int k=0; k<3; k++)
             for (int i=0; i<3; i++) vertices[k][i] = group.at[k][lanes[i]];
+        }
+
+        /*! Sets a triangle of a mesh block. h: lane of the triangle. */
+        __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
+        {
+          for (int k=0; k<3; k++)
+            for (int c=0; c<3; c++) vertices[k][c] = triangles.at[k][triangles.corners[c][h]];
         }
 
         __forceinline Sides sides (const VertRay& ray) const
@@ -34,7 +42,7 @@ namespace embree
           return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! Whether the ray's line goes through it; sides: its own. */
+        /*! True if the ray's line passes through the triangle. sides: result of sides(ray). */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
           return likely(areCertain(sides)) || containsExactly(ray);
         }
@@ -55,36 +63,40 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! distances between which it is hit */
+        /*! Returns the range of distances in which a hit can lie. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
           return spanOf(double(z[0]),double(z[1]),double(z[2]),double(ray.org[ray.kz]),double(ray.dir[ray.kz]));
         }
 
-        /*! distance of a hit of a ray that it contains */
+        /*! Returns the distance of the hit. The ray's line must pass through the triangle. */
         __forceinline double distance (const VertRay& ray, const WideNormal<double>& normal, float tnear) const
         {
           const double org[3] = { ray.org[0],ray.org[1],ray.org[2] }, dir[3] = { ray.dir[0],ray.dir[1],ray.dir[2] };
           return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
-        /*! of a line, whichever way the ray comes from */
+        /*! Returns the geometric normal. A triangle that is a line has none; the result is then the reversed direction
+         *  of the ray. */
         static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
-          return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z) : -Vec3fa(ray.dir[0],ray.dir[1],ray.dir[2]);
+          return likely(x != 0.0f || y != 0.0f || z != 0.0f) ? Vec3fa(x,y,z)
+            : -Vec3fa(ray.dir[0],ray.dir[1],ray.dir[2]);
         }
 
       private:
-        /*! its vertices, sheared as GroupTriangles does */
+        /*! The vertices, sheared as in GroupTriangles. */
         struct Sheared
         {
           alignas(16) float x[4], y[4];
 
           __forceinline Sheared (const VertTriangle& t, const VertRay& ray)
           {
-            auto relative = [&](int k) { return vfloat4(t.vertices[k][0],t.vertices[k][1],t.vertices[k][2],t.vertices[k][2]) - vfloat4(ray.org[k]); };
+            auto relative = [&](int k) {
+              return vfloat4(t.vertices[k][0],t.vertices[k][1],t.vertices[k][2],t.vertices[k][2]) - vfloat4(ray.org[k]);
+            };
             const vfloat4 z = relative(ray.kz);
             vfloat4::store(x,nmadd(vfloat4(ray.sx),z,relative(ray.kx)));
             vfloat4::store(y,nmadd(vfloat4(ray.sy),z,relative(ray.ky)));
@@ -94,11 +106,11 @@ namespace embree
         float vertices[3][3]; //!< by axis
       };
 
-      /*! The triangles of a group that a ray's line goes through. */
+      /*! The triangles of a group that a ray's line passes through, or may pass through. */
       class GroupTriangles
       {
       public:
-        uint32_t mask; //!< bit 2q + 0 or 1 of quad q
+        uint32_t mask; //!< bits 2q and 2q+1: the triangles of quad q
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
@@ -129,8 +141,12 @@ namespace embree
           mask = likely(isOne) ? 1u << (2*(first & 15u) + (first >> 4)) : spread(firsts) | (spread(seconds) << 1);
         }
 
+        /*! Sets a mask whose bits are lanes of a group of a mesh block. */
+        __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles)
+          : mask(trianglesAround(ray,triangles)) {}
+
       private:
-        /*! vertices from the ray's origin */
+        /*! Returns coordinates of vertices relative to the ray's origin. */
         static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
         {
           const vfloatV org(ray.org[k]);
@@ -143,7 +159,7 @@ namespace embree
           return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
         }
 
-        /*! bits of quads to every second bit */
+        /*! Moves the bit of each quad to every second bit. */
         static __forceinline uint32_t spread (uint32_t x)
         {
           x = (x | (x << 8)) & 0x00FF00FFu;
@@ -153,8 +169,8 @@ namespace embree
         }
       };
 
-      /*! The same of the rays of a packet that have their largest component on the same axis. Vertices, and the edges between
-       *  quads, are looked at once; an edge seen from the other side is the exact negative. */
+      /*! As GroupTriangles, for the rays of a packet whose direction is largest along the same axis. Each vertex and
+       *  each edge between quads is evaluated once; seen from the other side, an edge is the exact negative. */
       template<int K>
       class GroupTrianglesK
       {
@@ -163,7 +179,7 @@ namespace embree
         const CellVertices& group;
 
       public:
-        vint<K> mask; //!< of each ray
+        vint<K> mask; //!< of each ray, as GroupTriangles::mask
 
         __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const CellVertices& group)
           : GroupTrianglesK(rays,size_t(axisAfter(int(kz),1)),size_t(axisAfter(int(kz),2)),kz,group) {}
@@ -172,7 +188,8 @@ namespace embree
         struct Point { vfloat<K> x, y; };
 
         GroupTrianglesK (const VertRays<K>& rays, size_t kx, size_t ky, size_t kz, const CellVertices& group)
-          : orgX(rays.org[kx]), orgY(rays.org[ky]), orgZ(rays.org[kz]), sx(rays.sx), sy(rays.sy), kx(kx), ky(ky), kz(kz), group(group), mask(zero)
+          : orgX(rays.org[kx]), orgY(rays.org[ky]), orgZ(rays.org[kz]), sx(rays.sx), sy(rays.sy), kx(kx), ky(ky),
+            kz(kz), group(group), mask(zero)
         {
           Point below[5];
           vfloat<K> bottom[4];
@@ -188,7 +205,8 @@ namespace embree
               const vfloat<K> diag = side(below[i+1],left), rightSide = side(below[i+1],right), top = side(right,left);
               const vbool<K> first = isInside(diag,leftSide,bottom[i]), second = isInside(rightSide,top,-diag);
               if (unlikely(any(first | second)))
-                mask |= select(first,vint<K>(int(1u << (2*(4*j+i)))),vint<K>(zero)) | select(second,vint<K>(int(2u << (2*(4*j+i)))),vint<K>(zero));
+                mask |= select(first,vint<K>(int(1u << (2*(4*j+i)))),vint<K>(zero))
+                  | select(second,vint<K>(int(2u << (2*(4*j+i)))),vint<K>(zero));
               bottom[i] = -top;
               leftSide = -rightSide;
               below[i] = left;
@@ -200,7 +218,7 @@ namespace embree
 
         static __forceinline vfloat<K> side (const Point& a, const Point& b) { return edgeSide(a.x,a.y,b.x,b.y); }
 
-        /*! vertex (i,j), sheared as above */
+        /*! Returns vertex (i,j), sheared as above. */
         __forceinline Point vertex (size_t i, size_t j) const
         {
           const size_t lane = laneOfVertex(uint32_t(i),uint32_t(j));

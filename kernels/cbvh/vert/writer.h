@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Writer of cVERT. It rounds the vertices of a patch to the patch's lattice and those on its border to the shared ones
- * (shared_border.h); blocks store the result without loss. A patch is written in strips of rows, so that a patch of any
- * rate needs no more memory than one of 256 x 256 quads, and several tasks can write it. For geometry that moves, that
- * is divided by its time steps. The caller must flush the store after the last patch. */
+/* Writer of cVERT. Rounds the vertices of a patch to the patch's lattice, and the vertices on its border to shared
+ * lattices (shared_border.h); blocks store the result without loss. A patch is written in strips of rows, so that a
+ * patch of any rate needs no more memory than one of 256 x 256 quads, and several tasks can write it. For moving
+ * geometry, the size of strips is divided by the number of time steps. The caller must flush the store after the last
+ * patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -28,12 +29,13 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), given(device), moved(device,0) {}
 
-      /*! rows of a patch that are written together, a multiple of a block's: of most patches all */
+      /*! Number of rows of a strip, a multiple of the rows of a block. Most patches are one strip. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
         return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes the blocks of a patch that is one strip. evaluated(step): its vertices as the face evaluates them, if they are known, or null. */
+      /*! Writes the blocks of a patch that is one strip. evaluated(step): returns the vertices as the face evaluates
+       *  them, or null if they are not known yet. */
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
@@ -46,8 +48,9 @@ namespace embree
           });
       }
 
-      /*! Writes the blocks of a strip. begin, end: its first and last row as they were evaluated for both strips that have it, at all time
-       *  steps, or null at the border of the patch: a displacement may answer differently the second time. */
+      /*! Writes the blocks of a strip. begin, end: the first and last row as evaluated for both strips that share them,
+       *  at all time steps, or null at the border of the patch. They are passed because a displacement function may
+       *  return other values when it is called again. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
@@ -61,9 +64,9 @@ namespace embree
       }
 
     private:
-      static const unsigned fullStrip = 256; //!< rows of a patch of as many columns
+      static const unsigned fullStrip = 256; //!< rows of a strip, for patches with as many columns
 
-      /*! evaluate(strip,step): the vertices of a strip */
+      /*! evaluate(strip,step): returns the vertices of a strip. */
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
@@ -85,7 +88,7 @@ namespace embree
       void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
-        moved.reserve(3*count*plan.numTimeSteps); // no more than that: vectors grow to a power of two
+        moved.reserve(3*count*plan.numTimeSteps); // reserves exactly that, because vectors grow to a power of two
         moved.resize(3*count*plan.numTimeSteps);
         auto ofStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
         size_t flipped = 0;
@@ -111,8 +114,9 @@ namespace embree
             closure(x,y,min(cbvh::vertBlockQuads,patch.quads[0]-x),min(cbvh::vertBlockQuads,patch.quads[1]-y));
       }
 
-      /*! of w x h quads from row y of the vertices on */
-      static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h, float (*out)[3])
+      /*! Copies the vertices of w x h quads, from row y of `vertices` on. */
+      static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h,
+                             float (*out)[3])
       {
         for (unsigned r=0; r<=h; r++) memcpy(out[r*(w+1)],vertices[(y+r)*width+x],(w+1)*sizeof(float[3]));
       }
@@ -132,13 +136,15 @@ namespace embree
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
-      /*! copy(step,vertices): a step's vertices of the block */
+      /*! copy(step,vertices): stores a step's vertices of the block. */
       template<typename Copy>
-      void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h, const Copy& copy)
+      void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h,
+                             const Copy& copy)
       {
         if (!movingEncoder) movingEncoder.reset(new cbvh::MotionEncoder);
         const cbvh::VertPlacement at = place(patch,x,y,w,h);
-        uint8_t* const bytes = store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
+        uint8_t* const bytes =
+          store.begin(cbvh::MotionEncoder::maxBytes(plan.numTimeSteps) + cbvh::NumbersEncoder::maxBytes);
         cbvh::WorldBounds bounds;
         const size_t firstBox = store.boxes.size();
         movingEncoder->begin(at,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps,bytes);
@@ -170,7 +176,7 @@ namespace embree
         bounds.extend(vertices.upper[0],vertices.upper[1],vertices.upper[2]);
       }
 
-      /*! where a block is, and what numbers its quads have */
+      /*! Returns the placement of a block, and sets the numbers of its quads. */
       cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         if (!patch.numbers) return placement(patch,x,y,w,h);
@@ -178,19 +184,21 @@ namespace embree
         return cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern);
       }
 
-      /*! Completes a block that is encoded, and has that many bytes. */
-      void end (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size, const cbvh::VertStatistics& block, const cbvh::WorldBounds& bounds, uint32_t type)
+      /*! Completes an encoded block of `size` bytes. */
+      void end (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size, const cbvh::VertStatistics& block,
+                const cbvh::WorldBounds& bounds, uint32_t type)
       {
         header->surface = patch.surface;
         header->primID = patch.primID;
         if (patch.numbers) size = numbers.finish(header,size);
         addBlock(header,size,block);
-        if (patch.numbers) addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
+        if (patch.numbers)
+          addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
         store.hitBounds.extend(bounds);
         store.end(size,toBBox(bounds),type,cbvh::readBehindVert);
       }
 
-      /*! bytes: of the block, without those that align the next */
+      /*! bytes: size of the block without padding. */
       void addBlock (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
       {
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->boxForm);
@@ -208,7 +216,7 @@ namespace embree
         if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
       }
 
-      /*! of a patch's own vertices at a step */
+      /*! Returns the lattice of a patch's own vertices at a step. */
       template<typename Patch>
       cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
       {
@@ -223,7 +231,7 @@ namespace embree
         if (min(patch.quads[0],patch.quads[1]) < looseSide) statistics.sums.numLooseQuads += quads;
       }
 
-      /*! where a block is, with the patch's edges if it needs them */
+      /*! Returns the placement of a block, with the patch's edges if necessary. */
       cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
       {
         const uint32_t region = cbvh::vertRegion(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
@@ -231,10 +239,11 @@ namespace embree
         bool needsEdges = patch.corner[0] != 0 || patch.corner[1] != 0;
         for (int s=0; s<4; s++) needsEdges |= touches[s] && sideRates[s] != patch.quads[s & 1];
         if (!needsEdges) return cbvh::VertPlacement(region,quads);
-        return cbvh::VertPlacement(region,quads,cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
+        return cbvh::VertPlacement(region,quads,
+          cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
-      /*! Returns how many quads that flipped. */
+      /*! Rounds the vertices of a strip. Returns the number of flipped quads. */
       template<typename Patch>
       size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
                            PatchVertices& vertices)
@@ -246,7 +255,8 @@ namespace embree
         {
           size_t i = y*vertices.width + 1;
           const size_t end = i + vertices.width-2;
-          for (; i+4 <= end; i+=4) statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i)*double(lattice.spacing)*double(lattice.spacing));
+          for (; i+4 <= end; i+=4)
+            statistics.addDeviation(cbvh::snapFour(lattice,own+i,p+i)*double(lattice.spacing)*double(lattice.spacing));
           for (; i<end; i++)
           {
             for (int k=0; k<3; k++) p[i][k] = lattice.snap(own[i][k]);
@@ -257,7 +267,7 @@ namespace embree
         return countFlipped(vertices,own,p);
       }
 
-      /*! quads with a triangle that the lattice turned by more than 90 degrees */
+      /*! Returns the number of quads with a triangle whose normal rounding turned by more than 90 degrees. */
       static size_t countFlipped (const PatchVertices& vertices, const float (*own)[3], const float (*stored)[3])
       {
         size_t n = 0;
@@ -288,10 +298,10 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       PatchVertices given;             //!< vertices that were evaluated before
-      mvector<float> moved;         //!< a strip's, as they are stored, at all time steps
-      unsigned sideRates[4];        //!< of the patch, as its faces share them
+      mvector<float> moved;         //!< stored vertices of a strip, at all time steps
+      unsigned sideRates[4];        //!< rates of the patch's sides, as the faces share them
       cbvh::VertEncoder encoder;
-      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a block that moves is written
+      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a moving block is written
       cbvh::NumbersEncoder numbers;
     };
   }

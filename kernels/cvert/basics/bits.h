@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Numbers of a few bits: how many bits they have, and how they are written one after the other. */
+/* Writing of numbers of a few bits. */
 
 #include "isa_namespace.h"
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns the number of bits of a number, 0 for 0. */
+  /*! Returns the number of significant bits of a number, 0 for 0. */
   inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
-  /*! Writes numbers of up to 32 bits one after the other, the lowest bit first. */
+  /*! Writes numbers of up to 32 bits without gaps, the lowest bit first. */
   class BitWriter
   {
   public:
@@ -33,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
       count -= 32;
     }
 
-    /*! Writes zeros up to a whole byte. Returns the end. */
+    /*! Fills the last byte with zeros. Returns the end of the output. */
     uint8_t* end ()
     {
       for (; count > 0; count = count > 8 ? count-8 : 0) { *out++ = uint8_t(pending); pending >>= 8; }

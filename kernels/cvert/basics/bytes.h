@@ -1,15 +1,15 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Memory as shared code reads it, next to language.h: words, bits and structs at an address. In C++ an address is a
- * pointer. In GLSL it is the address of a buffer, two words.
+/* Access to memory in code shared by C++ and GLSL: words, bits and structs at an address. In C++ an address is a
+ * pointer. In GLSL it is a buffer address as two words.
  *
- *   CVERT_POINTER(Type)       address of a struct; CVERT_POINTER(void) of any bytes
- *   CVERT_AS(Type,address)    the same address, as one of a struct
- *   CVERT_AT(Type,address)    the struct there; its members are read one by one
- *   CVERT_READABLE(Type,A)    after a struct: CVERT_AT reads it in GLSL, where addresses are multiples of A
- *   CVERT_IN(Type)            parameter that a function only reads, if it is too large to be copied
- *   CVERT_PRECISE             in front of a local float: its operations are done in the order that is written */
+ *   CVERT_POINTER(Type)       address of a struct; CVERT_POINTER(void): of any bytes
+ *   CVERT_AS(Type,address)    converts an address to the address of a struct
+ *   CVERT_AT(Type,address)    the struct at an address; read its members one by one
+ *   CVERT_READABLE(Type,A)    after a struct: makes CVERT_AT available in GLSL, for addresses that are multiples of A
+ *   CVERT_IN(Type)            type of a read-only parameter that is too large to copy
+ *   CVERT_PRECISE             before a local float: its operations are neither reordered nor fused in GLSL */
 
 #ifndef CVERT_BYTES_H
 #define CVERT_BYTES_H
@@ -62,7 +62,7 @@ uvec2 bytesAfter (uvec2 at, uint offset)
 
 CVERT_BEGIN
 
-/*! word i; the address is a multiple of 4 */
+/*! Word i. The address must be a multiple of 4. */
 CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 {
   uint32_t word;
@@ -72,7 +72,7 @@ CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 
 CVERT_INLINE uint32_t byteAt (const void* at, uint32_t offset) { return ((const uint8_t*)at)[offset]; }
 
-/*! 16 bits; the offset is even */
+/*! Word of 16 bits. The offset must be even. */
 CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
 {
   uint16_t half;
@@ -80,8 +80,8 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
   return half;
 }
 
-/*! Returns up to 32 bits from a bit on; those above them may have any value. Reads only bytes that contain one of
- *  them; shaders also read the words that these are in, and the next one. */
+/*! Returns `count` bits, up to 32, from bit `bit` on. Higher bits of the result may have any value. Reads only bytes
+ *  that contain one of the bits; shaders also read the rest of their words and the next word. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);
@@ -99,7 +99,7 @@ CVERT_END
 
 CVERT_BEGIN
 
-/*! float i; the address is a multiple of 4 */
+/*! Float i. The address must be a multiple of 4. */
 CVERT_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
 
 CVERT_END

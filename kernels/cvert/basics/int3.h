@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Three integers by axis, with the operations that GLSL has for its vectors. Results are modulo 2^32, as in GLSL,
- * because coordinates of damaged blocks may exceed the range of int. */
+/* Integer vectors with the operations of GLSL. Results are modulo 2^32, as in GLSL, because coordinates of damaged
+ * blocks may exceed the range of int. */
 
 #ifndef CVERT_INT3_H
 #define CVERT_INT3_H

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Inline code is compiled once for every instruction set of a program. Each has its own namespace; without, the linker would keep one
- * copy of a function, which might contain instructions of AVX, and a machine without AVX would run it. It is an inline namespace, so that
- * nobody has to write it. */
+/* Inline code is compiled once per instruction set of a program, each time in a namespace of its own. In a common
+ * namespace the linker would keep only one copy of a function. That copy might use AVX, and machines without AVX would
+ * run it. The namespaces are inline so that callers need not name them. */
 
 #if defined(CVERT_PORTABLE)
 #  define CVERT_ISA isa_portable

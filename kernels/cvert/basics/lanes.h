@@ -3,11 +3,15 @@
 
 #pragma once
 
-/* Four floats or integers at a time, for encoders. Every operation rounds as the scalar one does, so that blocks are the same bytes whatever
- * they are compiled for. The exception is a compiler that fuses multiply and add, in scalar code as here: where that is possible,
- * -ffp-contract=off keeps the bytes. Define CVERT_PORTABLE to do without SSE. */
+/* Vectors of four floats or integers, for encoders. Every operation rounds as the scalar one does, so that the bytes of
+ * blocks do not depend on the instruction set. Compilers that fuse multiplications and additions, in scalar code or
+ * here, would break this: compile with -ffp-contract=off. CVERT_PORTABLE disables SSE and NEON. */
 
-#if defined(__SSE2__) && !defined(CVERT_PORTABLE)
+#if defined(CVERT_PORTABLE)
+#include "lanes_portable.h"
+#elif defined(__aarch64__) // before SSE2, which Embree defines there, too
+#include "lanes_neon.h"
+#elif defined(__SSE2__)
 #include "lanes_sse.h"
 #else
 #include "lanes_portable.h"
@@ -15,7 +19,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! vertex i of count in lanes 0 to 2; lane 3 has any number */
+  /*! Vertex i of `count` in lanes 0 to 2. Lane 3 is undefined. */
   inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
     return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);
   }

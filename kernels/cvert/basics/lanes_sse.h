@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four floats or integers in registers of SSE2. */
+/* Vectors of four floats or integers in SSE2 registers. */
 
 #include "isa_namespace.h"
 #include <immintrin.h>
@@ -28,26 +28,27 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return _mm_mul_ps(a.v,b.v); }
   };
 
-  /* as std::min and std::max of the same operands have it for NaN: the first one */
+  /* For NaN they return the same operand as std::min and std::max: the first. */
   inline Float4 min(Float4 a, Float4 b) { return _mm_min_ps(b.v,a.v); }
   inline Float4 max(Float4 a, Float4 b) { return _mm_max_ps(b.v,a.v); }
 
   inline Float4 abs(Float4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f),a.v); }
 
-  /*! a mask, and what it lets through */
+  /* masks */
   inline Float4 below(Float4 a, Float4 b) { return _mm_cmplt_ps(a.v,b.v); }
   inline Float4 operator&(Float4 mask, Float4 a) { return _mm_and_ps(mask.v,a.v); }
-  inline Float4 select(Float4 mask, Float4 a, Float4 b) { return _mm_or_ps(_mm_and_ps(mask.v,a.v),_mm_andnot_ps(mask.v,b.v)); }
+  inline Float4 select(Float4 mask, Float4 a, Float4 b) {
+    return _mm_or_ps(_mm_and_ps(mask.v,a.v),_mm_andnot_ps(mask.v,b.v));
+  }
 
   inline float greatest(Float4 a) {
     const __m128 m = _mm_max_ps(a.v,_mm_movehl_ps(a.v,a.v));
     return _mm_cvtss_f32(_mm_max_ss(m,_mm_shuffle_ps(m,m,1)));
   }
 
-  /*! bits of the lanes where a < b, or a <= b */
+  /*! A bit per lane where a < b, a <= b or a == b. */
   inline uint32_t lanesBelow(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
   inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v,b.v))); }
-
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
 
   struct Int4
@@ -71,10 +72,10 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator>>(Int4 a, int n) { return _mm_srli_epi32(a.v,n); }
   };
 
-  /*! with the sign's bits from above */
+  /*! Arithmetic shift to the right. */
   inline Int4 shiftSigned(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
 
-  /*! the lower 32 bits */
+  /*! The lower 32 bits of the products. */
   inline Int4 operator*(Int4 a, Int4 b) {
 #if defined(__SSE4_1__)
     return _mm_mullo_epi32(a.v,b.v);
@@ -89,12 +90,14 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 max(Int4 a, Int4 b) { return _mm_max_epi32(a.v,b.v); }
 #else
   inline Int4 below(Int4 a, Int4 b) { return _mm_cmplt_epi32(a.v,b.v); }
-  inline Int4 select(Int4 mask, Int4 a, Int4 b) { return _mm_or_si128(_mm_and_si128(mask.v,a.v),_mm_andnot_si128(mask.v,b.v)); }
+  inline Int4 select(Int4 mask, Int4 a, Int4 b) {
+    return _mm_or_si128(_mm_and_si128(mask.v,a.v),_mm_andnot_si128(mask.v,b.v));
+  }
   inline Int4 min(Int4 a, Int4 b) { return select(below(a,b),a,b); }
   inline Int4 max(Int4 a, Int4 b) { return select(below(a,b),b,a); }
 #endif
 
-  /*! of all lanes, two at a time */
+  /*! Combines all lanes by pairs. */
   template<typename Operation>
   inline int reduced(Int4 a, const Operation& operation) {
     const Int4 halves = operation(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
@@ -104,21 +107,22 @@ namespace cvert { inline namespace CVERT_ISA
   inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
   inline int anyOf(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
-  /*! of numbers below 256 */
+  /*! Requires numbers below 256. */
   inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }
   inline Float4 toFloat(Int4 a) { return _mm_cvtepi32_ps(a.v); }
 
-  /*! towards zero; the least integer for what is too large */
+  /*! Rounds towards zero. Returns INT32_MIN if the value is out of range. */
   inline Int4 truncated(Float4 a) { return _mm_cvttps_epi32(a.v); }
 
-  /*! Rounds to the nearest integer, of two to the even one. The values must be less than 2^31. */
+  /*! Rounds to the nearest integer, halves to even. Magnitudes must be less than 2^31. */
   inline Int4 rounded(Float4 a) { return _mm_cvtps_epi32(a.v); }
   inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
-  /*! The vertices x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
+  /*! Separates the vertices x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
-    const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // of the first two, of the others
+    const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices
+                 xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // of the last two
     x = _mm_shuffle_ps(a.v,xy,_MM_SHUFFLE(2,0,3,0));
     y = _mm_shuffle_ps(yz,xy,_MM_SHUFFLE(3,1,2,0));
     z = _mm_shuffle_ps(yz,c.v,_MM_SHUFFLE(3,0,3,1));

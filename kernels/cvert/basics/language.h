@@ -1,26 +1,25 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What lets the headers of this folder compile as C++11 and as GLSL 4.60: they are the
- * one description of the format and of the hit rule, for the CPU's scalar path, for the
- * SIMD path as far as it is scalar, for the tests, and for shaders.
+/* Macros with which the headers of this library compile as C++11 and as GLSL 4.60. These headers implement
+ * the format and the hit rule once. The scalar CPU path, the scalar parts of the SIMD path, the tests and the shaders
+ * share them.
  *
- * Shared code is free functions on plain values. It has no member functions, references
- * and pointers but those of bytes.h and int3.h, no 64-bit integers, no recursion, and no braces around
- * values but in the initializers of constants.
+ * Shared code consists of free functions on plain values. It has no member functions, no references and pointers except
+ * those of bytes.h and int3.h, no 64-bit integers, no recursion, and no braces around values except in initializers of
+ * constants.
  *
- * Quantities whose precision the user chooses are of type Real: CVERT_REAL comes before
- * a function or a struct of such, CVERT_OF(Type) names a struct of the same precision, CVERT_BOOL(Type) what
- * comparisons give. In GLSL Real is float; in C++ it is float, double (the scalar path) or, in some
- * functions, a vector of Embree.
+ * Real is the type of quantities whose precision the caller chooses. CVERT_REAL precedes functions and structs that use
+ * it. CVERT_OF(Type) is a struct of the same precision, CVERT_BOOL(Type) the result type of comparisons. In GLSL, Real
+ * is float. In C++ it is float, double (the scalar path) or, for some functions, a vector type of Embree.
  *
- * Wide, with CVERT_WIDE and CVERT_OF_WIDE(Type), is the same for quantities in which products of floats are exact:
- * double, in C++ also a vector of doubles. Shaders without CBVH_FLOAT64 make do with float. */
+ * Wide, CVERT_WIDE and CVERT_OF_WIDE(Type) are the same for quantities in which products of floats are exact: double,
+ * or in C++ a vector of doubles. Shaders without CBVH_FLOAT64 use float instead. */
 
 #ifndef CVERT_LANGUAGE_H
 #define CVERT_LANGUAGE_H
 
-#ifdef VULKAN // as glslc defines it
+#ifdef VULKAN // defined by glslc
 
 #define CVERT_BEGIN
 #define CVERT_END
@@ -68,15 +67,15 @@
 
 CVERT_BEGIN
 
-/* Not by the names of the standard library or of GLSL: NaN and equal operands are the same
- * everywhere, and in C++ no call is made. */
+/* These do not use the names of the standard library or of GLSL: NaN and equal operands have the same result
+ * everywhere, and C++ does not call functions. */
 CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
 CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
-/* Of what comparisons give; and products that are not fused with a sum. */
+/* Operators for results of comparisons, and products that are not fused with a sum. */
 #ifdef VULKAN
 bool both (bool a, bool b) { return a && b; }
 bool either (bool a, bool b) { return a || b; }
@@ -100,7 +99,7 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* -ffp-contract=off would do for whole files, but cGRID's leaves have to fuse products as GRID's do, to the bit. */
+/* -ffp-contract=off is not possible for whole files: cGRID's leaves must fuse products as GRID does, to the bit. */
 template<typename Scalar>
 CVERT_INLINE Scalar unfused (Scalar p)
 {
@@ -115,7 +114,7 @@ CVERT_INLINE float product (float a, float b) { return unfused(a*b); }
 CVERT_INLINE double product (double a, double b) { return unfused(a*b); }
 #endif
 
-/*! relative spacing of floats */
+/*! Relative spacing of floats. */
 CVERT_CONSTANT float floatUlp = 1.1920929e-7f;
 
 CVERT_END

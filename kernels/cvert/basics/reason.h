@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Why input is rejected. Functions that check bytes return a Reason, allocate nothing and throw nothing; functions that open or write files
- * throw an Error. Callers turn both into errors of their own interface. */
+/* Reasons for which input is rejected. Functions that check bytes return a Reason; they do not allocate or throw.
+ * Functions that open or write files throw an Error. Callers convert both to errors of their own interface. */
 
 #include <cstdint>
 #include <stdexcept>
@@ -16,27 +16,32 @@ namespace cvert
   {
     NONE,
     DAMAGED,           //!< the bytes contradict each other or the format
-    UNSUPPORTED,       //!< a version or a part of the format that this library does not read
-    INVALID_ARGUMENT,  //!< a path, or a request
-    INVALID_OPERATION  //!< an object that is not in the state for it, or a disk that is full
+    UNSUPPORTED,       //!< version or part of the format that this library does not read
+    INVALID_ARGUMENT,  //!< invalid path or request
+    INVALID_OPERATION  //!< object in the wrong state, or disk full
   };
 
   class Reason
   {
   public:
-    /*! Nothing is wrong. */
+    /*! No error. */
     Reason () : code(ErrorCode::NONE), text(""), values{ 0,0 } {}
 
-    /*! text: of static storage; each % in it stands for the next value */
-    Reason (ErrorCode code, const char* text, uint64_t first = 0, uint64_t second = 0) : code(code), text(text), values{ first,second } {}
+    /*! text: must have static storage. Each % is replaced by the next value. */
+    Reason (ErrorCode code, const char* text, uint64_t first = 0, uint64_t second = 0)
+      : code(code), text(text), values{ first,second } {}
 
-    static Reason damaged (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::DAMAGED,text,first,second); }
-    static Reason unsupported (const char* text, uint64_t first = 0, uint64_t second = 0) { return Reason(ErrorCode::UNSUPPORTED,text,first,second); }
+    static Reason damaged (const char* text, uint64_t first = 0, uint64_t second = 0) {
+      return Reason(ErrorCode::DAMAGED,text,first,second);
+    }
+    static Reason unsupported (const char* text, uint64_t first = 0, uint64_t second = 0) {
+      return Reason(ErrorCode::UNSUPPORTED,text,first,second);
+    }
 
-    /*! True if something is wrong. */
+    /*! True if there is an error. */
     explicit operator bool () const { return code != ErrorCode::NONE; }
 
-    /*! The text with its values. */
+    /*! The text with its values filled in. */
     std::string message () const;
 
     ErrorCode code;

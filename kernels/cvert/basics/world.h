@@ -3,20 +3,20 @@
 
 #pragma once
 
-/* Positions in the world, for encoders: which are finite, vectors of doubles, and bounds. */
+/* World positions for encoders: finite coordinates, vectors of doubles, and bounds. */
 
 #include "isa_namespace.h"
 #include <cmath>
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! coordinates that count as finite: Embree's own limit for rays and bounds */
+  /*! Coordinates below this count as finite. Embree has the same limit for rays and bounds. */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
   }
 
-  /* unlike std::fmax they need no call; NaN never gets here */
+  /* Unlike std::fmax they are not calls. They do not support NaN. */
   inline double minimum(double a, double b) { return a < b ? a : b; }
   inline double maximum(double a, double b) { return a > b ? a : b; }
 
@@ -28,17 +28,22 @@ namespace cvert { inline namespace CVERT_ISA
     friend Double3 operator*(double s, const Double3& a) { return {s*a.x,s*a.y,s*a.z}; }
   };
   inline double dot(const Double3& a, const Double3& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
-  inline Double3 cross(const Double3& a, const Double3& b) { return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x}; }
+  inline Double3 cross(const Double3& a, const Double3& b) {
+    return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x};
+  }
   inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
   inline double length1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
 
-  /*! empty to begin with */
+  /*! Initially empty. */
   struct WorldBounds
   {
     double lower[3] = { 1e300,1e300,1e300 }, upper[3] = { -1e300,-1e300,-1e300 };
 
     void extend(const WorldBounds& other) {
-      for (int k=0; k<3; k++) { lower[k] = minimum(lower[k],other.lower[k]); upper[k] = maximum(upper[k],other.upper[k]); }
+      for (int k=0; k<3; k++) {
+        lower[k] = minimum(lower[k],other.lower[k]);
+        upper[k] = maximum(upper[k],other.upper[k]);
+      }
     }
     void extend(double x, double y, double z) {
       const double p[3] = { x,y,z };

@@ -3,18 +3,19 @@
 
 #pragma once
 
-/* Puts numbers of a few bits into bytes that are zeros, in any order. The lowest bits of the first byte come first. */
+/* Writes numbers of a few bits into bytes that are zero, in any order. The lowest bits of the first byte come first. */
 
 #include "../basics/bits.h"
 #include <cstddef>
 
 namespace cvert
 {
-  /*! Puts `count` bits at a position of bytes that are zeros. */
+  /*! Writes `count` bits of value at a position in bits. The bytes must be zero there. */
   inline void putBits (uint8_t* bytes, size_t position, uint32_t count, uint32_t value)
   {
     bytes += position/8;
-    for (uint64_t rest=uint64_t(value & uint32_t((uint64_t(1) << count)-1)) << position%8; rest; rest>>=8) *bytes++ |= uint8_t(rest);
+    for (uint64_t rest=uint64_t(value & uint32_t((uint64_t(1) << count)-1)) << position%8; rest; rest>>=8)
+      *bytes++ |= uint8_t(rest);
   }
 
   inline void putWord (uint8_t* bytes, uint32_t word) {

@@ -3,19 +3,20 @@
 
 #pragma once
 
-/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1: a header of 12 bytes, and offsets from its anchor without a bit between them.
+/* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1: a header of 12 bytes, then offsets from its anchor without gaps.
  *
- * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With exponent
- * 232 the specification requires that anchor plus offset lies within +-8,388,607, so that vertices are finite. That always
- * holds here: a vertex is a finite float, and 8,388,608 steps of 2^105 are 2^128, which is none. */
+ * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With
+ * exponent 232 the specification requires that anchor plus offset is within +-8,388,607, so that vertices are finite.
+ * This always holds here: vertices are finite floats, and 8,388,608 * 2^105 = 2^128 is not. */
 
 #include "lattice_points.h"
 
 namespace cvert
 {
-  /*! Writes vertices that fit, see LatticeSpan, to zeros; returns the bytes that they take, filled up to a multiple of 4. order: number of each vertex among the points.
-   *  out: at least compressed1Bytes(count). */
-  inline size_t putCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order, uint32_t count, uint8_t* out)
+  /*! Writes vertices that fit, see LatticeSpan. order: indices of the vertices among the points. out: zeros, at least
+   *  compressed1Bytes(count). Returns the number of bytes written, a multiple of 4. */
+  inline size_t putCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
+                                uint32_t count, uint8_t* out)
   {
     const uint32_t bits[3] = { span.bits(0),span.bits(1),span.bits(2) };
     putWord(out,points.exponent | uint32_t(span.lower[0]) << 8);
@@ -30,6 +31,6 @@ namespace cvert
     return (position + 31)/32*4;
   }
 
-  /*! at most */
+  /*! Upper bound of the size in bytes. */
   constexpr size_t compressed1Bytes (size_t count) { return 12 + 6*count + 4; }
 }

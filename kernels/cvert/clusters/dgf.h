@@ -5,13 +5,14 @@
 
 /* Triangles as blocks of 128 bytes of AMD's Dense Geometry Format, DGF1:
  *
- *   header, 20 bytes | offsets of vertices | indices of vertices that were there before -> ... <- first bits | <- controls of triangles
+ *   header, 20 bytes | offsets of vertices | indices of reused vertices -> ... <- first bits | <- controls of triangles
  *
- * Triangles are a strip: each but the first takes an edge of the one before it, or of the one before that. Vertices are in the order in which the strip
- * comes to them, so that only those that it comes to again need an index.
+ * Triangles form a strip: each triangle after the first shares an edge with one of the two triangles before it.
+ * Vertices are in the order of their first use in the strip, so only reused vertices need an index.
  *
- * Based on: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1", Khronos 2025; Barczak, Benthin, McAllister, "DGF: A Dense,
- * Hardware-Friendly Geometry Format for Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
+ * Based on: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1", Khronos 2025;
+ * Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly Geometry Format for Lossily Compressing Meshlets with
+ * Arbitrary Topologies", 2024. */
 
 #include "lattice_points.h"
 #include "quad_triangles.h"
@@ -20,11 +21,12 @@ namespace cvert
 {
   namespace dgf
   {
-    enum : uint32_t { blockBytes = 128, headerBytes = 20, maxVertices = 64, maxTriangles = 64, maxFrontBytes = 96, maxReuseBits = 192, maxPrimitives = 1u << 29 };
+    enum : uint32_t { blockBytes = 128, headerBytes = 20, maxVertices = 64, maxTriangles = 64, maxFrontBytes = 96,
+                      maxReuseBits = 192, maxPrimitives = 1u << 29 };
 
     enum Control : uint8_t { RESTART = 0, EDGE1 = 1, EDGE2 = 2, BACKTRACK = 3 };
 
-    /*! Bits of the offsets along each axis, whose sum is a multiple of 4; returns it. */
+    /*! Computes the number of bits of offsets on each axis. Returns their sum, a multiple of 4. */
     inline uint32_t offsetBits (const LatticeSpan& span, uint32_t bits[3])
     {
       for (int k=0; k<3; k++) bits[k] = span.bits(k);
@@ -33,35 +35,38 @@ namespace cvert
       return bits[0]+bits[1]+bits[2];
     }
 
-    /*! of reused vertices */
+    /*! Number of bits of an index of a reused vertex. highest: largest index. */
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitsOf(highest); }
 
-    /*! Returns true if a block has room for a strip. reused: number of its indices that refer to earlier vertices */
-    inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused, uint32_t bitsOfIndex)
+    /*! True if a block has room for a strip. reused: number of its indices that refer to earlier vertices. */
+    inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused,
+                         uint32_t bitsOfIndex)
     {
       const uint32_t front = (vertices*vertexBits + 7)/8;
-      return vertices <= maxVertices && triangles <= maxTriangles && front <= maxFrontBytes && reused*bitsOfIndex <= maxReuseBits &&
+      return vertices <= maxVertices && triangles <= maxTriangles && front <= maxFrontBytes &&
+              reused*bitsOfIndex <= maxReuseBits &&
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 
-    /*! whether a block has room for whole quads: one strip, which comes to each inner vertex of the grid a second time */
+    /*! True if a block has room for a grid of quads as one strip, which uses each inner vertex of the grid twice. */
     inline bool hasRoomForQuads (uint32_t width, uint32_t height, const LatticeSpan& span)
     {
       uint32_t bits[3];
       const uint32_t vertices = (width+1)*(height+1), triangles = 2*width*height;
-      return (span.isEmpty() || span.fits()) && hasRoom(vertices,triangles,offsetBits(span,bits),triangles+2,(width-1)*(height-1),indexBits(vertices-1));
+      return (span.isEmpty() || span.fits()) &&
+        hasRoom(vertices,triangles,offsetBits(span,bits),triangles+2,(width-1)*(height-1),indexBits(vertices-1));
     }
 
-    /*! Triangles as a strip, and the block that they become. Turns them so that they begin with the edge that they take. */
+    /*! Triangles as a strip, and their block. Rotates triangles so that they begin with the edge that they share. */
     class Block
     {
     public:
       uint8_t bytes[blockBytes];
-      uint8_t order[maxVertices];              //!< of the triangles' vertices
+      uint8_t order[maxVertices];              //!< indices of the vertices in the triangles' arrays
       uint32_t numVertices;
-      uint8_t indices[maxTriangles][3];        //!< of triangles, in that order
+      uint8_t indices[maxTriangles][3];        //!< vertices of triangles, as indices into order
 
-      /*! Returns false if there is no room. primitives: the first triangle's index. */
+      /*! Returns false if there is no room. primitives: index of the first triangle. */
       bool write (const QuadTriangles& of, const LatticePoints& points, uint32_t primitives)
       {
         if (of.numTriangles > maxTriangles || of.numVertices > maxVertices) return false;
@@ -73,7 +78,8 @@ namespace cvert
         for (uint32_t i=0; i<numVertices; i++) span.add(points.at[of.vertices[order[i]]]);
         uint32_t bits[3];
         const uint32_t vertexBits = offsetBits(span,bits), bitsOfIndex = indexBits(highestReused);
-        if (!span.fits() || !hasRoom(numVertices,numTriangles,vertexBits,numIndices,numReused,bitsOfIndex)) return false;
+        if (!span.fits() || !hasRoom(numVertices,numTriangles,vertexBits,numIndices,numReused,bitsOfIndex))
+          return false;
 
         memset(bytes,0,sizeof(bytes));
         const uint32_t magic = 6, isOpaque = 1;
@@ -101,7 +107,7 @@ namespace cvert
       bool isFirst[3*maxTriangles];
       uint8_t reused[3*maxTriangles];
 
-      /*! Turns a triangle so that it begins with an edge, if it has that. */
+      /*! Rotates a triangle so that it begins with edge (a,b). Returns false if it does not have this edge. */
       static bool turnTo (uint8_t triangle[3], uint8_t a, uint8_t b)
       {
         for (int i=0; i<3; i++)
@@ -124,7 +130,7 @@ namespace cvert
         return false;
       }
 
-      /*! takes the edge of the one before it, or of the one before that */
+      /*! Selects the shared edge of triangle t, and rotates the triangle to it. */
       Control controlOf (uint32_t t)
       {
         uint8_t* const next = indices[t];
@@ -133,7 +139,8 @@ namespace cvert
         if (turnTo(next,last[0],last[2])) return EDGE2;
         if (t < 2 || (control[t-1] != EDGE1 && control[t-1] != EDGE2)) return RESTART;
         const uint8_t* const before = indices[t-2];
-        if (control[t-1] == EDGE1 ? turnTo(next,before[0],before[2]) : turnTo(next,before[2],before[1])) return BACKTRACK;
+        if (control[t-1] == EDGE1 ? turnTo(next,before[0],before[2]) : turnTo(next,before[2],before[1]))
+          return BACKTRACK;
         return RESTART;
       }
 
@@ -142,8 +149,9 @@ namespace cvert
         for (uint32_t t=0; t<numTriangles; t++)
         {
           control[t] = t == 0 ? RESTART : controlOf(t);
-          /* the next one cannot take the first edge */
-          if (control[t] == RESTART && t+1 < numTriangles && hasEdge(indices[t+1],indices[t][1],indices[t][0])) turn(indices[t],2);
+          /* the next triangle cannot share the first edge of this one */
+          if (control[t] == RESTART && t+1 < numTriangles && hasEdge(indices[t+1],indices[t][1],indices[t][0]))
+            turn(indices[t],2);
         }
       }
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How a rectangle of quads is cut into blocks of DGF: into bands of rows, and each band into pieces as wide as blocks have room for. Of all bands those are taken
- * that make the fewest blocks. */
+/* Divides a rectangle of quads into blocks of DGF: into bands of rows, and each band into pieces that are as wide as a
+ * block has room for. Selects the bands that need the fewest blocks. */
 
 #include "dgf.h"
 
@@ -15,8 +15,9 @@ namespace cvert
     class Tiling
     {
     public:
-      /*! of up to 16 x 16 quads */
-      Tiling (const LatticePoints& points, uint32_t quadsX, uint32_t quadsY) : points(points), quadsX(quadsX), quadsY(quadsY)
+      /*! quadsX, quadsY: up to 16. */
+      Tiling (const LatticePoints& points, uint32_t quadsX, uint32_t quadsY)
+        : points(points), quadsX(quadsX), quadsY(quadsY)
       {
         const uint32_t none = ~0u;
         for (uint32_t y=1; y<=quadsY; y++) blocks[y] = none;
@@ -38,7 +39,7 @@ namespace cvert
         isPossible = blocks[quadsY] != none;
       }
 
-      bool isPossible; //!< or a quad is too large for a block
+      bool isPossible; //!< false if a quad is too large for a block
 
       /*! Calls closure(x, y, width, height) for all pieces. */
       template<typename Closure>
@@ -56,7 +57,7 @@ namespace cvert
       }
 
     private:
-      /*! what the columns of a band span */
+      /*! Spans of the columns of vertices of a band. */
       struct Columns
       {
         LatticeSpan spans[LatticePoints::maxSide];
@@ -72,7 +73,7 @@ namespace cvert
         }
       };
 
-      /*! Returns false if a column of quads is too large. */
+      /*! Calls closure(x, width) for the pieces of a band. Returns false if a column of quads is too large. */
       template<typename Closure>
       bool forEachPiece (const Columns& columns, uint32_t height, const Closure& closure) const
       {
@@ -93,7 +94,8 @@ namespace cvert
 
       const LatticePoints& points;
       const uint32_t quadsX, quadsY;
-      uint32_t blocks[LatticePoints::maxSide], heights[LatticePoints::maxSide]; //!< of the rows below, and of the last band of them
+      //! by row: number of blocks of all rows before it, and height of the last band before it
+      uint32_t blocks[LatticePoints::maxSide], heights[LatticePoints::maxSide];
     };
   }
 }

@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* Vertices as integers on the coarsest lattice that has all of them: multiples of one power of two. That is found in the bits of the floats, and
- * nothing is rounded: a float is an odd number times a power of two, and the least of these powers is the spacing. Vertices of a regular block of cVERT lie on
- * the block's lattice, or on a coarser one.
+/* Vertices as integers on the coarsest lattice that contains all of them, the multiples of a power of two. A float is
+ * an odd number times a power of two, and the smallest of these powers is the spacing, so nothing is rounded. Vertices
+ * of a cVERT block that is not raw are on the lattice of the block or on a coarser one.
  *
- * COMPRESSED1 and DGF have integers of 24 bits, signed, to which an offset of up to 16 bits is added, and spacings from 2^-126 to 2^105. */
+ * COMPRESSED1 and DGF store signed integers of 24 bits plus an offset of up to 16 bits, and spacings from 2^-126 to
+ * 2^105. */
 
 #include "bits.h"
 #include <cstring>
@@ -17,16 +18,17 @@ namespace cvert
   class LatticePoints
   {
   public:
-    static const uint32_t maxSide = 17;            //!< vertices along a side
-    static const int32_t lowestAnchor = -0x800000; //!< and the highest is one less than its opposite
+    static const uint32_t maxSide = 17;            //!< vertices per side
+    static const int32_t lowestAnchor = -0x800000; //!< the highest anchor is 0x7FFFFF
     static const int32_t maxOffset = 0xFFFF;
 
-    int32_t at[maxSide*maxSide][3]; //!< row by row; of vertices that are not finite 0
-    bool isThere[maxSide*maxSide];  //!< whether a vertex is finite
+    int32_t at[maxSide*maxSide][3]; //!< row by row; 0 for vertices that are not finite
+    bool isThere[maxSide*maxSide];  //!< true if a vertex is finite
     uint32_t width;
-    uint32_t exponent;              //!< of the spacing, as a float has it: 1 to 232
+    uint32_t exponent;              //!< biased exponent of the spacing, 1 to 232
 
-    /*! Vertices of a rectangle whose rows are `stride` vertices apart. False where they are no such integers. */
+    /*! Places the vertices of a rectangle. stride: vertices from row to row. Returns false if they are not such
+     *  integers. */
     bool place (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;
@@ -47,14 +49,15 @@ namespace cvert
       for (uint32_t y=0; y<rows; y++)
         for (uint32_t x=0; x<columns; x++)
           for (int k=0; k<3; k++)
-            if (!locate(vertices[3*(size_t(y)*stride + x) + k],lowest,isThere[y*width+x],at[y*width+x][k])) return false;
+            if (!locate(vertices[3*(size_t(y)*stride + x) + k],lowest,isThere[y*width+x],at[y*width+x][k]))
+              return false;
       return true;
     }
 
   private:
     static const int minExponent = -126, maxExponent = 105;
 
-    /*! sign, and mantissa times 2^exponent */
+    /*! A float as sign, and mantissa times 2^exponent. */
     struct Parts
     {
       bool isNegative;
@@ -82,7 +85,8 @@ namespace cvert
       if (!isThere || parts.mantissa == 0) return true;
       const int shift = parts.exponent - spacing;
       if (shift > 8) return false;
-      const int64_t size = shift >= 0 ? int64_t(parts.mantissa) << shift : int64_t(parts.mantissa >> -shift); // nothing is lost: spacing is at most the lowest bit
+      // exact because spacing is at most the lowest bit
+      const int64_t size = shift >= 0 ? int64_t(parts.mantissa) << shift : int64_t(parts.mantissa >> -shift);
       const int64_t value = parts.isNegative ? -size : size;
       if (value < lowestAnchor || value >= -int64_t(lowestAnchor) + maxOffset) return false;
       out = int32_t(value);
@@ -90,7 +94,7 @@ namespace cvert
     }
   };
 
-  /*! What a rectangle of points spans. */
+  /*! Bounds of a rectangle of points. */
   struct LatticeSpan
   {
     int32_t lower[3], upper[3];
@@ -109,7 +113,7 @@ namespace cvert
 
     bool isEmpty () const { return lower[0] > upper[0]; }
 
-    /*! whether an anchor of 24 bits and offsets of 16 have it */
+    /*! True if an anchor of 24 bits and offsets of 16 bits can represent the points. */
     bool fits () const
     {
       for (int k=0; k<3; k++)
@@ -117,7 +121,7 @@ namespace cvert
       return true;
     }
 
-    /*! of offsets along an axis, 1 to 16 */
+    /*! Number of bits of offsets on an axis, 1 to 16. */
     uint32_t bits (int k) const { return upper[k] > lower[k] ? bitsOf(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* The triangles of a rectangle of quads of a part, with the vertices that they need. Where edges are stitched neighbours lie on one point, and are one vertex. */
+/* Triangles of a rectangle of quads of a part, with their vertices. At stitched edges, neighboring vertices at the same
+ * point become one vertex. */
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace cvert
 {
-  /*! quads of a part */
+  /*! Quads of a part. */
   struct QuadRectangle
   {
     uint32_t x, y, width, height;
@@ -20,25 +21,29 @@ namespace cvert
   class QuadTriangles
   {
   public:
-    static const uint32_t maxQuads = 8;         //!< along a side of a cluster
+    static const uint32_t maxQuads = 8;         //!< per side of a cluster
     static const uint32_t maxVertices = 81, maxTriangles = 128;
 
     uint32_t numVertices, numTriangles;
-    uint32_t vertices[maxVertices];             //!< numbers of vertices in the rectangle, row by row
-    uint8_t indices[maxTriangles][3];           //!< of vertices
-    uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads a row y + x), and 1 more for the second of a quad
-    bool isWhole;                               //!< no vertex and no triangle is missing
+    uint32_t vertices[maxVertices];             //!< indices of vertices in the rectangle, row by row
+    uint8_t indices[maxTriangles][3];           //!< indices into vertices
+    uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads per row * y + x), plus 1 for the
+                                                //!< second triangle of a quad
+    bool isWhole;                               //!< true if no vertex and no triangle is missing
 
-    /*! points: of the part, whose rows have `stride` vertices. isStrip: rows go to and fro, so that triangles that follow each other have a common edge. */
+    /*! points: of the part, whose rows have `stride` vertices. isStrip: alternate the direction of rows, so that
+     *  consecutive triangles share an edge. */
     QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& of, bool isStrip)
-      : numVertices(0), numTriangles(0), points(points + 3*(size_t(of.y)*stride + of.x)), stride(stride), width(of.width+1)
+      : numVertices(0), numTriangles(0), points(points + 3*(size_t(of.y)*stride + of.x)), stride(stride),
+        width(of.width+1)
     {
       const uint32_t count = width*(of.height+1);
       bool isFused = false;
       for (uint32_t i=0; i<count; i++)
       {
         const uint32_t x = i % width;
-        number[i] = uint8_t(x > 0 && areSame(i,i-1) ? number[i-1] : i >= width && areSame(i,i-width) ? number[i-width] : i);
+        number[i] = uint8_t(x > 0 && areSame(i,i-1) ? number[i-1]
+                            : i >= width && areSame(i,i-width) ? number[i-width] : i);
         isFused |= number[i] != i;
         isUsed[i] = false;
       }
@@ -48,7 +53,8 @@ namespace cvert
           const bool isBack = isStrip && (y & 1);
           const uint32_t x = isBack ? of.width-1-n : n;
           const uint32_t id = 2*((of.y + y)*(stride-1) + of.x + x), a = y*width + x;
-          /* up on the right a strip enters by the first triangle of a quad, goes to the second, and comes back; then it enters by the second */
+          /* In a row from right to left, the strip enters the first quad by its first triangle, continues to the second
+             and backtracks. It enters all other quads by their second triangle. */
           const bool isSecondFirst = isBack && n > 0;
           for (uint32_t t=0; t<2; t++)
             if (isSecondFirst == (t == 0)) add(a+width,a+1,a+width+1,id+1);
@@ -74,7 +80,9 @@ namespace cvert
       return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
     }
 
-    bool isFinite (uint32_t i) const { return std::isfinite(at(i)[0]) && std::isfinite(at(i)[1]) && std::isfinite(at(i)[2]); }
+    bool isFinite (uint32_t i) const {
+      return std::isfinite(at(i)[0]) && std::isfinite(at(i)[1]) && std::isfinite(at(i)[2]);
+    }
 
     void add (uint32_t a, uint32_t b, uint32_t c, uint32_t id)
     {
@@ -86,7 +94,7 @@ namespace cvert
 
     const float* const points;
     const uint32_t stride, width;
-    uint8_t number[maxVertices];                //!< of the vertex in whose place another one is
+    uint8_t number[maxVertices];                //!< index of the vertex that replaces each vertex
     bool isUsed[maxVertices];
   };
 }

@@ -3,24 +3,25 @@
 
 #pragma once
 
-/* Decodes a block in scalar code, one time step at a time. This is the reference that SIMD decoders must equal. It is also the decoder for
- * programs that need all vertices of a block. */
+/* Decodes a block in scalar code, one time step at a time. This is the reference that SIMD decoders must equal. It is
+ * also the decoder for programs that need all vertices of a block. */
 
 #include "cell_vertices.h"
 #include "group_planes.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! The vertices of a block at a time step, exactly as they were encoded. The block must be valid (validateVert), and exist as long as this. */
+  /*! Vertices of a block at a time step, exactly as they were encoded. The block must be valid (validateVert) and must
+   *  outlive this object. */
   class DecodedBlock
   {
   public:
     static const uint32_t maxSide = vertBlockQuads + 1u; //!< in vertices
 
-    float vertices[maxSide*maxSide][3]; //!< world, row by row, (quadsX+1) (quadsY+1) of them
+    float vertices[maxSide*maxSide][3]; //!< world positions, row by row, (quadsX+1) (quadsY+1) of them
     const uint32_t quadsX, quadsY;
 
-    /*! step: less than the number of steps of a block that moves, else 0 */
+    /*! step: less than the number of steps of a moving block, else 0. */
     explicit DecodedBlock(const VertHeader* block, uint32_t step = 0)
       : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block),
         layout(vertLayout(block->region,block->boxForm)), view(viewOfStep(block,layout,step))
@@ -31,7 +32,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
 
-    /*! Bounds of the finite vertices. Returns false if there are none. */
+    /*! Computes the bounds of the finite vertices. Returns false if there are none. */
     bool bounds(float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
@@ -39,14 +40,19 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const float* p = vertices[i];
         if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
-        for (int k=0; k<3; k++) { lower[k] = p[k] < lower[k] ? p[k] : lower[k]; upper[k] = p[k] > upper[k] ? p[k] : upper[k]; }
+        for (int k=0; k<3; k++) {
+          lower[k] = p[k] < lower[k] ? p[k] : lower[k];
+          upper[k] = p[k] > upper[k] ? p[k] : upper[k];
+        }
       }
       return lower[0] <= upper[0];
     }
 
-    /*! Box of a group in the world. On the sheared axis, lower and upper are sheared coordinates times the spacing, without the origin.
-     *  form, margins: of the segment that begins or ends with this step; the block's own if they are left out */
-    void groupBox(uint32_t g, float lower[3], float upper[3]) const { groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper); }
+    /*! World box of a group. On the sheared axis, lower and upper are sheared coordinates times the spacing, relative
+     *  to the origin. form, margins: of the segment that begins or ends with this step; by default of the block. */
+    void groupBox(uint32_t g, float lower[3], float upper[3]) const {
+      groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper);
+    }
     void groupBox(uint32_t g, uint32_t form, const uint8_t* margins, float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++)
@@ -60,11 +66,11 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! End of the fields and remainders; null for a raw step. */
+    /*! End of the fields and remainders, or null for a raw step. */
     const uint8_t* end = nullptr;
 
   private:
-    /*! Fields of the first step, which turn with those of a later one. */
+    /*! Fields of the first step from which the fields of a later step are predicted. */
     struct FirstFields
     {
       bool isTurned;
@@ -115,8 +121,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Index of a corner of a group among the vertices of the first cell. */
-    uint32_t cornerOfGroup(uint32_t g, uint32_t c) const { return 5*(g/layout.groupsX + (c >> 1)) + g % layout.groupsX + (c & 1); }
+    /*! Index of corner c of a group among the vertices of the first cell. */
+    uint32_t cornerOfGroup(uint32_t g, uint32_t c) const {
+      return 5*(g/layout.groupsX + (c >> 1)) + g % layout.groupsX + (c & 1);
+    }
 
     const VertHeader* const block;
     const VertLayout layout;

@@ -10,17 +10,17 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! The triangles of a group, one per lane. */
+  /*! Triangles of a group, one per lane. */
   struct DecodedMeshGroup
   {
     uint32_t numTriangles, numVertices;
-    uint32_t vertices[maxGroupVertices];                  //!< numbers in the block
-    //! into `vertices`: the corners of each triangle, in the order of the application
+    uint32_t vertices[maxGroupVertices];                  //!< indices in the block
+    //! indices into `vertices` of the corners of each triangle, in the order of the application
     uint8_t indices[3][maxGroupTriangles];
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
-    uint32_t primIDs[maxGroupTriangles];
+    uint32_t numbers[maxGroupTriangles];                  //!< numbers of triangles, as MeshView::number
 
-    /*! Decodes group g. Reads the header, the records, the boxes, the topology and the numbers of the group, and the
+    /*! Decodes group g. Reads the header, all records and boxes, the topology and the numbers of the group, and the
      *  vertices that it uses. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
     {
@@ -55,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
           indices[c][t] = stream[positionsInStream[c]];
           for (uint32_t k=0; k<3; k++) corners[c][k][t] = positions[indices[c][t]][k];
         }
-        primIDs[t] = view.primID(g,t);
+        numbers[t] = view.number(g,t);
       }
     }
   };
@@ -67,8 +67,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numVertices, numTriangles, numGroups;
     float vertices[maxMeshVertices][3];
     uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices, in the order of the application
-    uint32_t primIDs[maxMeshTriangles];
-    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group; then the number of all
+    uint32_t numbers[maxMeshTriangles];
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group, then the total number
 
     explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)),
       numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))
@@ -82,7 +82,7 @@ namespace cvert { inline namespace CVERT_ISA
         for (uint32_t t=0; t<group.numTriangles; t++) {
           const uint32_t i = firstTriangle[g]+t;
           for (uint32_t c=0; c<3; c++) triangles[i][c] = group.vertices[group.indices[c][t]];
-          primIDs[i] = group.primIDs[t];
+          numbers[i] = group.numbers[t];
         }
       }
       firstTriangle[numGroups] = numTriangles;

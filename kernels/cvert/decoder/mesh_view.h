@@ -3,35 +3,35 @@
 
 #pragma once
 
-/* Where the parts of a mesh block are: sums over its groups, and access to single vertices and numbers. Everything
- * that decodes a group of a mesh block begins here. */
+/* Locates the parts of a mesh block by sums over its groups, and decodes single vertices and numbers. All decoders of
+ * mesh blocks use it. */
 
 #include "../format/mesh_block.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns a number of up to 32 bits from a bit on. Reads only bytes that contain one of them. */
+  /*! Returns `count` bits, up to 32, from bit `begin` on. Reads only bytes that contain one of them. */
   inline uint32_t meshBitsAt (const uint8_t* data, uint32_t begin, uint32_t count) {
     return count == 0 ? 0 : bitsAt(data,begin,count) & (0xFFFFFFFFu >> (32-count));
   }
 
-  /*! The block must be valid (validateMesh), and exist as long as this. */
+  /*! The block must be valid (validateMesh) and must outlive this object. */
   class MeshView
   {
   public:
     const MeshHeader* const block;
     const uint32_t groups;
     const MeshLayout layout;
-    //! number in the block of the first triangle of a group; then the number of all
+    //! index in the block of the first triangle of a group, then the total number
     uint32_t firstTriangle[maxMeshGroups+1];
-    uint32_t firstVertex[maxMeshGroups+1];   //!< the same of the vertices that belong to a group
-    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of a group's topology, from `topology` on
-    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of the fields of a group's vertices, from `vertices` on
-    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of a group's primitive numbers, from `numbers` on
-    uint32_t fieldBits[maxMeshGroups][3];    //!< of a vertex that belongs to a group
+    uint32_t firstVertex[maxMeshGroups+1];   //!< the same for vertices that belong to a group
+    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of the topology of a group, relative to `topology`
+    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of the vertex fields of a group, relative to `vertices`
+    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of the primitive numbers of a group, relative to `numbers`
+    uint32_t fieldBits[maxMeshGroups][3];    //!< bits per axis of a vertex that belongs to a group
     const uint8_t* topology, * vertices, * numbers;
 
-    /*! Uses header, records and boxes only. */
+    /*! Reads only the header, records and boxes. */
     explicit MeshView (const MeshHeader* block) : block(block), groups(meshGroups(block->counts)),
       layout(meshLayout(block->counts))
     {
@@ -54,7 +54,7 @@ namespace cvert { inline namespace CVERT_ISA
       numbers = vertices + (vertexBegin[groups]+7)/8;
     }
 
-    /*! Bytes of the block. */
+    /*! Size of the block in bytes. */
     uint32_t bytes () const {
       return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u;
     }
@@ -83,8 +83,9 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
     }
 
-    /*! Returns the primitive number of triangle t of a group. */
-    uint32_t primID (uint32_t g, uint32_t t) const
+    /*! Returns the number of triangle t of a group. It is the number of its primitive, unless the primitives are quads,
+     *  see primitiveOfMesh. */
+    uint32_t number (uint32_t g, uint32_t t) const
     {
       const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
       return block->primID + meshBitsAt(numbers,numberBegin[g],base)
@@ -93,7 +94,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
 
-    /*! Box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, from the origin. */
+    /*! Box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the
+     *  origin. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -107,14 +109,14 @@ namespace cvert { inline namespace CVERT_ISA
         }
         const bool sheared = isSheared() && k == meshShearedAxis(block->form);
         const float spacing = meshSpacing(block->spacings,k), origin = sheared ? 0.0f : block->origin[k];
-        // coordinates were rounded when they were sheared
+        // shearing rounds coordinates
         lower[k] = origin + (float(begin) - (sheared ? 0.5f : 0.0f))*spacing;
         upper[k] = origin + float(end)*spacing;
       }
     }
 
   private:
-    /*! Position of a coordinate on an axis. On the sheared axis it may be negative, modulo 2^32. */
+    /*! World position of a coordinate on an axis. On the sheared axis the coordinate may be negative, modulo 2^32. */
     float position (uint32_t k, uint32_t coordinate) const
     {
       if (hasRanks(block->spacings,k)) return floatOfRank(rankOfFloat(block->origin[k]) + coordinate);

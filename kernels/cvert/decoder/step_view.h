@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A time step of a block: the block itself at its first step, VertStep at later ones. Both store the same parts in different places; a view
- * hides the difference. */
+/* View of a time step of a block: of the block itself at its first step, of a VertStep at later steps. Both store the
+ * same parts at different offsets; the view hides the difference. */
 
 #ifndef CVERT_STEP_VIEW_H
 #define CVERT_STEP_VIEW_H
@@ -14,20 +14,20 @@ CVERT_BEGIN
 struct StepView
 {
   CVERT_POINTER(uint8_t) data; //!< start of the block or of the step
-  bool isLater;             //!< whether data is a VertStep
+  bool isLater;             //!< true if data is a VertStep
   float origin[3];
   VertSpacing spacing;
   uint32_t form;            //!< boxForm
-  uint32_t word;            //!< of the first cell
+  uint32_t word;            //!< word of the first cell
   uint32_t turned;          //!< VertStep::turned; 0 at the first step
-  uint32_t remainders;      //!< their word; 0 if there are none
-  bool hasHigh;             //!< whether words of groups have upper bits
-  uint32_t corners;         //!< offset from data of the six words of corners
-  uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets from data, as in VertLayout
+  uint32_t remainders;      //!< word of remainders, or 0 if there are none
+  bool hasHigh;             //!< true if words of groups have upper bits
+  uint32_t corners;         //!< offset of the six words of corners, relative to data
+  uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets relative to data, as in VertLayout
 };
 
-/*! Returns the view with its spacing and its word of remainders, once everything else is set. remainders: offset of
- *  that word */
+/*! Returns the view with its spacing and its word of remainders. All other members must be set. remainders: offset of
+ *  that word. */
 CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
 {
   uint32_t c = step.corners/4u;
@@ -37,7 +37,7 @@ CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
   return step;
 }
 
-/*! offsets: of the block */
+/*! offsets: layout of the block. */
 CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets)
 {
   StepView step;
@@ -59,7 +59,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   return withScales(step,offsets.remainders);
 }
 
-/*! step: from 1, less than the number of steps */
+/*! number: from 1, less than the number of steps. */
 CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
 {
   CVERT_POINTER(VertStep) later = stepOf(block,number);
@@ -83,24 +83,23 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   return withScales(step,offsets.remainders);
 }
 
-/*! offsets: of the block; number: less than its number of steps, 0 if it does not move */
+/*! offsets: layout of the block. number: less than the number of steps, or 0 if the block does not move. */
 CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t number)
 {
   if (number == 0u) return viewOfFirstStep(block,offsets);
   return viewOfLaterStep(block,CVERT_AT(VertHeader,block).region,number);
 }
 
-/*! Word of corners i, 0 to 5. */
+/*! Word i of corners, 0 to 5. */
 CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
   return wordAt(step.data,step.corners/4u + uint32_t(i));
 }
 
-/*! Word of a group. */
 CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHigh,g);
 }
 
-/*! Offset of the fields of a group. */
+/*! Offset of the fields of a group, relative to data. */
 CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return endOfFields(step.data,step.cell,step.word,step.words,g);
 }
@@ -109,7 +108,7 @@ CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
 CVERT_FUNCTION bool isFirstCellTurned (CVERT_IN(StepView) step) { return step.isLater && isFirstCellTurned(step.form); }
 CVERT_FUNCTION bool isGroupTurned (CVERT_IN(StepView) step, uint32_t g) { return isTurned(step.turned,g); }
 
-/* --- bounds in a segment, between two steps that are not raw ------------------------------ */
+/* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
 /*! Bounds of the block at the step with which a segment begins. */
 CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
@@ -118,7 +117,7 @@ CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
   return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
 }
 
-/*! The same at the step with which it ends. form: of the step with which it begins */
+/*! Bounds of the block at the step with which a segment ends. form: boxForm of the step with which it begins. */
 CVERT_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
   return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.turned),step.spacing);
 }

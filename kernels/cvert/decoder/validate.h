@@ -3,22 +3,25 @@
 
 #pragma once
 
-/* Checks bytes that may be a cVERT block: sizes, numbers of bits and offsets must fit together and into the memory that there is. Fields may
- * have any value: they are vertices somewhere. */
+/* Validates bytes that may be a cVERT block. Sizes, numbers of bits and offsets must be consistent and within the
+ * available memory. Fields may have any value, because each value decodes to a vertex. */
 
 #include "../basics/reason.h"
 #include "../format/motion.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! True if a patch's corner, in halves, is that of a face with four corners, or of a sub-patch of another face, as Embree places them: from 1/2
-   *  on, two units apart, up to 4 in a row. */
-  inline bool isPatchCorner(uint32_t u, uint32_t v) { return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13); }
+  /*! True if a corner of a patch, in halves, is valid. Faces with four corners begin at 0. Embree places the
+   *  sub-patches of other faces from 1/2 on, two units apart, up to 4 in a row. */
+  inline bool isPatchCorner(uint32_t u, uint32_t v) {
+    return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13);
+  }
 
   class VertValidation
   {
   public:
-    /*! Returns what is wrong with the block at data, which must be aligned and may have up to that many bytes. Reads no other bytes. */
+    /*! Returns the first error in the block at data, which must be aligned and may have up to `bytes` bytes. Reads no
+     *  other bytes. */
     static Reason validate(const void* data, size_t bytes)
     {
       if (bytes < vertHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,vertHeaderBytes);
@@ -27,8 +30,10 @@ namespace cvert { inline namespace CVERT_ISA
       for (float x : header.origin)
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       const VertLayout layout = vertLayout(header.region,header.boxForm);
-      if (bytes < layout.margins) return Reason::damaged("it has % bytes: header, edges and motion need %",bytes,layout.margins);
-      if (const Reason reason = hasNumbers(header.boxForm) ? validateNumbers(header) : validatePatch(header)) return reason;
+      if (bytes < layout.margins)
+        return Reason::damaged("it has % bytes: header, edges and motion need %",bytes,layout.margins);
+      if (const Reason reason = hasNumbers(header.boxForm) ? validateNumbers(header) : validatePatch(header))
+        return reason;
       size_t end;
       if (const Reason reason = validateFirstStep(header,layout,bytes,end)) return reason;
       if (isMoving(header.boxForm))
@@ -40,32 +45,43 @@ namespace cvert { inline namespace CVERT_ISA
     static Reason validateVersion(const VertHeader& header)
     {
       const uint32_t version = versionOfCorners(header.corners[4],header.corners[5]);
-      if (version < oldestVertVersion) return Reason::unsupported("it is of version % of the format: this library reads % and later",version,oldestVertVersion);
-      if (version > vertFormatVersion) return Reason::unsupported("it is of version % of the format: this library reads versions up to %",version,vertFormatVersion);
-      if (reservedOfCorners(header.corners[4],header.corners[5]) != 0) return Reason::unsupported("reserved bits of its corners are set");
-      if (hasEdges(header.boxForm) && hasNumbers(header.boxForm)) return Reason::unsupported("it has both edges and numbers");
+      if (version < oldestVertVersion)
+        return Reason::unsupported("it has version % of the format: this library reads % and later",
+                                   version,oldestVertVersion);
+      if (version > vertFormatVersion)
+        return Reason::unsupported("it has version % of the format: this library reads versions up to %",
+                                   version,vertFormatVersion);
+      if (reservedOfCorners(header.corners[4],header.corners[5]) != 0)
+        return Reason::unsupported("reserved bits of its corners are set: expected 0");
+      if (hasEdges(header.boxForm) && hasNumbers(header.boxForm))
+        return Reason::unsupported("it has both edges and numbers: expected at most one of them");
       return Reason();
     }
 
-    /*! Checks the axis and the slopes of a cell's word or of boxes. */
-    static bool isForm(uint32_t word) { return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope; }
+    /*! True if the axis and the slopes of a word of a cell or of a boxForm are valid. */
+    static bool isForm(uint32_t word) {
+      return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
+    }
 
     static Reason validateCells(uint32_t word, const uint32_t corners[6])
     {
       const VertSpacing spacing = vertSpacing(word,corners);
       for (float x : spacing.at)
-        if (!(x >= std::numeric_limits<float>::min() && x < infinity)) return Reason::damaged("a spacing is out of range");
+        if (!(x >= std::numeric_limits<float>::min() && x < infinity))
+          return Reason::damaged("a spacing is not a normal float");
       return isForm(word) ? Reason() : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
-    /*! end: of the step */
+    /*! end: set to the end of the step. */
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;
-      if (isRaw(header.boxForm)) return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
+      if (isRaw(header.boxForm))
+        return bytes < end ? Reason::damaged("it has % bytes: its vertices and boxes need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(header.word,header.corners)) return reason;
       if (!isForm(header.boxForm)) return Reason::damaged("its sheared axis or a slope of its boxes is out of range");
-      if (bytes < layout.cell) return Reason::damaged("it has % bytes: header, margins and words need %",bytes,layout.cell);
+      if (bytes < layout.cell)
+        return Reason::damaged("it has % bytes: header, margins and words need %",bytes,layout.cell);
       const uint8_t* block = (const uint8_t*)&header;
       end = layout.cell + cellBytes(header.word);
       for (uint32_t g=0; g<layout.groups; g++)
@@ -80,61 +96,79 @@ namespace cvert { inline namespace CVERT_ISA
                                 header.region,bytes,end);
     }
 
-    /*! end: of fields, then of remainders */
-    static Reason validateRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes, size_t& end)
+    /*! end: end of the fields; set to the end of the remainders. */
+    static Reason validateRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes,
+                                     size_t& end)
     {
-      if (remainders & 0x8000u) return Reason::unsupported("a reserved bit of its remainders is set");
+      if (remainders & 0x8000u) return Reason::unsupported("a reserved bit of its remainders is set: expected 0");
       for (int k=0; k<3; k++) {
         const uint32_t bits = remainderBits(remainders,k);
         if (bits == remaindersAreFloats) continue;
-        if (bits > maxRemainderBits) return Reason::damaged("its remainders have % bits: expected at most %",bits,maxRemainderBits);
-        if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min())) return Reason::damaged("the spacing of its remainders is too small for a float");
+        if (bits > maxRemainderBits)
+          return Reason::damaged("its remainders have % bits: expected at most %",bits,maxRemainderBits);
+        if (!(remainderSpacing(spacing.at[k],bits) >= std::numeric_limits<float>::min()))
+          return Reason::damaged("the spacing of its remainders is too small for a float");
       }
-      if (remainderOffset(remainders) < end) return Reason::damaged("its remainders at % overlap what ends at %",remainderOffset(remainders),end);
+      if (remainderOffset(remainders) < end)
+        return Reason::damaged("its remainders begin at %: expected % or later",remainderOffset(remainders),end);
       end = size_t(remainderOffset(remainders)) + bytesOfRemainders(remainders,region);
       return bytes < end ? Reason::damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
     }
 
-    /*! end: of the first step, then of the last */
+    /*! end: end of the first step; set to the end of the last. */
     static Reason validateMotion(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       const VertMotion motion = motionOf(&header);
-      if (!std::isfinite(motion.begin) || !(motion.begin < motion.end) || !std::isfinite(motion.end)) return Reason::damaged("its time range is empty or not finite");
-      if (motion.numSteps < 2 || motion.numSteps > maxTimeSteps) return Reason::damaged("it has % time steps: expected 2 to %",motion.numSteps,maxTimeSteps);
-      if (motion.steps < end || motion.steps % 4 != 0) return Reason::damaged("the offsets of its time steps at % overlap what ends at %, or are not aligned",motion.steps,end);
+      if (!std::isfinite(motion.begin) || !(motion.begin < motion.end) || !std::isfinite(motion.end))
+        return Reason::damaged("its time range is empty or not finite");
+      if (motion.numSteps < 2 || motion.numSteps > maxTimeSteps)
+        return Reason::damaged("it has % time steps: expected 2 to %",motion.numSteps,maxTimeSteps);
+      if (motion.steps < end || motion.steps % 4 != 0)
+        return Reason::damaged("the offsets of its time steps begin at %: expected a multiple of 4 from % on",
+                               motion.steps,end);
       end = size_t(motion.steps) + 4*(motion.numSteps-1);
       if (bytes < end) return Reason::damaged("it has % bytes: the offsets of its time steps need %",bytes,end);
       for (uint32_t s=1; s<motion.numSteps; s++)
       {
         const VertStep* const step = stepOf(&header,s);
         const size_t begin = size_t((const uint8_t*)step - (const uint8_t*)&header);
-        if (begin < end || begin % 4 != 0) return Reason::damaged("a time step at % overlaps what ends at %, or is not aligned",begin,end);
-        if (bytes < begin + vertStepBytes) return Reason::damaged("it has % bytes: the header of a time step needs %",bytes,begin+vertStepBytes);
+        if (begin < end || begin % 4 != 0)
+          return Reason::damaged("a time step begins at %: expected a multiple of 4 from % on",begin,end);
+        if (bytes < begin + vertStepBytes)
+          return Reason::damaged("it has % bytes: the header of a time step needs %",bytes,begin+vertStepBytes);
         if (const Reason reason = validateStep(header,layout,*step,bytes-begin,end)) return reason;
         end += begin;
       }
       return Reason();
     }
 
-    /*! end: its bytes */
-    static Reason validateStep(const VertHeader& header, const VertLayout& layout, const VertStep& step, size_t bytes, size_t& end)
+    /*! end: set to the size of the step. */
+    static Reason validateStep(const VertHeader& header, const VertLayout& layout, const VertStep& step, size_t bytes,
+                               size_t& end)
     {
       for (float x : step.origin)
         if (!std::isfinite(x)) return Reason::damaged("the origin of a time step is not finite");
       const VertStepLayout at = vertStepLayout(header.region,step.boxForm);
       end = at.rawBytes;
-      if (isRaw(step.boxForm)) return bytes < end ? Reason::damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
+      if (isRaw(step.boxForm))
+        return bytes < end ? Reason::damaged("a time step has % bytes: its vertices need %",bytes,end) : Reason();
       if (const Reason reason = validateCells(step.word,step.corners)) return reason;
-      if (versionOfCorners(step.corners[4],step.corners[5]) != 0 || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
-        return Reason::unsupported("reserved bits of a time step's corners are set");
-      if (!isForm(step.boxForm)) return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
-      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm))) return Reason::damaged("a time step turns a cell of the first step, which is raw");
-      if (((step.turned >> 16) & 7u) == 7u) return Reason::damaged("the scale of a time step's matrix is 7: expected 0 to 6");
-      if (bytes < at.cell) return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
+      if (versionOfCorners(step.corners[4],step.corners[5]) != 0
+          || reservedOfCorners(step.corners[4],step.corners[5]) != 0)
+        return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
+      if (!isForm(step.boxForm))
+        return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
+      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm)))
+        return Reason::damaged("a time step predicts residuals from the first step, which is raw");
+      if (((step.turned >> 16) & 7u) == 7u)
+        return Reason::damaged("the scale of a time step's matrix is 7: expected 0 to 6");
+      if (bytes < at.cell)
+        return Reason::damaged("a time step has % bytes: its margins and words need %",bytes,at.cell);
       end = at.cell + cellBytes(step.word);
       for (uint32_t g=0; g<layout.groups; g++) {
         const uint32_t word = wordOfGroup(&step,at.words,at.wordsHigh,hasUpperBits(step.boxForm),g);
-        if (!isForm(word)) return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
+        if (!isForm(word))
+          return Reason::damaged("the main axis or a slope of group % of a time step is out of range",g);
         end += cellBytes(word);
       }
       if (bytes < end) return Reason::damaged("a time step has % bytes: its fields need %",bytes,end);
@@ -145,38 +179,73 @@ namespace cvert { inline namespace CVERT_ISA
 
     static Reason validateNumbers(const VertHeader& header)
     {
-      if (header.patchQuads >> 16 || patternOfNumbers(header.patchQuads) > numbersInTable) return Reason::unsupported("the form of its numbers, %, is unknown",header.patchQuads);
+      const uint32_t form = header.patchQuads;
+      const bool isTableOfTriangles = patternOfNumbers(form) == numbersInTriangleTable;
+      if (form >> 17 || (haveHalves(form) && (isTableOfTriangles || !isOfTriangles(form) || isOneTriangle(form))))
+        return Reason::unsupported("the form of its numbers, %, is unknown",form);
+      if (isTableOfTriangles && (!isOfTriangles(form) || isOneTriangle(form) || (form & formOfTurns(3,3))))
+        return Reason::unsupported("the form of its table of triangles, %, is unknown",form);
       for (bool isSecond : { false,true })
-        if (turnOfTriangle(header.patchQuads,isSecond) > 2) return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
+        if (turnOfTriangle(header.patchQuads,isSecond) > 2)
+          return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
       return Reason();
     }
 
-    /*! end: of what precedes the table */
+    /*! end: end of the parts before the table. */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
-      if (!hasNumbers(header.boxForm) || patternOfNumbers(header.patchQuads) != numbersInTable) return Reason();
+      const uint32_t form = header.patchQuads;
+      if (!hasNumbers(header.boxForm)) return Reason();
+      if (haveHalves(form)) {
+        const VertNumbers stored = storedNumbersOf(&header);
+        if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
+          return Reason::damaged("the numbers of its second triangles begin at %: expected a multiple of 4 from % on, "
+                                 "followed by 0",stored.x,end);
+        end = size_t(stored.x) + sizeof(VertHalves);
+        if (bytes < end) return Reason::damaged("it has % bytes: the numbers of its second triangles need %",bytes,end);
+      }
+      if (!haveTable(form)) return Reason();
       const VertNumbers numbers = numbersOf(&header);
-      if (numbers.x < end) return Reason::damaged("its table of numbers at % overlaps what ends at %",numbers.x,end);
-      if (numbers.y > 32u) return Reason::damaged("its table of numbers has % bits per number: expected at most 32",numbers.y);
-      const size_t needed = size_t(numbers.x) + bytesOfNumberTable(vertQuadsX(header.region)*vertQuadsY(header.region),numbers.y);
-      return bytes < needed ? Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed) : Reason();
+      if (numbers.x < end)
+        return Reason::damaged("its table of numbers begins at %: expected % or later",numbers.x,end);
+      if (numbers.y > 32u)
+        return Reason::damaged("its table of numbers has % bits per number: expected at most 32",numbers.y);
+      const uint32_t entries = vertQuadsX(header.region)*vertQuadsY(header.region)*entriesPerQuad(form);
+      const size_t needed = size_t(numbers.x) + bytesOfNumberTable(entries,numbers.y);
+      if (bytes < needed) return Reason::damaged("it has % bytes: its table of numbers needs %",bytes,needed);
+      return patternOfNumbers(form) == numbersInTriangleTable ? validateTurns(header) : Reason();
+    }
+
+    /*! Validates the turns of a table of triangles that is within the block. */
+    static Reason validateTurns(const VertHeader& header)
+    {
+      for (uint32_t y=0; y<vertQuadsY(header.region); y++)
+        for (uint32_t x=0; x<vertQuadsX(header.region); x++)
+          for (bool isSecond : { false,true })
+            if (turnOfTriangle(primitiveOfQuad(&header,x,y,isSecond).form,isSecond) > 2)
+              return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
+      return Reason();
     }
 
     static Reason validatePatch(const VertHeader& header)
     {
       const uint32_t quads[2] = { patchQuadsX(header.patchQuads),patchQuadsY(header.patchQuads) };
-      if (vertX(header.region) + vertQuadsX(header.region) > quads[0] || vertY(header.region) + vertQuadsY(header.region) > quads[1])
+      if (vertX(header.region) + vertQuadsX(header.region) > quads[0]
+          || vertY(header.region) + vertQuadsY(header.region) > quads[1])
         return Reason::damaged("it lies outside of its patch of % x % quads",quads[0],quads[1]);
       if (!hasEdges(header.boxForm)) return Reason();
       const VertEdges edges = edgesOf(&header);
-      if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges))) return Reason::damaged("its patch starts outside of its face");
+      if (!isPatchCorner(vertCornerU(edges),vertCornerV(edges)))
+        return Reason::damaged("its patch starts outside of its face");
       for (int s=0; s<4; s++)
-        if (vertRate(edges,s) > quads[s & 1]) return Reason::damaged("an edge has a rate of %: its patch has % quads there",vertRate(edges,s),quads[s & 1]);
+        if (vertRate(edges,s) > quads[s & 1])
+          return Reason::damaged("an edge has rate %: expected at most %, the quads of its patch",
+                                 vertRate(edges,s),quads[s & 1]);
       return Reason();
     }
   };
 
-  /*! Returns what is wrong with the cVERT block at data, which must be aligned to 4 bytes and may have up to that many bytes. What passes can be
-   *  decoded: decoders read only it and readBehindVert bytes after it. */
+  /*! Returns the first error in the cVERT block at data, which must be aligned to 4 bytes and may have up to `bytes`
+   *  bytes. Valid blocks can be decoded: decoders read only the block and readBehindVert bytes after it. */
   inline Reason validateVert(const void* data, size_t bytes) { return VertValidation::validate(data,bytes); }
 }}

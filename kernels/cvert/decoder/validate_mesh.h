@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks bytes that may be a mesh block: counts, sizes and indices must fit together and into the memory that there
- * is. Fields of vertices and primitive numbers may have any value. */
+/* Validates bytes that may be a mesh block. Counts, sizes and indices must be consistent and within the available
+ * memory. Fields of vertices and primitive numbers may have any value. */
 
 #include "../basics/reason.h"
 #include "mesh_view.h"
@@ -14,8 +14,8 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshValidation
   {
   public:
-    /*! Returns what is wrong with the block at data, which must be aligned to 4 bytes and may have up to that many
-     *  bytes. Reads no other bytes. */
+    /*! Returns the first error in the block at data, which must be aligned to 4 bytes and may have up to `bytes` bytes.
+     *  Reads no other bytes. */
     static Reason validate (const void* data, size_t bytes)
     {
       if (bytes < meshHeaderBytes)
@@ -51,9 +51,9 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::unsupported("it is a mesh block of version %: this library reads version %",version,
           meshFormatVersion);
       if (header.motion != 0)
-        return Reason::unsupported("it is a mesh block that moves, which this library does not read");
-      if (header.spacings >> 24) return Reason::unsupported("reserved bits of its spacings are set");
-      if (header.form & 0x3C000000u) return Reason::unsupported("reserved bits of its form are set");
+        return Reason::unsupported("it is a moving mesh block: this library reads only static ones");
+      if (header.spacings >> 24) return Reason::unsupported("reserved bits of its spacings are set: expected 0");
+      if (header.form & 0x38000000u) return Reason::unsupported("reserved bits of its form are set: expected 0");
       for (float x : header.origin)
         if (!std::isfinite(x)) return Reason::damaged("its origin is not finite");
       for (uint32_t k=0; k<3; k++)
@@ -65,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::damaged("a slope of its boxes is -16: expected -15 to 15");
       if ((slopes[0] | slopes[1]) != 0
         && (hasRanks(header.spacings,0) || hasRanks(header.spacings,1) || hasRanks(header.spacings,2)))
-        return Reason::damaged("it is sheared, and an axis counts floats");
+        return Reason::damaged("it has a sheared axis and an axis that counts floats: expected at most one of them");
       if (meshVertices(header.counts) > maxMeshVertices)
         return Reason::damaged("it has % vertices: expected at most %",meshVertices(header.counts),maxMeshVertices);
       if (baseNumberBits(header.counts) > 32)
@@ -74,7 +74,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! Checks bytes, records and boxes of groups. */
+    /*! Validates bytes, records and boxes of groups. */
     static Reason validateGroups (const MeshHeader& header)
     {
       const uint32_t groups = meshGroups(header.counts);
@@ -87,10 +87,10 @@ namespace cvert { inline namespace CVERT_ISA
         }
         const uint32_t record = meshRecord(&header,g), vertices = groupVertices(record), own = groupOwnVertices(record);
         if (vertices < 3 || vertices > streamLength(groupTriangles(group),groupRestarts(group,record)))
-          return Reason::damaged("group % has % vertices, which do not fit its triangles",g,vertices);
-        if (own > vertices) return Reason::damaged("% of the % vertices of a group belong to it",own,vertices);
+          return Reason::damaged("group % has % vertices: too few or too many for its triangles",g,vertices);
+        if (own > vertices) return Reason::damaged("a group owns % vertices: it has only %",own,vertices);
         if (groupRestarts(group,record) >= groupTriangles(group))
-          return Reason::damaged("group % starts as many strips as it has triangles, or more",g);
+          return Reason::damaged("group % has more strips than triangles",g);
         for (uint32_t k=0; k<3; k++)
           if (meshPlane(&header,k,g) + meshPlane(&header,3+k,g) > 255)
             return Reason::damaged("a box of group % ends at %: expected at most 255",g,meshPlane(&header,k,g)
@@ -110,24 +110,24 @@ namespace cvert { inline namespace CVERT_ISA
       };
       const uint32_t restarts = bits(at.restarts,triangles-1), fans = bits(at.fans,triangles-1);
       if (countBits(restarts) != groupRestarts(group,record))
-        return Reason::damaged("group % starts other strips than its record counts",g);
+        return Reason::damaged("group % starts more or fewer strips than its record counts",g);
       if (restarts & fans) return Reason::damaged("a triangle of group % starts a strip and is part of a fan",g);
       for (uint32_t t=0; t<triangles; t++)
         if (bits(at.turns+2*t,2) > 2)
           return Reason::damaged("a triangle of group % is turned by 3 corners: expected 0 to 2",g);
       if (countBits(bits(at.owns,vertices)) != groupOwnVertices(record))
-        return Reason::damaged("group % has other vertices than its record counts",g);
+        return Reason::damaged("group % owns more or fewer vertices than its record counts",g);
       uint32_t news = 3;
       for (uint32_t i=3; i<stream; i++) news += bits(at.news+i-3,1);
       if (news != vertices)
-        return Reason::damaged("the strips of group % have % vertices, which is not what its record counts",g,news);
+        return Reason::damaged("the strips of group % have % vertices: its record counts more or fewer",g,news);
       news = 3;
       for (uint32_t i=3; i<stream; i++)
         if (bits(at.news+i-3,1)) news++;
         else {
           const uint32_t local = bits(at.repeats + at.repeatBits*(i-news),at.repeatBits);
           if (local >= news)
-            return Reason::damaged("a strip of group % repeats vertex %, which it has not reached",g,local);
+            return Reason::damaged("a strip of group % repeats vertex % before its first use",g,local);
         }
       for (uint32_t i=0; i<vertices-groupOwnVertices(record); i++) {
         const uint32_t v = bits(at.others + at.otherBits*i,at.otherBits);
@@ -138,7 +138,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Returns what is wrong with the mesh block at data, which must be aligned to 4 bytes and may have up to that
-   *  many bytes. What passes can be decoded: decoders read only it and readBehindVert bytes after it. */
+  /*! Returns the first error in the mesh block at data, which must be aligned to 4 bytes and may have up to `bytes`
+   *  bytes. Valid blocks can be decoded: decoders read only the block and readBehindVert bytes after it. */
   inline Reason validateMesh (const void* data, size_t bytes) { return MeshValidation::validate(data,bytes); }
 }}

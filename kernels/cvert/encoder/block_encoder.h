@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of a block of cVERT, cvert/format/block.h. It loses nothing: vertices come as they are to be stored, snapped to
- * their lattices (cvert/encoder/lattice.h) or not, and each is the same floats when it is decoded. */
+/* Lossless encoder of a cVERT block, see format/block.h. Vertices may be snapped to lattices before (lattice.h).
+ * Decoders return the same floats. */
 
 #include "box_encoder.h"
 
@@ -12,24 +12,26 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct VertStatistics
   {
-    uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+    uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
     uint32_t fieldBytes = 0;
     bool raw = false;
   };
 
-  /*! where a block is in its patch, and what it has of that */
+  /*! Position of a block in its patch, and the parts of the patch that it stores. */
   struct VertPlacement
   {
     uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
     bool hasEdges = false, hasNumbers = false;
-    VertEdges edges = { 0,0 };      //!< if it has any
-    VertNumbers numbers = { 0,0 };
+    VertEdges edges = { 0,0 };       //!< if hasEdges
+    VertNumbers numbers = { 0,0 };   //!< if hasNumbers
 
     VertPlacement (uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
-    VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges) : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
+    VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges)
+      : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
 
-    /*! of quads of their own: form of their numbers in place of the patch's size */
-    VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers) : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
+    /*! form: form of the numbers, stored instead of the size of the patch. */
+    VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers)
+      : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
 
     uint32_t form () const { return uint32_t(hasEdges) << 29 | uint32_t(hasNumbers) << 30; }
   };
@@ -37,10 +39,11 @@ namespace cvert { inline namespace CVERT_ISA
   class VertEncoder : public BlockVertices
   {
   public:
-    /*! room for any block */
-    static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
+    /*! Upper bound of the size of a block. */
+    static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes
+      + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-    /*! Returns the number of bytes written to block, a multiple of 4; 0 where no vertex is finite. */
+    /*! Writes a block of `vertices`. Returns its size in bytes, a multiple of 4, or 0 if no vertex is finite. */
     size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
     {
       setSize(at.region);
@@ -65,9 +68,10 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   protected:
-    /*! Writes header, words, fields and remainders, but no boxes. The vertices must have been measured. Returns false if a raw block takes
-     *  fewer bytes. Before a cell is encoded, onCell(g,cell) is called: first for the first cell, with g = -1, then for each group. If the
-     *  spacings turn out too fine, all of this is repeated with coarser ones, including the calls. */
+    /*! Writes header, words, fields and remainders, but no boxes. The vertices must have been measured. Returns false
+     *  if a raw block is smaller. Calls onCell(g,cell) before each cell is encoded: for the first cell with g = -1,
+     *  then for each group. If the spacings turn out too fine, everything is repeated with coarser ones, including the
+     *  calls. */
     template<typename OnCell>
     bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
     {
@@ -89,7 +93,8 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(end-block) < layout.rawBytes;
     }
 
-    /*! Appends the remainders of vertices, if there are any, to the block or step that begins at start; writes their word at an offset from there. */
+    /*! Appends the remainders of vertices, if any, to the block or step that begins at start. Writes their word at
+     *  start+wordOffset. */
     void appendRemainders (const BlockVertices& of, uint8_t* start, uint32_t wordOffset)
     {
       if (!of.hasRemainders()) return;
@@ -98,7 +103,6 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(start+wordOffset,&word,sizeof(word));
     }
 
-    /*! Zeros up to a multiple of 4 bytes. */
     void fill (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
 
     void packRaw (const VertPlacement& at, uint32_t form, uint8_t* block)
@@ -110,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         header.origin[k] = anyFinite() ? lower[k] : 0.0f;
         for (uint32_t g=0; g<layout.groups; g++) {
-          float lo = INFINITY, hi = -INFINITY; // what a group without a finite vertex keeps
+          float lo = INFINITY, hi = -INFINITY; // kept by groups without a finite vertex
           extendByGroup(g,k,lo,hi);
           boxes[k*layout.groups+g] = lo;
           boxes[(3+k)*layout.groups+g] = hi;
@@ -123,14 +127,16 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* end;
     CellEncoder cell;
     BoxEncoder boxes;
-    uint32_t residualBits[3]; //!< by axis: of a field, summed over groups
+    uint32_t residualBits[3]; //!< bits of residuals per axis, summed over groups
 
   private:
-    /*! If a block has remainders, residuals keep about this many bits, and the rest of them becomes remainders. That takes fewer bytes: a
-     *  vertex on the border between groups has a residual in the cell of each, but only one remainder. */
+    /*! If a block has remainders, residuals keep about this many bits, and their other bits become remainders. This
+     *  takes fewer bits: a vertex on the border between groups has a residual in each of their cells, but only one
+     *  remainder. */
     static const int bitsOfNoise = 5;
 
-    /*! by axis: bits that may go from residuals to remainders; false if there are none */
+    /*! Computes the number of bits per axis that can move from residuals to remainders. Returns false if there are
+     *  none. */
     bool findMovable (int bits[3]) const
     {
       bool any = false;
@@ -142,7 +148,6 @@ namespace cvert { inline namespace CVERT_ISA
       return any;
     }
 
-    /*! what a block has in common with raw ones */
     VertHeader& begin (const VertPlacement& at, uint32_t form, uint8_t* block)
     {
       layout = vertLayout(at.region,form);
@@ -161,7 +166,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) gather(coordinates[k],x0,y0,step,cell.vertices[k]);
     }
 
-    /*! Origin, corners, words and fields; false where residuals need too many bits. */
+    /*! Writes origin, corners, words and fields. Returns false if residuals need too many bits. */
     template<typename OnCell>
     bool packCells (VertHeader& header, uint8_t* block, const OnCell& onCell)
     {
@@ -195,7 +200,10 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g / layout.groupsX);
       for (uint32_t y=y0; y<=std::min(y0+groupQuads,quads[1]); y++)
         for (uint32_t x=x0; x<=std::min(x0+groupQuads,quads[0]); x++)
-          if (isFinite(vertexAt(x,y))) { lo = std::min(lo,vertexAt(x,y)[axis]); hi = std::max(hi,vertexAt(x,y)[axis]); }
+          if (isFinite(vertexAt(x,y))) {
+            lo = std::min(lo,vertexAt(x,y)[axis]);
+            hi = std::max(hi,vertexAt(x,y)[axis]);
+          }
     }
 
   };

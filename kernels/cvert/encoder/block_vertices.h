@@ -3,11 +3,12 @@
 
 #pragma once
 
-/* The vertices of a block of cVERT at one time, and what format/block.h makes of them: coordinates and remainders.
+/* Vertices of a cVERT block at one time, as coordinates and remainders of format/block.h.
  *
- * Nothing is rounded here. On each axis all vertices are multiples of some power of two, the step. It is found in the floats themselves: for
- * vertices on a lattice it is at least the spacing of the lattice, for a regular terrain the size of a cell, for any other vertices the last
- * bit of a float. The block's spacing is the step or a larger power of two. If it is larger, vertices have remainders. */
+ * Nothing is rounded here. On each axis all vertices are multiples of a power of two, the step, which is found in the
+ * floats. For vertices on a lattice it is at least the spacing of the lattice. For a regular terrain it is the size of
+ * a cell, for other vertices the last bit of a float. The block's spacing is the step or a larger power of two. If it
+ * is larger, vertices have remainders. */
 
 #include "../format/block.h"
 #include "cell_encoder.h"
@@ -16,17 +17,17 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! of spacings of blocks: so their reciprocals are normal floats */
+  /*! Range of the exponents of spacings of blocks, in which their reciprocals are normal floats. */
   static const int minSpacingExponent = -126, maxSpacingExponent = 126;
 
   class BlockVertices
   {
   public:
     static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
-    static const uint32_t maxVertices = maxSide*maxSide + 3; //!< with whole vectors of four
+    static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to whole vectors of four
 
     float vertices[maxVertices][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
-    float lower[3], upper[3];       //!< of the finite ones; if there is none, infinity and -infinity
+    float lower[3], upper[3];       //!< of the finite vertices; infinity and -infinity if there are none
     bool allFinite;
 
     uint32_t quads[2], width;
@@ -50,54 +51,57 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<numVertices(); i++)
       {
         if (!isFinite(vertices[i])) continue;
-        for (int k=0; k<3; k++) { lower[k] = std::min(lower[k],vertices[i][k]); upper[k] = std::max(upper[k],vertices[i][k]); }
+        for (int k=0; k<3; k++) {
+          lower[k] = std::min(lower[k],vertices[i][k]);
+          upper[k] = std::max(upper[k],vertices[i][k]);
+        }
       }
     }
 
-    /*! with a vertex that is not finite */
     uint32_t countInvalidQuads () const
     {
       uint32_t n = 0;
       for (uint32_t y=0; y<quads[1]; y++)
         for (uint32_t x=0; x<quads[0]; x++)
-          n += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1)) && isFinite(vertexAt(x+1,y+1)));
+          n += !(isFinite(vertexAt(x,y)) && isFinite(vertexAt(x+1,y)) && isFinite(vertexAt(x,y+1))
+                 && isFinite(vertexAt(x+1,y+1)));
       return n;
     }
 
     bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-    /*! Finds the steps and the smallest spacings that are possible. All vertices must be finite. Returns false if there are none: the block
-     *  must be raw. */
+    /*! Finds the steps and the smallest possible spacings. All vertices must be finite. Returns false if no spacing is
+     *  possible; the block must then be raw. */
     bool measure ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
-      int size = minSpacingExponent; // power of two that is above what the block spans, on any axis
+      int size = minSpacingExponent; // exponent of a power of two above the extent of the block on every axis
       for (int k=0; k<3; k++) {
         const double span = double(upper[k])-double(lower[k]);
         if (span > 0) size = std::max(size,std::ilogb(span)+1);
       }
       findSteps();
-      /* If all vertices are 0 on an axis, it has no step. */
+      /* an axis on which all vertices are 0 has no step */
       for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
       return setRemainders();
     }
 
-    /*! Makes spacings larger by 2^bits on each axis: residuals become that much shorter, and remainders longer. Returns false if a spacing
-     *  would be too large. */
+    /*! Multiplies spacings by 2^bits per axis: residuals become shorter and remainders longer by that many bits.
+     *  Returns false if a spacing would be too large. */
     bool coarsen (const int bits[3])
     {
       for (int k=0; k<3; k++) exponent[k] += bits[k];
       return setRemainders();
     }
 
-    /*! origin, coordinates and remainders */
     void place ()
     {
       for (int k=0; k<3; k++) {
         const double unit = std::ldexp(1.0,-exponent[k]);
         origin[k] = float(std::floor(lower[k]*unit)/unit);
       }
-      const Float4 units[3] = { std::ldexp(1.0f,-exponent[0]),std::ldexp(1.0f,-exponent[1]),std::ldexp(1.0f,-exponent[2]) };
+      const Float4 units[3] = { std::ldexp(1.0f,-exponent[0]),std::ldexp(1.0f,-exponent[1]),
+                                std::ldexp(1.0f,-exponent[2]) };
       for (uint32_t i=0; i<numVertices(); i+=4)
       {
         const Vertices4 p(vertices+i);
@@ -109,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (remainderBits[k] != 0) placeWithRemainders(k);
     }
 
-    /*! Coordinates of the vertices of a cell; the last is repeated up to whole vectors. */
+    /*! Copies the coordinates of the vertices of a cell. The last is repeated up to whole vectors. */
     void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
     {
       for (uint32_t j=0; j<5; j++)
@@ -121,7 +125,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (int v=cellVertices; v<paddedVertices; v++) out[v] = out[cellVertices-1];
     }
 
-    /*! Vertices as floats; what is not finite is not a number: a triangle with that is never hit, one with infinity might be. */
+    /*! Copies vertices as floats. Vertices that are not finite become NaN: no ray hits a triangle with NaN, but rays
+     *  might hit a triangle with infinity. */
     void copyTo (float (*out)[3]) const
     {
       for (uint32_t i=0; i<numVertices(); i++)
@@ -132,7 +137,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
     }
 
-    /*! Writes what a header, of a block or of a step, has of coordinates, into bits that are 0. */
+    /*! Writes the coordinates' part of the header of a block or step. Its bits must be 0. */
     void write (float origin[3], uint32_t corners[6], uint32_t& word) const
     {
       memcpy(origin,this->origin,sizeof(this->origin));
@@ -141,10 +146,12 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<8; i++) corners[i >> 1] |= (((y >> i) & 1u) << 15 | ((z >> i) & 1u) << 14) << (16*(i & 1));
       for (uint32_t c=0; c<4; c++)
         for (int k=0; k<3; k++)
-          corners[cornerPair(int(c),k)] |= uint32_t(coordinates[k][(c >> 1)*quads[1]*width + (c & 1)*quads[0]]) << (16*((3*c+uint32_t(k)) & 1));
+          corners[cornerPair(int(c),k)] |= uint32_t(coordinates[k][(c >> 1)*quads[1]*width + (c & 1)*quads[0]])
+            << (16*((3*c+uint32_t(k)) & 1));
     }
 
-    /*! Writes the remainders to `out` and their word to `word`. offset: of `out` from the start of the block or step. Returns the end. */
+    /*! Writes the remainders to `out` and sets `word`. offset: of `out` from the start of the block or step. Returns
+     *  the end. */
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
       word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
@@ -156,13 +163,15 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! On an axis that is stored as floats, coordinates serve only boxes: the block spans 2^this of them, up to twice as many. */
+    /*! On an axis that is stored as floats, only boxes use coordinates: the block has 2^unitsOfFloats of them, up to
+     *  twice as many. */
     static const int unitsOfFloats = 6;
 
-    /*! Bits of an axis's integers before they are divided by the step. Their differences have at most 31. */
+    /*! Number of bits of the integers of an axis before their division by the step. Their differences have at most
+     *  31. */
     static const int integerBits = 29;
 
-    int step[3]; //!< as an exponent
+    int step[3]; //!< exponent
 
     static int exponentOf (float x)
     {
@@ -177,7 +186,8 @@ namespace cvert { inline namespace CVERT_ISA
       Int4 first[3], any[3] = { 0,0,0 };
       int exponents[3];
       for (int k=0; k<3; k++) {
-        exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,minSpacingExponent);
+        exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,
+                                minSpacingExponent);
         scale[k] = std::ldexp(1.0f,-exponents[k]);
         first[k] = truncated(Float4(vertices[0][k])*scale[k]);
       }
@@ -196,15 +206,17 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) {
         const unsigned differences = integral[k] == 15 ? unsigned(anyOf(any[k])) : 0;
         if (differences != 0) {
-          /* The origin is a multiple, too. */
+          /* the origin must be a multiple of the step, too */
           const float vertex = vertices[0][k];
-          step[k] = std::min(exponents[k] + __builtin_ctz(differences),vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
+          step[k] = std::min(exponents[k] + __builtin_ctz(differences),
+                             vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
         }
         else findStepOfFloats(k);
       }
     }
 
-    /*! of a float that is not 0, as an exponent; less than minSpacingExponent where readers may take the float for 0 */
+    /*! Exponent of the lowest bit of a float that is not 0. Less than minSpacingExponent for denormals, which readers
+     *  may treat as 0. */
     static int lowestBit (float x)
     {
       uint32_t bits;
@@ -213,7 +225,8 @@ namespace cvert { inline namespace CVERT_ISA
       return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
     }
 
-    /*! For axes on which all vertices are equal, or some are too small beside the largest for the integers of findSteps. */
+    /*! For axes on which all vertices are equal, or on which some are too small compared to the largest for the
+     *  integers of findSteps. */
     void findStepOfFloats (int k)
     {
       step[k] = maxSpacingExponent;
@@ -223,8 +236,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine for remainders
     }
 
-    /*! The smallest spacing on an axis for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings outside of the
-     *  vertices, are exact as floats. */
+    /*! Smallest spacing on an axis for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent
+     *  spacings outside of the vertices, are exact in float. */
     int leastExponent (int k) const
     {
       const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));
@@ -234,7 +247,8 @@ namespace cvert { inline namespace CVERT_ISA
       if (span > 0) e = std::max(e,std::ilogb(span)-13);
       for (;; e++) {
         const double unit = std::ldexp(1.0,-e);
-        if (largest*unit <= double((1 << 24) - 2*maxExtent) && upper[k]*unit - std::floor(lower[k]*unit) < maxExtent) return e;
+        if (largest*unit <= double((1 << 24) - 2*maxExtent) && upper[k]*unit - std::floor(lower[k]*unit) < maxExtent)
+          return e;
       }
     }
 
@@ -246,14 +260,16 @@ namespace cvert { inline namespace CVERT_ISA
         const int bits = std::max(exponent[k]-step[k],0);
         remainderBits[k] = bits > int(maxRemainderBits) ? remaindersAreFloats : uint32_t(bits);
         const double span = double(upper[k])-double(lower[k]);
-        if (remainderBits[k] == remaindersAreFloats && span > 0) exponent[k] = std::max(exponent[k],std::ilogb(span)-unitsOfFloats);
+        if (remainderBits[k] == remaindersAreFloats && span > 0)
+          exponent[k] = std::max(exponent[k],std::ilogb(span)-unitsOfFloats);
       }
       return true;
     }
 
     void placeWithRemainders (int k)
     {
-      const double unit = std::ldexp(1.0,-exponent[k]), first = double(origin[k])*unit, ofRemainder = std::ldexp(1.0,int(remainderBits[k]));
+      const double unit = std::ldexp(1.0,-exponent[k]), first = double(origin[k])*unit,
+        ofRemainder = std::ldexp(1.0,int(remainderBits[k]));
       for (uint32_t i=0; i<((numVertices()+3u) & ~3u); i++)
       {
         const double at = double(vertices[i][k])*unit - first, whole = std::floor(at);

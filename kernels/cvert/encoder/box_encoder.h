@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of the boxes of a block of cVERT, cvert/format/block.h: margins of groups, in a shear that makes groups flat. Boxes of a segment
- * of a block that moves hold at both of its ends. */
+/* Encoder of the boxes of a cVERT block, see format/block.h: margins of groups, in a shear that makes groups flat.
+ * Boxes of a segment of a moving block are valid at both of its ends. */
 
 #include "block_vertices.h"
 
@@ -13,7 +13,7 @@ namespace cvert { inline namespace CVERT_ISA
   class BoxEncoder
   {
   public:
-    /*! of a block, or of a block at both ends of a segment */
+    /*! For a block, or for a block at both ends of a segment. */
     void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
     {
       ends[0] = &first; ends[1] = second ? second : &first;
@@ -23,7 +23,6 @@ namespace cvert { inline namespace CVERT_ISA
       memset(margins,0,sizeof(margins));
     }
 
-    /*! group g at an end */
     void addGroup (uint32_t end, uint32_t g)
     {
       const BlockVertices& of = *ends[end];
@@ -36,26 +35,27 @@ namespace cvert { inline namespace CVERT_ISA
         const Span span = group.span(values), corners = group.corners(values);
         const int lower = corners.lower - span.lower, upper = span.upper - corners.upper;
         margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower+h.below,h.shift) : lower);
-        margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper+h.above,h.shift) : upper + remainder(of,k));
+        margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper+h.above,h.shift)
+                                                               : upper + remainder(of,k));
       }
     }
 
-    /*! all groups of both ends */
     void addGroups ()
     {
       for (uint32_t e=0; e<numEnds; e++)
         for (uint32_t g=0; g<groups; g++) addGroup(e,g);
     }
 
-    /*! bits 0 to 23 of boxForm; out: margins of groups */
+    /*! Writes margins of groups to out. Returns bits 0 to 23 of boxForm. */
     uint32_t write (uint8_t* out) const
     {
-      uint32_t boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14 | (uint32_t(shear.slopes[1]) & 31u) << 19;
+      uint32_t boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14
+        | (uint32_t(shear.slopes[1]) & 31u) << 19;
       for (int k=0; k<3; k++) boxForm |= writeMargins(out+k*groups,margins[0][k],margins[1][k]) << (4*k);
       return boxForm;
     }
 
-    /*! The bounds of the block at an end: see reachStep; in steps of the least power of two that does, whose exponent is shift. */
+    /*! Returns the bounds of the block at an end, see reachStep, in steps of 2^shift, the smallest possible. */
     uint32_t reach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& of = *ends[end];
@@ -72,17 +72,18 @@ namespace cvert { inline namespace CVERT_ISA
       }
       else {
         const Span h = spanOf(sheared.at,of.numVertices());
-        bounds[2] = (h.lower-sheared.below) >> sheared.shift; // down
+        bounds[2] = (h.lower-sheared.below) >> sheared.shift; // rounds down
         bounds[3] = stepsUp(h.upper+sheared.above,sheared.shift);
       }
       shift = 0;
-      while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128 || stepsUp(bounds[3],shift) > 127) shift++;
+      while (stepsUp(bounds[0],shift) > 255 || stepsUp(bounds[1],shift) > 255 || (bounds[2] >> shift) < -128
+             || stepsUp(bounds[3],shift) > 127) shift++;
       return uint32_t(stepsUp(bounds[0],shift)) | uint32_t(stepsUp(bounds[1],shift)) << 8
            | (uint32_t(bounds[2] >> shift) & 255u) << 16 | (uint32_t(stepsUp(bounds[3],shift)) & 255u) << 24;
     }
 
   private:
-    /*! the sheared coordinate of boxes */
+    /*! Sheared coordinate of boxes. */
     struct Shear
     {
       uint32_t axis = 0;
@@ -91,29 +92,31 @@ namespace cvert { inline namespace CVERT_ISA
       bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
     };
 
-    /*! The sheared coordinates of a block's vertices, without remainders, as integers. Their unit is the spacing on the sheared axis,
-     *  divided by 2^shift. */
+    /*! Sheared coordinates of a block's vertices, without remainders, as integers. Their unit is the spacing on the
+     *  sheared axis divided by 2^shift. */
     struct Heights
     {
       uint32_t shift;
-      int below, above;  //!< what remainders may take away, or add
+      int below, above;  //!< largest amounts by which remainders decrease or increase sheared coordinates
       int at[BlockVertices::maxVertices];
 
-      /*! Returns false if decoders, which add them up in float, would have to round. */
+      /*! Returns false if decoders, which compute sheared coordinates in float, would have to round. */
       bool set (const BlockVertices& of, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
-        int behind[2]; // bits by which a spacing is larger than that of the sheared axis
+        int behind[2]; // log2 of the ratio of a spacing to the spacing on the sheared axis
         shift = 4;
         for (int i=0; i<2; i++) {
           behind[i] = shear.slopes[i] == 0 ? 0 : of.exponent[next[i]] - of.exponent[m];
           shift = uint32_t(std::max(int(shift),4-behind[i]));
         }
         double largest = std::ldexp(coordinatesOf(of,m),int(shift));
-        for (int i=0; i<2; i++) largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(of,next[i]),int(shift)+behind[i]-4);
+        for (int i=0; i<2; i++)
+          largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(of,next[i]),int(shift)+behind[i]-4);
         if (!(largest < double(1 << 22))) return false;
 
-        const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+behind[0])),shear.slopes[1]*(1 << (int(shift)-4+behind[1])) };
+        const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+behind[0])),
+                                 shear.slopes[1]*(1 << (int(shift)-4+behind[1])) };
         below = 0;
         above = remainder(of,m) << shift;
         for (int i=0; i<2; i++) {
@@ -121,21 +124,24 @@ namespace cvert { inline namespace CVERT_ISA
           above += remainder(of,next[i])*std::max(factors[i],0);
         }
         for (uint32_t i=0; i<of.numVertices(); i+=4)
-          ((Int4::load(of.coordinates[m]+i) << int(shift)) + Int4(factors[0])*Int4::load(of.coordinates[next[0]]+i) + Int4(factors[1])*Int4::load(of.coordinates[next[1]]+i)).store(at+i);
+          ((Int4::load(of.coordinates[m]+i) << int(shift)) + Int4(factors[0])*Int4::load(of.coordinates[next[0]]+i)
+           + Int4(factors[1])*Int4::load(of.coordinates[next[1]]+i)).store(at+i);
         return true;
       }
 
     private:
-      /*! more than any coordinate on an axis */
-      static double coordinatesOf (const BlockVertices& of, uint32_t k) { return std::ldexp(double(of.upper[k])-double(of.origin[k]),-of.exponent[k]) + 1; }
+      /*! Upper bound of the coordinates on an axis. */
+      static double coordinatesOf (const BlockVertices& of, uint32_t k) {
+        return std::ldexp(double(of.upper[k])-double(of.origin[k]),-of.exponent[k]) + 1;
+      }
     };
 
-    /*! what a remainder adds to a coordinate, at most */
+    /*! Upper bound of the amount that a remainder adds to a coordinate. */
     static int remainder (const BlockVertices& of, uint32_t k) { return of.remainderBits[k] != 0 ? 1 : 0; }
 
     struct Span { int lower, upper; };
 
-    /*! of whole vectors */
+    /*! Span of values, which must be padded to whole vectors. */
     static Span spanOf (const int* values, uint32_t count)
     {
       Int4 lower = Int4::load(values), upper = lower;
@@ -147,12 +153,12 @@ namespace cvert { inline namespace CVERT_ISA
       return { least(lower),greatest(upper) };
     }
 
-    /*! the vertices of a group */
     class Group
     {
     public:
       Group (const BlockVertices& of, uint32_t gx, uint32_t gy)
-        : width(of.width), first(groupQuads*(gy*of.width + gx)), x(std::min(groupQuads,of.quads[0]-groupQuads*gx)), y(std::min(groupQuads,of.quads[1]-groupQuads*gy)) {}
+        : width(of.width), first(groupQuads*(gy*of.width + gx)), x(std::min(groupQuads,of.quads[0]-groupQuads*gx)),
+          y(std::min(groupQuads,of.quads[1]-groupQuads*gy)) {}
 
       Span span (const int* values) const
       {
@@ -169,11 +175,14 @@ namespace cvert { inline namespace CVERT_ISA
         }
         Span span = { *begin,*begin };
         for (uint32_t j=0; j<=y; j++)
-          for (uint32_t i=0; i<=x; i++) { span.lower = std::min(span.lower,begin[j*width+i]); span.upper = std::max(span.upper,begin[j*width+i]); }
+          for (uint32_t i=0; i<=x; i++) {
+            span.lower = std::min(span.lower,begin[j*width+i]);
+            span.upper = std::max(span.upper,begin[j*width+i]);
+          }
         return span;
       }
 
-      /*! of its four corners */
+      /*! Span of the four corners. */
       Span corners (const int* values) const
       {
         const int* const begin = values+first;
@@ -182,10 +191,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
 
     private:
-      const uint32_t width, first, x, y; //!< x, y: quads
+      const uint32_t width, first, x, y; //!< x, y: number of quads
     };
 
-    /*! Along the mean normal of the quads, where groups are flatter then. */
+    /*! Returns the shear along the mean normal of the quads, if it makes groups flatter, else no shear. */
     Shear chooseShear ()
     {
       double n[3] = { 0,0,0 };
@@ -201,7 +210,7 @@ namespace cvert { inline namespace CVERT_ISA
         shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
       }
       if (shear.isStraight()) return straight;
-      double sheared = 0, upright = 0; // in the world
+      double sheared = 0, upright = 0; // sums of thicknesses in world units
       for (uint32_t e=0; e<numEnds; e++) {
         const BlockVertices& of = *ends[e];
         if (!heights[e].set(of,shear)) return straight;
@@ -211,22 +220,26 @@ namespace cvert { inline namespace CVERT_ISA
       return sheared < upright ? shear : straight;
     }
 
-    /*! twice the areas of the quads along the axes: what the border encloses */
+    /*! Adds twice the projected areas of the quads along the axes, computed from the border. */
     static void addNormals (const BlockVertices& of, double sum[3])
     {
       const uint32_t width = of.width;
       int64_t n[3] = { 0,0,0 };
       auto add = [&](uint32_t from, uint32_t to) {
         const int* const (&c)[3] = { of.coordinates[0],of.coordinates[1],of.coordinates[2] };
-        for (int k=0; k<3; k++) n[k] += int64_t(c[(k+1)%3][from])*c[(k+2)%3][to] - int64_t(c[(k+2)%3][from])*c[(k+1)%3][to];
+        for (int k=0; k<3; k++)
+          n[k] += int64_t(c[(k+1)%3][from])*c[(k+2)%3][to] - int64_t(c[(k+2)%3][from])*c[(k+1)%3][to];
       };
       const uint32_t last = of.quads[1]*width;
       for (uint32_t x=0; x<of.quads[0]; x++) { add(x,x+1); add(last+x+1,last+x); }
-      for (uint32_t y=0; y<of.quads[1]; y++) { add(y*width+of.quads[0],(y+1)*width+of.quads[0]); add((y+1)*width,y*width); }
+      for (uint32_t y=0; y<of.quads[1]; y++) {
+        add(y*width+of.quads[0],(y+1)*width+of.quads[0]);
+        add((y+1)*width,y*width);
+      }
       for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),of.exponent[(k+1)%3]+of.exponent[(k+2)%3]);
     }
 
-    /*! sum over groups of their spans */
+    /*! Sum of the spans of all groups. */
     int64_t thickness (const BlockVertices& of, const int* values) const
     {
       int64_t sum = 0;
@@ -237,7 +250,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! in steps of the least power of two that does, which is returned as its exponent */
+    /*! Writes margins in steps of the smallest possible power of two. Returns its exponent. */
     uint32_t writeMargins (uint8_t* out, const int* lowerMargins, const int* upperMargins) const
     {
       int largest = 0;
@@ -255,6 +268,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< at the ends, if the shear is not straight
+    Heights heights[2];         //!< at the ends, if there is a shear
   };
 }}

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Encoder of a cell of cVERT, cvert/format/cell.h: 5 x 5 vertices of integers become a word
- * and fields. */
+/* Encoder of a cell of cVERT, see format/cell.h: encodes 5 x 5 integer vertices as a word and fields. */
 
 #include "../format/cell.h"
 #include "../basics/bits.h"
@@ -16,18 +15,18 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! a cell's vertices and three more: seven times four */
+  /*! Number of vertices of a cell, padded to whole vectors. */
   static const int paddedVertices = 28;
 
   class CellEncoder
   {
   public:
-    /*! coordinates by axis, row by row; from 0 to less than maxExtent; the last is repeated up to whole vectors */
+    /*! Coordinates by axis, row by row, 0 to maxExtent-1. The last is repeated up to whole vectors. */
     int vertices[3][paddedVertices];
 
-    int residuals[3][paddedVertices]; //!< by axis, as they are predicted; encode changes them
+    int residuals[3][paddedVertices]; //!< by axis; set by predict, modified by encode
 
-    /*! Residuals of the vertices. quads: along u and v; step: of them from one vertex to the next */
+    /*! Computes the residuals of the vertices. quads: along u and v. step: quads from one vertex to the next. */
     void predict (const uint32_t quads[2], uint32_t step)
     {
       setWeights(quads,step);
@@ -45,12 +44,13 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! The word for the residuals. False where one takes more bits than a cell has. */
+    /*! Computes the word for the residuals. Returns false if a residual has more bits than a cell can store. */
     bool encode ()
     {
       float squares[3], others[3];
       sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
-      const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2; // along which residuals are largest
+      // axis along which residuals are largest
+      const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2;
       int* const r[3] = { residuals[main],residuals[axisAfter(main,1)],residuals[axisAfter(main,2)] };
       sumProducts(r[0],r[0],r[0],r[1],r[0],r[2],others);
       int bits[3] = { bitsOf(r[0]),0,0 };
@@ -62,7 +62,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! The same without a main axis and slopes: for residuals that are noise. */
+    /*! Like encode, without main axis and slopes, for residuals that are noise. */
     bool encodeNoise ()
     {
       const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
@@ -72,9 +72,9 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     uint32_t word;
-    int excess[3]; //!< by axis: bits that residuals have too many, where encode fails
+    int excess[3]; //!< by axis: surplus bits of residuals if encode fails
 
-    /*! the fields of the cell that encode took; returns the end */
+    /*! Writes the fields of the encoded cell. Returns the end. */
     uint8_t* write (uint8_t* out) const
     {
       const int main = cellMainAxis(word), sum = cellFieldBits(word);
@@ -102,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! bits: along the main axis and the next ones */
+    /*! bits: along the main axis and the next axes. */
     bool fits (const int bits[3], int main)
     {
       for (int i=0; i<3; i++) excess[axisAfter(main,i)] = std::max(bits[i]-maxResidualBits,0);
@@ -111,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
-    /*! Most cells of a block have the same. */
+    /*! Does nothing if the weights are already set: most cells of a block have the same weights. */
     void setWeights (const uint32_t quads[2], uint32_t step)
     {
       const uint32_t key[3] = { quads[0],quads[1],step };
@@ -122,14 +122,20 @@ namespace cvert { inline namespace CVERT_ISA
         const int x = weight(i,int(step),int(quads[0])), y = weight(i,int(step),int(quads[1]));
         for (int j=0; j<5; j++) { weightX[5*j+i] = x; weightY[5*i+j] = y; }
       }
-      for (int v=cellVertices; v<paddedVertices; v++) { weightX[v] = weightX[cellVertices-1]; weightY[v] = weightY[cellVertices-1]; }
+      for (int v=cellVertices; v<paddedVertices; v++) {
+        weightX[v] = weightX[cellVertices-1];
+        weightY[v] = weightY[cellVertices-1];
+      }
     }
 
-    /*! cellWeight, which divides, where that is not known */
-    static int weight (int i, int step, int quads) { return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads); }
+    /*! cellWeight, without its division where possible. */
+    static int weight (int i, int step, int quads) {
+      return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads);
+    }
 
-    /*! Sums of a b, c d and e f, in order: the same for every ISA. */
-    static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f, float sums[3])
+    /*! Sums of a b, c d and e f, in order, so that the result is the same for every ISA. */
+    static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f,
+                             float sums[3])
     {
       float products[3][paddedVertices];
       auto multiply = [](const int* x, const int* y, float* out) {
@@ -138,12 +144,14 @@ namespace cvert { inline namespace CVERT_ISA
       multiply(a,b,products[0]);
       multiply(c,d,products[1]);
       multiply(e,f,products[2]);
-      float sum0 = 0, sum1 = 0, sum2 = 0; // side by side, as each waits for the one before
-      for (int v=0; v<cellVertices; v++) { sum0 += products[0][v]; sum1 += products[1][v]; sum2 += products[2][v]; }
+      float sum0 = 0, sum1 = 0, sum2 = 0; // interleaved to hide the latency of additions
+      for (int v=0; v<cellVertices; v++) {
+        sum0 += products[0][v]; sum1 += products[1][v]; sum2 += products[2][v];
+      }
       sums[0] = sum0; sums[1] = sum1; sums[2] = sum2;
     }
 
-    /*! bits of the largest residual; those of corners are 0 */
+    /*! Number of bits of the largest residual. Residuals of corners are 0. */
     static int bitsOf (const int r[paddedVertices])
     {
       Int4 used = 0, any = 0;
@@ -156,9 +164,10 @@ namespace cvert { inline namespace CVERT_ISA
       return bits ? 33-__builtin_clz(unsigned(bits)) : anyOf(any) ? 1 : 0;
     }
 
-    /*! Takes the slope that fits best out of a component, if that saves bits; returns it. squares, products: sums of main times main, and
-     *  times it. */
-    static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices], int& bits)
+    /*! Subtracts the slope that fits best from a component if this saves bits. Returns the slope or 0. squares,
+     *  products: sums of main*main and of main*r. */
+    static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices],
+                            int& bits)
     {
       bits = bitsOf(r);
       if (!(squares > 0) || bits == 0) return 0;
@@ -176,6 +185,6 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     int weightX[paddedVertices], weightY[paddedVertices]; //!< of upper corners, in 1/16
-    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step that they are of
+    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step for which the weights are set
   };
 }}

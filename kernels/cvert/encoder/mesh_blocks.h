@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A mesh as mesh blocks: leaves out what cannot be hit, chooses which vertices need a finer lattice, and clusters
- * and encodes the rest. */
+/* Encodes a mesh as mesh blocks: leaves out triangles that cannot be hit, selects vertices that need a finer lattice,
+ * clusters the triangles and encodes the clusters. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -14,7 +14,6 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! an indexed mesh of the caller */
   struct MeshSource
   {
     const float (*vertices)[3];
@@ -25,17 +24,17 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< of the lattice's spacing
-    uint32_t groupTriangles = 16; //!< of a full group, up to maxGroupTriangles
+    int exponent = exactLattice;  //!< of the spacing of the lattice
+    uint32_t groupTriangles = 16; //!< per full group, up to maxGroupTriangles
     uint32_t surface = 0;
   };
 
   struct MeshReport
   {
     MeshStatistics statistics;
-    size_t invalidTriangles = 0;    //!< left out: an index out of range, or a vertex that is not finite
-    size_t degenerateTriangles = 0; //!< left out: without an area
-    size_t finerVertices = 0;       //!< exceptions of the lattice
+    size_t invalidTriangles = 0;    //!< left out: an index is out of range, or a vertex is not finite
+    size_t degenerateTriangles = 0; //!< left out: the area is 0
+    size_t finerVertices = 0;       //!< vertices that are not on the lattice
   };
 
   class MeshBlocks
@@ -44,8 +43,8 @@ namespace cvert { inline namespace CVERT_ISA
     explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent),
       encoder(new MeshEncoder) {}
 
-    /*! Encodes a mesh. Calls onBlock(const MeshHeader*) for each block; the bytes exist until it returns. The number
-     *  of a triangle is its index. Needs 16 bytes per triangle meanwhile. Throws std::bad_alloc. */
+    /*! Encodes a mesh. Calls onBlock(const MeshHeader*) for each block, whose bytes are valid during the call. The
+     *  number of a triangle is its index. Uses 16 bytes of temporary memory per triangle. Throws std::bad_alloc. */
     template<typename OnBlock>
     MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
     {
@@ -92,7 +91,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! A finer vertex may turn over the other triangles that it belongs to: checks until none does. */
+    /*! Repeats the check until no triangle changes, because a finer vertex may flip other triangles that use it. */
     void settle (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
     {
       for (bool changed=true; changed; ) {
@@ -104,7 +103,6 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! A cluster with a group that must be stored as two may need several blocks. */
     template<typename OnBlock>
     void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics,
       const OnBlock& onBlock)
@@ -113,19 +111,10 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const uint32_t index = cluster[i].index;
         for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[index][c]],triangles[i].corners[c]);
-        triangles[i].primID = index;
+        triangles[i].number = index;
       }
-      uint32_t stored;
-      for (uint32_t first=0; first<count; first+=stored)
-      {
-        uint32_t ends[maxMeshTriangles], groups = 0;
-        for (uint32_t end=(first/settings.groupTriangles+1)*settings.groupTriangles; ; end+=settings.groupTriangles) {
-          ends[groups++] = std::min(end,count)-first;
-          if (end >= count) break;
-        }
-        encoder->encode(triangles+first,ends,groups,settings.surface,block,stored,statistics);
-        onBlock((const MeshHeader*)block);
-      }
+      encoder->encodeCluster(triangles,count,settings.groupTriangles,false,settings.surface,block,statistics,
+        [&](size_t, uint32_t, uint32_t) { onBlock((const MeshHeader*)block); });
     }
 
     const MeshSettings settings;

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Encoder of a mesh block, cvert/format/mesh_block.h. It loses nothing: corners come as they are to be stored,
- * snapped to a lattice (cvert/encoder/mesh_lattice.h) or not, and each is the same float when it is decoded; only -0
- * may become 0. Corners with equal coordinates become one vertex.
+/* Lossless encoder of a mesh block, see format/mesh_block.h. Corners may be snapped to a lattice before
+ * (mesh_lattice.h). Decoders return the same floats, except that -0 may become 0. Corners with equal coordinates become
+ * one vertex.
  *
- * On each axis all vertices are multiples of some power of two, the step, which is found in the floats. It becomes
- * the spacing. If coordinates then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis
- * has ranks. */
+ * On each axis all vertices are multiples of a power of two, the step, which is found in the floats. It becomes the
+ * spacing. If coordinates then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis stores
+ * ranks. */
 
 #include "../basics/bits.h"
 #include "mesh_position.h"
@@ -22,7 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshTriangle
   {
     float corners[3][3]; //!< by corner and axis; finite, and three different points
-    uint32_t primID;
+    uint32_t number;       //!< number of its primitive, or as described for meshIsOfQuads
   };
 
   struct MeshStatistics
@@ -35,14 +35,14 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshEncoder
   {
   public:
-    /*! room for any block */
+    /*! Upper bound of the size of a block. */
     static constexpr size_t maxBytes = 9216;
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
 
-    /*! Encodes as many of the triangles as one block can store, from the first on. ends: of each group the number of
-     *  its last triangle plus 1; a group with too many triangles, vertices or strips is stored as several. stored:
-     *  how many triangles were. block: maxBytes, aligned to 4. Returns the number of bytes written, a multiple of 4. */
+    /*! Encodes as many triangles as fit into one block, from the first on. ends: for each group, the index of its last
+     *  triangle plus 1. A group with too many triangles, vertices or strips is stored as several groups. stored: set to
+     *  the number of encoded triangles. block: maxBytes, aligned to 4. Returns the size in bytes, a multiple of 4. */
     size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface,
       uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
     {
@@ -57,6 +57,33 @@ namespace cvert { inline namespace CVERT_ISA
       return write(surface,block,statistics);
     }
 
+    /*! Encodes a cluster of MeshClusters, whose groups have groupTriangles each. Calls onBlock(bytes,first,count) for
+     *  each block: one, or several if a group must be stored as two. first, count: triangles of the block. areOfQuads:
+     *  keep both triangles of a quad, which follow each other, in one block. block: as for encode(). */
+    template<typename OnBlock>
+    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areOfQuads,
+      uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
+    {
+      uint32_t stored;
+      for (uint32_t first=0; first<count; first+=stored)
+      {
+        uint32_t ends[maxMeshTriangles], groups = 0;
+        for (uint32_t end=(first/groupTriangles+1)*groupTriangles; ; end+=groupTriangles) {
+          ends[groups++] = std::min(end,count)-first;
+          if (end >= count) break;
+        }
+        const MeshStatistics before = statistics;
+        size_t bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        const uint32_t next = first+stored;
+        if (areOfQuads && next < count && triangles[next].number == (triangles[next-1].number | 1)) {
+          for (uint32_t g=0; g<groups; g++) ends[g] = std::min(ends[g],stored-1);
+          statistics = before;
+          bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        }
+        onBlock(bytes,first,stored);
+      }
+    }
+
   private:
     struct Group
     {
@@ -64,9 +91,9 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t restartMask, fanMask, ownMask;
       uint64_t newMask;                                        //!< a bit per vertex of the stream
       uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
-      uint16_t numbers[maxGroupVertices];                      //!< in the block
-      uint32_t primIDs[maxGroupTriangles];
-      uint32_t lower[3], extent[3];                            //!< of its box
+      uint16_t numbers[maxGroupVertices];                      //!< indices in the block
+      uint32_t given[maxGroupTriangles];                       //!< numbers of triangles
+      uint32_t lower[3], extent[3];                            //!< box
     };
 
     static const uint32_t slotCount = 2048;
@@ -78,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (++epoch == 0) { std::memset(slots,0,sizeof(slots)); epoch = 1; }
     }
 
-    /*! Returns the number of a position among those of this block's corners. */
+    /*! Returns the index of a position among the corners of this block. */
     uint32_t cornerAt (const float p[3])
     {
       const MeshPosition position(p);
@@ -97,7 +124,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Adds a group of the first of these triangles, up to count of them. */
+    /*! Adds a group of the first triangles, up to `count` of them. */
     void addGroup (const MeshTriangle* triangles, uint32_t count)
     {
       uint8_t local[maxGroupTriangles][3];
@@ -152,12 +179,12 @@ namespace cvert { inline namespace CVERT_ISA
       }
       for (uint32_t t=0; t<count; t++) {
         group.turns[t] = strips.turns[t];
-        group.primIDs[t] = triangles[strips.order[t]].primID;
+        group.given[t] = triangles[strips.order[t]].number;
       }
       numTriangles += count;
     }
 
-    /*! Finds origin, spacing and coordinates on an axis. */
+    /*! Computes origin, spacing and coordinates on an axis. */
     void place (int k)
     {
       float lo = vertices[0][k], hi = lo;
@@ -175,7 +202,7 @@ namespace cvert { inline namespace CVERT_ISA
       isRanked[k] = false;
       exponent[k] = std::max(step,-126);
       const double span = double(hi)-double(lo), least = double(lo);
-      if (span == 0) { // its boxes should be thin
+      if (span == 0) { // keeps its boxes thin
         exponent[k] = -126;
         std::fill(coordinates[k],coordinates[k]+numVertices,0u);
         return;
@@ -192,7 +219,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! Bits of the fields of all vertices on an axis, if these are the coordinates. */
+    /*! Number of bits of the fields of all vertices on an axis with these coordinates. */
     uint64_t bitsOnAxis (const uint32_t* of, bool ranked) const
     {
       uint32_t lo[maxMeshGroups], hi[maxMeshGroups], most = 0;
@@ -212,16 +239,16 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! shift of boxes for coordinates up to `most` */
+    /*! Shift of boxes for coordinates up to `most`. */
     static uint32_t shiftOf (uint32_t most, bool ranked)
     {
       const uint32_t bits = bitsOf(most), least = ranked ? leastRankShift : 0;
       return bits > 8+least ? bits-8 : least;
     }
 
-    static const int fewCoordinateBits = 18; //!< that ranks never undercut by much
+    static const int fewCoordinateBits = 18; //!< up to this many, ranks are not worth a try
 
-    /*! Shears an axis if its fields become shorter. */
+    /*! Shears an axis if this makes its fields shorter. */
     void chooseShear ()
     {
       shearedAxis = 0;
@@ -237,7 +264,7 @@ namespace cvert { inline namespace CVERT_ISA
         s[0][0] += x*x; s[1][1] += y*y; s[2][2] += z*z; s[0][1] += x*y; s[1][2] += y*z; s[2][0] += z*x;
       }
       s[1][0] = s[0][1]; s[2][1] = s[1][2]; s[0][2] = s[2][0];
-      /* the axis on which a plane explains most */
+      /* the axis on which a plane explains the largest part of the variance */
       double best = 0.5;
       for (int m=0; m<3; m++)
       {
@@ -261,7 +288,7 @@ namespace cvert { inline namespace CVERT_ISA
         other[v] = uint32_t(sheared);
         least = std::min(least,sheared);
       }
-      /* The origin moves so that sheared coordinates begin at 0. */
+      /* moves the origin so that sheared coordinates begin at 0 */
       for (uint32_t v=0; v<numVertices; v++) other[v] -= uint32_t(least);
       const double moved = double(origin[shearedAxis]) + std::ldexp(double(least),exponent[shearedAxis]);
       if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || double(float(moved)) != moved) {
@@ -271,7 +298,6 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(c,other,numVertices*sizeof(other[0]));
     }
 
-    /*! boxes of groups */
     void bound ()
     {
       for (int k=0; k<3; k++)
@@ -300,7 +326,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t lowest = ~0u, highestBase = 0, base[maxMeshGroups], numberBits[maxMeshGroups];
       for (uint32_t g=0; g<groups; g++)
       {
-        const uint32_t* const ids = all[g].primIDs;
+        const uint32_t* const ids = all[g].given;
         base[g] = *std::min_element(ids,ids+all[g].triangles);
         numberBits[g] = bitsOf(*std::max_element(ids,ids+all[g].triangles)-base[g]);
         if (numberBits[g] == 31) numberBits[g] = 32;
@@ -361,7 +387,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t sumOfNumberBits = 0;
       for (uint32_t g=0; g<groups; g++) {
         numbers.put(base[g]-lowest,baseBits);
-        for (uint32_t t=0; t<all[g].triangles; t++) numbers.put(all[g].primIDs[t]-base[g],numberBits[g]);
+        for (uint32_t t=0; t<all[g].triangles; t++) numbers.put(all[g].given[t]-base[g],numberBits[g]);
         sumOfNumberBits += baseBits + all[g].triangles*numberBits[g];
         statistics.restarts += all[g].restarts;
       }
@@ -386,12 +412,12 @@ namespace cvert { inline namespace CVERT_ISA
     struct Slot { uint32_t epoch, corner; };
     Slot slots[slotCount];
     uint32_t epoch = 0, attempt = 0;
-    /* of corners, in the order in which they were found */
+    /* by corner, in the order in which corners were found */
     uint32_t numCorners;
     float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
-    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< as a vertex of the block
-    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< attempt that used it last
-    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< number in that attempt
+    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< index as a vertex of the block
+    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt that used the corner
+    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< index in that attempt
     MeshStrips strips;
     uint32_t groups, numTriangles, numVertices;
     Group all[maxMeshGroups];

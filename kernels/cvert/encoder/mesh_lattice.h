@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* The lattice of a mesh, and its exceptions. A vertex snaps to the nearest point of the lattice. If that turns a
- * triangle over or flattens it, the vertices of the triangle become exceptions: they snap to a finer lattice, or
- * stay where they are. A vertex is known by its position, so all triangles and blocks that share it agree, and the
- * surface stays closed, whether an application welds its vertices or not. */
+/* The lattice of a mesh, and its exceptions. Vertices snap to the nearest point of the lattice. If this flips or
+ * flattens a triangle, its vertices become exceptions, which snap to a finer lattice or do not move. Exceptions are
+ * stored by position, so all triangles and blocks that share a vertex agree. The surface thus remains watertight, even
+ * if the application does not weld its vertices. */
 
 #include "../basics/world.h"
 #include "lattice.h"
@@ -19,11 +19,12 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshLattice
   {
   public:
-    /*! Exceptions snap to a lattice whose spacing is this power of two times smaller; if that does not suffice, they
-     *  do not move. */
+    /*! Exceptions snap to a lattice whose spacing is 2^finerBits times smaller. If this does not suffice, they do not
+     *  move. */
     static const int finerBits = 6;
 
-    /*! exponent: of the spacing, from minLatticeExponent to maxLatticeExponent; exactLattice: nothing moves */
+    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice if vertices must not
+     *  move. */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
         WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),
@@ -38,9 +39,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
     }
 
-    /*! True if a triangle is so large compared with the spacing that its normal turns by less than 90 degrees
-     *  wherever its corners snap to, and that it has an area. A quick test, which is also false for some
-     *  triangles that are robust. */
+    /*! True if a triangle has an area and is so large compared to the spacing that its normal turns by less than 90
+     *  degrees, wherever its corners snap to. A quick test that returns false for some robust triangles. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
@@ -48,14 +48,14 @@ namespace cvert { inline namespace CVERT_ISA
       const float x = e[1]*f[2] - e[2]*f[1], y = e[2]*f[0] - e[0]*f[2], z = e[0]*f[1] - e[1]*f[0];
       const float nn = x*x + y*y + z*z, ss = lattices[0].spacing*lattices[0].spacing;
       const float ee = e[0]*e[0] + e[1]*e[1] + e[2]*e[2], ff = f[0]*f[0] + f[1]*f[1] + f[2]*f[2];
-      /* An edge changes by sqrt(3) s at most, so the normal n by sqrt(3) s (|e| + |f|) + 3 s^2, and rounding by less
-       * than 1e-6 |e| |f|. The square of the sum of both is at most 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2.
-       * Overflow and underflow make this false. */
+      /* An edge changes by at most sqrt(3) s. The normal n therefore changes by at most sqrt(3) s (|e| + |f|) + 3 s^2,
+       * and by less than 1e-6 |e| |f| due to rounding. The square of the sum of both is at most
+       * 60 s^2 (e^2 + f^2 + s^2) + 2e-12 e^2 f^2. Overflow and underflow make the result false. */
       return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
     }
 
-    /*! Makes exceptions of the vertices of a triangle if the lattice turns it over or flattens it. Corners must be
-     *  finite. Returns true if it did: then triangles that were checked before may have to be checked again. */
+    /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Corners must be finite. Returns
+     *  true if there are new exceptions; triangles that were checked before may then need another check. */
     bool check (const float a[3], const float b[3], const float c[3])
     {
       if (isExact || isRobust(a,b,c)) return false;
@@ -75,10 +75,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! True if a triangle has no area: its corners are on a line, as exactly as double counts. */
+    /*! True if a triangle has no area in double precision: its corners are on a line. */
     static bool isDegenerate (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
 
-    /*! vertices that snap to a finer lattice, or not at all */
+    /*! Number of vertices that snap to a finer lattice or do not move. */
     size_t numExceptions () const { return exceptions.size(); }
 
   private:
@@ -114,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const WorldLattice lattices[3];
     const bool isExact;
-    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< index of the lattice of a position
-    uint32_t filter[2048];                                  //!< a bit per hash that an exception has
+    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< index of the lattice for a position
+    uint32_t filter[2048];                                  //!< a bit per hash of an exception
   };
 }}

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A position as the key of a table: vertices with equal coordinates are one vertex. */
+/* A position as a hash key: vertices with equal coordinates are the same vertex. */
 
 #include "../format/block.h"
 #include <cstring>
@@ -15,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t words[3]; //!< bits of x, y, z
 
     explicit MeshPosition (const float p[3]) {
-      for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); // -0 is 0
+      for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); // converts -0 to 0
     }
 
     bool operator== (const MeshPosition& other) const { return std::memcmp(words,other.words,sizeof(words)) == 0; }

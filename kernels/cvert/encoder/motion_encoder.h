@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of a block of cVERT that moves, cvert/format/motion.h, step by step. It loses nothing either. */
+/* Lossless encoder of a moving cVERT block, see format/motion.h, step by step. */
 
 #include "block_encoder.h"
 #include "../format/motion.h"
@@ -14,22 +14,24 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MotionStatistics : public VertStatistics
   {
-    uint32_t stepBytes = 0;    //!< of all steps but the first
-    uint32_t turnedGroups = 0; //!< of steps
+    uint32_t stepBytes = 0;    //!< size of all steps but the first
+    uint32_t turnedGroups = 0; //!< sum over all steps
   };
 
   class MotionEncoder : private VertEncoder
   {
   public:
-    /*! room for any block of so many steps */
+    /*! Upper bound of the size of a block. */
     static size_t maxBytes (size_t numSteps) {
-      return VertEncoder::maxBytes + (numSteps-1)*(sizeof(uint32_t) + vertStepBytes + vertRemaindersBytes + 3*maxVertGroups + 3*maxVertGroups + sizeof(float)*6*maxSide*maxSide + 64);
+      return VertEncoder::maxBytes
+        + (numSteps-1)*(sizeof(uint32_t) + vertStepBytes + vertRemaindersBytes + 3*maxVertGroups + 3*maxVertGroups
+                        + sizeof(float)*6*maxSide*maxSide + 64);
     }
 
-    /*! a step's vertices, to be filled: row by row, (quadsX+1) (quadsY+1) of them */
+    /*! Buffer for the vertices of the next step, row by row, (quadsX+1) (quadsY+1) of them. */
     float (*vertices ())[3] { return current().vertices; }
 
-    /*! Begins a block. out: memory of maxBytes */
+    /*! Begins a block. out: maxBytes of memory. */
     void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
     {
       this->at = at;
@@ -41,7 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
       invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
     }
 
-    /*! Adds a step, whose vertices were filled. */
+    /*! Adds a step with the vertices in vertices(). */
     void addStep ()
     {
       BlockVertices& now = current();
@@ -54,10 +56,10 @@ namespace cvert { inline namespace CVERT_ISA
       step++;
     }
 
-    /*! of vertices() before addStep took the next one: bounds of the finite ones of the last step that was added */
+    /*! Vertices and bounds of the last step that was added. */
     const BlockVertices& last () const { return (step-1) % 2 ? other : *this; }
 
-    /*! Returns the number of bytes, a multiple of 4; 0 where no vertex is finite at any step. */
+    /*! Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite at any step. */
     size_t finish (MotionStatistics& out)
     {
       for (bool isInvalid : invalid) statistics.invalidQuads += isInvalid;
@@ -66,9 +68,9 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    static const uint32_t firstCell = maxVertGroups; //!< among the cells of a block
+    static const uint32_t firstCell = maxVertGroups; //!< index of the first cell in first and own
 
-    /*! residuals of a cell by axis */
+    /*! Residuals of a cell by axis. */
     typedef int Residuals[3][paddedVertices];
 
     BlockVertices& current () { return step % 2 ? other : *this; }
@@ -78,7 +80,8 @@ namespace cvert { inline namespace CVERT_ISA
     {
       for (uint32_t y=0; y<now.quads[1]; y++)
         for (uint32_t x=0; x<now.quads[0]; x++)
-          if (!(isFinite(now.vertexAt(x,y)) && isFinite(now.vertexAt(x+1,y)) && isFinite(now.vertexAt(x,y+1)) && isFinite(now.vertexAt(x+1,y+1))))
+          if (!(isFinite(now.vertexAt(x,y)) && isFinite(now.vertexAt(x+1,y)) && isFinite(now.vertexAt(x,y+1))
+                && isFinite(now.vertexAt(x+1,y+1))))
             invalid[y*now.quads[0]+x] = true;
     }
 
@@ -86,7 +89,9 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const uint32_t form = at.form() | 1u << 31;
       const bool packed = allFinite && measure()
-        && pack(at,form,block,[&](int g, const CellEncoder& cell) { memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals)); });
+        && pack(at,form,block,[&](int g, const CellEncoder& cell) {
+             memcpy(first[g < 0 ? firstCell : uint32_t(g)],cell.residuals,sizeof(Residuals));
+           });
       if (packed) statistics.fieldBytes = uint32_t(end - (block+layout.cell));
       else packRaw(at,form,block);
       VertHeader& header = *(VertHeader*)block;
@@ -118,14 +123,15 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
-      /* the boxes of the segment that ends here */
+      /* boxes of the segment that ends here */
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
         boxes.addGroups();
         const uint32_t shiftAt = step == 1 ? 25 : 28;
         uint32_t shift;
         *reachOfSegment = boxes.reach(0,shift);
-        *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment) | shift << shiftAt;
+        *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
+          | shift << shiftAt;
         header.endReach = boxes.reach(1,shift);
         header.turned |= shift << 19;
       }
@@ -136,7 +142,8 @@ namespace cvert { inline namespace CVERT_ISA
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
 
-    /*! Origin, corners, words and fields of vertices that were measured; false where residuals need too many bits. */
+    /*! Writes origin, corners, words and fields. `now` must have been measured. Returns false if residuals need too
+     *  many bits. */
     bool packCellsOfStep (BlockVertices& now, VertStep& header)
     {
       for (;;) {
@@ -156,7 +163,7 @@ namespace cvert { inline namespace CVERT_ISA
         turns.fit(own);
         turns.write(header);
       }
-      /* words are known before it is known where fields begin */
+      /* The offset of fields depends on the words. */
       uint32_t words[maxVertGroups+1];
       bool areTurned[maxVertGroups+1], haveSlopes = false;
       for (uint32_t i=0; i<=groups; i++) {
@@ -168,7 +175,8 @@ namespace cvert { inline namespace CVERT_ISA
         }
       }
       for (uint32_t g=0; g<groups; g++) statistics.turnedGroups += areTurned[g];
-      header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areTurned[firstCell]) << 25 | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
+      header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areTurned[firstCell]) << 25
+        | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
       header.word = words[firstCell];
       now.write(header.origin,header.corners,header.word);
       const VertStepLayout to = vertStepLayout(at.region,header.boxForm);
@@ -184,19 +192,21 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! residuals of a cell of a step into `own` */
+    /*! Computes the residuals of a cell of a step in `own`. */
     void predict (const BlockVertices& now, uint32_t g)
     {
       const bool isGroup = g != firstCell;
-      const uint32_t gx = isGroup ? g % layout.groupsX : 0, gy = isGroup ? g / layout.groupsX : 0, distance = isGroup ? 1 : groupQuads;
+      const uint32_t gx = isGroup ? g % layout.groupsX : 0, gy = isGroup ? g / layout.groupsX : 0,
+        distance = isGroup ? 1 : groupQuads;
       for (int k=0; k<3; k++) now.gather(now.coordinates[k],groupQuads*gx,groupQuads*gy,distance,cell.vertices[k]);
-      const uint32_t sides[2] = { isGroup ? quadsOfGroup(now.quads[0],gx) : now.quads[0], isGroup ? quadsOfGroup(now.quads[1],gy) : now.quads[1] };
+      const uint32_t sides[2] = { isGroup ? quadsOfGroup(now.quads[0],gx) : now.quads[0],
+                                  isGroup ? quadsOfGroup(now.quads[1],gy) : now.quads[1] };
       cell.predict(sides,distance);
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
     /*! Chooses how to store a cell: its residuals, or their difference from the turned residuals of the first step.
-     *  Leaves the chosen ones in `own`. Returns false if both have too many bits. word, turned: of the cell */
+     *  Stores the result in `own`. Returns false if both have too many bits. word, turned: set for the cell. */
     bool encodeCell (uint32_t g, uint32_t& word, bool& turned)
     {
       turned = false;
@@ -228,19 +238,20 @@ namespace cvert { inline namespace CVERT_ISA
       return cell.write(out);
     }
 
-    static const int fewBits = 6; //!< of a field, below which nothing else is tried
+    //! number of bits of a field up to which the turned residuals are used without trying the others
+    static const int fewBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
     VertMotion motion;
     uint8_t* block;
     uint32_t step;
     bool isEmpty, isFirstRaw, wasRaw;
-    uint8_t* marginsOfSegment;  //!< that begins with the step before
+    uint8_t* marginsOfSegment;  //!< of the segment that begins with the previous step
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
-    std::vector<bool> invalid;  //!< quads, at any step
+    std::vector<bool> invalid;  //!< quads that are invalid at any step
     BlockVertices other;        //!< of odd steps
-    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step; of the one that is written
+    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step, and of the step that is written
     TurnFit turns;
   };
 }}

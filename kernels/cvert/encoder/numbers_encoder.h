@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Encoder of the numbers of a block's quads, cvert/format/quad_numbers.h: the first pattern that says all of them, else a table of as few bits
- * for each as their range takes. */
+/* Encoder of the numbers of a block's quads, see format/quad_numbers.h. Uses the first pattern that describes all of
+ * them, else a table with as few bits per number as their range needs. Second triangles are at a constant distance from
+ * the first ones, or all triangles are in a table. */
 
 #include "../format/block.h"
 #include <algorithm>
@@ -12,60 +13,113 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! The numbers of the quads of a patch whose quads are primitives of their own, format/quad_numbers.h. */
+  /*! Numbers of the quads of a patch whose quads are primitives. */
   struct QuadNumbers
   {
-    uint32_t form;                 //!< without a pattern
+    uint32_t form;                 //!< without a pattern; without turns if `turns` has them
     unsigned width;                //!< in quads
     std::vector<uint32_t> numbers; //!< row by row
+
+    /* For quads of two triangles, row by row. Both are empty if each second triangle follows its first one and all
+     * turns are those of the form. Otherwise triangles must have numbers below 2^30. */
+    std::vector<uint32_t> seconds; //!< numbers of second triangles
+    std::vector<uint8_t> turns;    //!< as bits 4..7 of forms
   };
 
   class NumbersEncoder
   {
   public:
-    static const size_t maxBytes = 4*vertBlockQuads*vertBlockQuads + 8;
+    static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertHalves) + 16;
 
-    uint32_t form;             //!< VertHeader::patchQuads
-    VertNumbers pattern; //!< after the header
+    uint32_t form;             //!< for VertHeader::patchQuads
+    VertNumbers pattern;       //!< stored after the header
 
-    /*! of width x height quads of a patch, from x0, y0 on */
+    /*! Selects the pattern for width x height quads of a patch, from x0, y0 on. */
     void set (const QuadNumbers& of, unsigned x0, unsigned y0, unsigned width, unsigned height)
     {
       this->width = width; this->height = height;
+      distance = 1;
       lowest = ~0u;
       highest = 0;
-      for (unsigned y=0; y<height; y++)
-        for (unsigned x=0; x<width; x++) {
-          const uint32_t n = of.numbers[size_t(y0+y)*of.width + x0+x];
-          numbers[y*width+x] = n;
-          lowest = std::min(lowest,n);
-          highest = std::max(highest,n);
+      copy(of.numbers,of.width,x0,y0,numbers);
+      extend(numbers);
+      uint32_t ofBlock = of.form;
+      if (!of.seconds.empty())
+      {
+        uint32_t seconds[vertBlockQuads*vertBlockQuads];
+        uint8_t turns[vertBlockQuads*vertBlockQuads];
+        copy(of.seconds,of.width,x0,y0,seconds);
+        copy(of.turns,of.width,x0,y0,turns);
+        distance = seconds[0]-numbers[0];
+        bool isUniform = true;
+        for (unsigned i=0; i<width*height; i++)
+          isUniform = isUniform && seconds[i]-numbers[i] == distance && turns[i] == turns[0];
+        if (!isUniform) {
+          extend(seconds);
+          for (unsigned i=0; i<width*height; i++) {
+            entries[2*i] = (numbers[i]-lowest) << turnBits | turnOfTriangle(turns[i],false);
+            entries[2*i+1] = (seconds[i]-lowest) << turnBits | turnOfTriangle(turns[i],true);
+          }
+          return setTable(of.form,numbersInTriangleTable);
         }
-      if (!setRows(of.form) && !setRecursive(of.form)) setTable(of.form);
+        ofBlock |= turns[0] | (distance == 1 ? 0 : numbersOfHalves);
+      }
+      if (setRows(ofBlock) || setRecursive(ofBlock)) return;
+      for (unsigned i=0; i<width*height; i++) entries[i] = numbers[i]-lowest;
+      setTable(ofBlock,numbersInTable);
     }
 
-    /*! Completes a block that has `form` and `pattern`, and that many bytes; how many it has then. */
+    /*! Completes a block of `bytes` bytes that has `form` and `pattern`. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = first;
-      if (patternOfNumbers(form) != numbersInTable) return bytes;
+      if (haveHalves(form)) bytes = writeHalves((uint8_t*)header,bytes);
+      return haveTable(form) ? writeTable((uint8_t*)header,bytes) : bytes;
+    }
+
+  private:
+    /*! Returns the new size of the block. */
+    size_t writeHalves (uint8_t* block, size_t bytes) const
+    {
+      const size_t begin = (bytes+3) & ~size_t(3);
+      memset(block+bytes,0,begin-bytes);
+      const VertNumbers stored = { uint32_t(begin),0 };
+      memcpy(block+vertHeaderBytes,&stored,sizeof(stored));
+      const VertHalves halves = { pattern,distance };
+      memcpy(block+begin,&halves,sizeof(halves));
+      return begin+sizeof(halves);
+    }
+
+    size_t writeTable (uint8_t* block, size_t bytes) const
+    {
       const VertNumbers table = { uint32_t(bytes),pattern.y };
-      memcpy(header+1,&table,sizeof(table));
-      uint8_t* const out = (uint8_t*)header + bytes;
-      const size_t size = (bytesOfNumberTable(width*height,table.y)+3) & ~size_t(3);
+      memcpy(block + (haveHalves(form) ? bytes-sizeof(VertHalves) : vertHeaderBytes),&table,sizeof(table));
+      uint8_t* const out = block+bytes;
+      const unsigned count = width*height*entriesPerQuad(form);
+      const size_t size = (bytesOfNumberTable(count,table.y)+3) & ~size_t(3);
       memset(out,0,size+sizeof(uint64_t));
-      for (unsigned i=0; i<width*height; i++)
+      for (unsigned i=0; i<count; i++)
       {
         const uint32_t bit = table.y*i;
         uint64_t bits;
         memcpy(&bits,out + bit/8,sizeof(bits));
-        bits |= uint64_t(numbers[i]-first) << (bit % 8);
+        bits |= uint64_t(entries[i]) << (bit % 8);
         memcpy(out + bit/8,&bits,sizeof(bits));
       }
       return bytes+size;
     }
 
-  private:
+    template<typename Value>
+    void copy (const std::vector<Value>& of, unsigned stride, unsigned x0, unsigned y0, Value* out) const {
+      for (unsigned y=0; y<height; y++) std::copy_n(of.begin() + (size_t(y0+y)*stride + x0),width,out + y*width);
+    }
+
+    void extend (const uint32_t* values)
+    {
+      lowest = std::min(lowest,*std::min_element(values,values+width*height));
+      highest = std::max(highest,*std::max_element(values,values+width*height));
+    }
+
     bool setRows (uint32_t of)
     {
       form = of | numbersInRows;
@@ -77,7 +131,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool setRecursive (uint32_t of)
     {
-      const uint32_t step = isOfTriangles(of) ? 2 : 1;
+      const uint32_t step = isOfTriangles(of) && !haveHalves(of) ? 2 : 1;
       auto code = [&](unsigned i) { return (numbers[i]-lowest)/step; };
       if ((highest-lowest)/step > 255) return false;
       first = lowest;
@@ -90,13 +144,14 @@ namespace cvert { inline namespace CVERT_ISA
       return isRight();
     }
 
-    void setTable (uint32_t of)
+    void setTable (uint32_t of, uint32_t kind)
     {
-      form = of | numbersInTable;
+      form = of | kind;
       first = lowest;
-      pattern.x = 0; // known when the block is written
+      pattern.x = 0; // set when the block is written
       pattern.y = 0;
-      while (((uint64_t(highest-lowest)) >> pattern.y) != 0) pattern.y++;
+      const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(form));
+      while ((uint64_t(most) >> pattern.y) != 0) pattern.y++;
     }
 
     bool isRight () const
@@ -109,6 +164,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
+    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
+    uint32_t distance;        //!< from first triangles to second triangles
     uint32_t lowest, highest, first;
   };
 }}

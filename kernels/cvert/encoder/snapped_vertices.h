@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices of a patch before and after they were snapped to a lattice, four at a time: how far they
- * moved, and which triangles that turned over. */
+/* Compares vertices of a patch before and after snapping to a lattice, four at a time: the distances by which they
+ * moved, and the triangles that were flipped. */
 
 #include "../basics/vertices4.h"
 #include "lattice.h"
@@ -12,7 +12,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Snaps four vertices; returns the largest square of how far one moved, in spacings, of those that are finite. */
+  /*! Snaps four vertices. Returns the largest squared distance, in spacings, by which a finite vertex moved. */
   inline float snapFour(const WorldLattice& lattice, const float (*own)[3], float (*stored)[3])
   {
     Float4 square[3];
@@ -27,20 +27,21 @@ namespace cvert { inline namespace CVERT_ISA
     return greatest(below(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
-  /*! Of four quads beside each other, with triangles (00,10,01) and (10,11,01): how many have one that is
-   *  turned by more than 90 degrees. width: distance of the rows, in vertices. */
+  /*! Number of quads, among four next to each other with triangles (00,10,01) and (10,11,01), that have a triangle
+   *  whose normal turned by more than 90 degrees. width: vertices from row to row. */
   inline uint32_t countFlippedOfFour(const float (*own)[3], const float (*stored)[3], size_t width)
   {
     struct Normals
     {
       Vertices4 lower, upper;
 
-      Normals(const float (*p)[3], size_t width) : Normals(Vertices4(p),Vertices4(p+1),Vertices4(p+width),Vertices4(p+width+1)) {}
+      Normals(const float (*p)[3], size_t width)
+        : Normals(Vertices4(p),Vertices4(p+1),Vertices4(p+width),Vertices4(p+width+1)) {}
       Normals(const Vertices4& a, const Vertices4& b, const Vertices4& c, const Vertices4& d)
         : lower(cross(b-a,c-a)), upper(cross(d-b,c-b)) {}
     };
     const Normals n(own,width), m(stored,width);
     const uint32_t flipped = lanesBelow(dot(n.lower,m.lower),0.0f) | lanesBelow(dot(n.upper,m.upper),0.0f);
-    return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // its bits, counted
+    return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // number of bits set
   }
 }}

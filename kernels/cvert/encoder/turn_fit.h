@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* The matrix that takes the residuals of a block's first step to those of a later one, cvert/format/motion.h: least squares over its groups.
- * What a surface does between the two steps, it turns, bends, grows, is nearly linear over a block. */
+/* Matrix that maps the residuals of a block's first step to the residuals of a later step, see format/motion.h, by
+ * least squares over the groups. Rotation, bending and growth of a surface between the steps are nearly linear over a
+ * block. */
 
 #include "../format/motion.h"
 #include "cell_encoder.h"
@@ -14,19 +15,19 @@ namespace cvert { inline namespace CVERT_ISA
   class TurnFit
   {
   public:
-    /*! residuals of the first step's groups, by axis */
+    /*! residuals: of the groups of the first step, by axis. Must outlive this object. */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
       this->groups = groups;
       double s[3][3];
       sum(first,s);
-      /* along an axis without residuals nothing is known, and nothing matters */
+      /* regularizes axes without residuals, on which the matrix does not matter */
       for (int a=0; a<3; a++) s[a][a] += 0.001*cellFields*groups;
       invert(s,inverse);
     }
 
-    /*! later: residuals of the same groups in another step */
+    /*! later: residuals of the same groups in another step. */
     void fit (const int (*later)[3][paddedVertices])
     {
       double s[3][3], turn[3][3], largest = 0;
@@ -43,13 +44,15 @@ namespace cvert { inline namespace CVERT_ISA
           entries[a][b] = int(std::floor(std::min(std::max(turn[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
     }
 
-    /*! what turning misses of a cell's residuals */
-    void subtract (const int from[3][paddedVertices], const int to[3][paddedVertices], int rest[3][paddedVertices]) const
+    /*! Computes the difference between a cell's residuals `to` and the turned residuals `from`. */
+    void subtract (const int from[3][paddedVertices], const int to[3][paddedVertices],
+                   int rest[3][paddedVertices]) const
     {
       const int shift = int(7-scale);
       for (int a=0; a<3; a++)
         for (int v=0; v<paddedVertices; v+=4) { // as turnedResidual
-          const Int4 sum = Int4(entries[a][0])*Int4::load(from[0]+v) + Int4(entries[a][1])*Int4::load(from[1]+v) + Int4(entries[a][2])*Int4::load(from[2]+v);
+          const Int4 sum = Int4(entries[a][0])*Int4::load(from[0]+v) + Int4(entries[a][1])*Int4::load(from[1]+v)
+            + Int4(entries[a][2])*Int4::load(from[2]+v);
           (Int4::load(to[a]+v) - shiftSigned(sum + Int4(1 << (shift-1)),shift)).store(rest[a]+v);
         }
     }
@@ -63,7 +66,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! sums of products with the first step's residuals, over all vertices */
+    /*! Sums of products with the first step's residuals, over all vertices. */
     void sum (const int (*of)[3][paddedVertices], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
@@ -72,7 +75,8 @@ namespace cvert { inline namespace CVERT_ISA
           for (uint32_t g=0; g<groups; g++)
           {
             Float4 four = 0.0f;
-            for (int v=0; v<paddedVertices; v+=4) four = four + toFloat(Int4::load(of[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
+            for (int v=0; v<paddedVertices; v+=4)
+              four = four + toFloat(Int4::load(of[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
             float lanes[4];
             four.store(lanes);
             total += double(lanes[0])+lanes[1]+lanes[2]+lanes[3];
@@ -81,7 +85,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
-    /*! of a matrix that is symmetric and positive definite */
+    /*! m: symmetric and positive definite. */
     static void invert (const double m[3][3], double out[3][3])
     {
       double cofactor[3][3];

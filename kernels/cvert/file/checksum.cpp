@@ -1,14 +1,25 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* CRC-32C, eight bytes at a time: by the instruction that SSE4.2 has for it, else by eight tables. Compiled for the library's lowest ISA only.
+/* CRC-32C, eight bytes at a time, with the instruction of SSE4.2 or ARM64, or with eight tables. Compiled only for the
+ * lowest ISA of the library.
  *
- * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators", 2005. */
+ * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators",
+ * 2005. */
 
 #include "checksum.h"
 #include <cstring>
 #if defined(__x86_64__)
 #include <nmmintrin.h>
+#define CRC_TARGET "sse4.2"
+#define CRC_OF_64 _mm_crc32_u64
+#define CRC_OF_8 _mm_crc32_u8
+#elif defined(__aarch64__) && defined(__linux__) && !defined(__clang__) // whose header has it only if all code may use it
+#include <arm_acle.h>
+#include <sys/auxv.h>
+#define CRC_TARGET "+crc"
+#define CRC_OF_64(crc,word) __crc32cd(uint32_t(crc),word)
+#define CRC_OF_8 __crc32cb
 #endif
 
 namespace cvert
@@ -21,7 +32,7 @@ namespace cvert
 
       Tables ()
       {
-        const uint32_t polynomial = 0x82F63B78u; // Castagnoli's, bits reversed
+        const uint32_t polynomial = 0x82F63B78u; // Castagnoli, bits reversed
         for (uint32_t i=0; i<256; i++) {
           uint32_t crc = i;
           for (int bit=0; bit<8; bit++) crc = (crc >> 1) ^ (crc & 1 ? polynomial : 0);
@@ -41,33 +52,45 @@ namespace cvert
       std::memcpy(&low,p,4);
       std::memcpy(&high,p+4,4);
       low ^= crc;
-      crc = tables.at[7][low & 255] ^ tables.at[6][(low >> 8) & 255] ^ tables.at[5][(low >> 16) & 255] ^ tables.at[4][low >> 24]
-          ^ tables.at[3][high & 255] ^ tables.at[2][(high >> 8) & 255] ^ tables.at[1][(high >> 16) & 255] ^ tables.at[0][high >> 24];
+      crc = tables.at[7][low & 255] ^ tables.at[6][(low >> 8) & 255] ^ tables.at[5][(low >> 16) & 255]
+          ^ tables.at[4][low >> 24] ^ tables.at[3][high & 255] ^ tables.at[2][(high >> 8) & 255]
+          ^ tables.at[1][(high >> 16) & 255] ^ tables.at[0][high >> 24];
     }
     for (; bytes; bytes--, p++) crc = (crc >> 8) ^ tables.at[0][(crc ^ *p) & 255];
     return crc;
   }
 
-#if defined(__x86_64__)
-  __attribute__((target("sse4.2"))) static uint32_t byInstruction (const uint8_t* p, size_t bytes, uint32_t crc)
+#if defined(CRC_TARGET)
+  __attribute__((target(CRC_TARGET))) static uint32_t byInstruction (const uint8_t* p, size_t bytes, uint32_t crc)
   {
     uint64_t wide = crc;
     for (; bytes >= 8; bytes-=8, p+=8) {
       uint64_t word;
       std::memcpy(&word,p,8);
-      wide = _mm_crc32_u64(wide,word);
+      wide = CRC_OF_64(wide,word);
     }
     crc = uint32_t(wide);
-    for (; bytes; bytes--, p++) crc = _mm_crc32_u8(crc,*p);
+    for (; bytes; bytes--, p++) crc = CRC_OF_8(crc,*p);
     return crc;
+  }
+
+  static bool isCrcSupported ()
+  {
+#if defined(__x86_64__)
+    return __builtin_cpu_supports("sse4.2");
+#else
+    return (::getauxval(AT_HWCAP) & HWCAP_CRC32) != 0;
+#endif
   }
 
   uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before, bool isPortable)
   {
-    static const bool hasInstruction = __builtin_cpu_supports("sse4.2");
+    static const bool hasInstruction = isCrcSupported();
     return ~(hasInstruction && !isPortable ? byInstruction : byTables)((const uint8_t*)data,bytes,~before);
   }
 #else
-  uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before, bool) { return ~byTables((const uint8_t*)data,bytes,~before); }
+  uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before, bool) {
+    return ~byTables((const uint8_t*)data,bytes,~before);
+  }
 #endif
 }

@@ -8,7 +8,7 @@
 
 namespace cvert
 {
-  /*! Returns the CRC-32C of bytes, as in iSCSI. before: the checksum of the bytes before them; isPortable: does not use the processor's
-   *  instruction for it. */
+  /*! Returns the CRC-32C of bytes, as in iSCSI. before: checksum of the preceding bytes. isPortable: do not use the
+   *  processor's instruction. */
   uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before = 0, bool isPortable = false);
 }

@@ -26,8 +26,9 @@ namespace cvert
     }
   }
 
-  /* Without O_NONBLOCK the opening of a FIFO would wait for its writer. */
-  File::File (const std::string& path) : path(path), file(::open(path.c_str(),O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC))
+  /* O_NONBLOCK: opening a FIFO would otherwise wait for its writer. */
+  File::File (const std::string& path)
+    : path(path), file(::open(path.c_str(),O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC))
   {
     if (file < 0) throw Error(ErrorCode::INVALID_ARGUMENT,path + ": cannot be opened: " + std::strerror(errno));
     try {
@@ -46,7 +47,8 @@ namespace cvert
     if (::fstat(file,&status) != 0) fail(std::strerror(errno));
     if (!S_ISREG(status.st_mode)) fail(std::string("is ") + kindOfFile(status.st_mode) + ": expected a regular file");
     bytes = uint64_t(status.st_size);
-    if (bytes < sizeof(FileHeader)) fail("is no file of compressed surfaces: it has only " + std::to_string(bytes) + " bytes");
+    if (bytes < sizeof(FileHeader))
+      fail("is not a file of compressed surfaces: it has only " + std::to_string(bytes) + " bytes");
     void* const mapped = ::mmap(nullptr,size_t(bytes),PROT_READ,MAP_PRIVATE,file,0);
     if (mapped == MAP_FAILED) fail(std::string("cannot be mapped: ") + std::strerror(errno));
     data = (const char*)mapped;
@@ -61,23 +63,31 @@ namespace cvert
   Reason File::validate () const
   {
     const FileHeader& h = *header();
-    if (memcmp(h.magic,fileMagic,sizeof(fileMagic)) != 0) return Reason::damaged("is no file of compressed surfaces");
-    if (h.byteOrder != fileByteOrder) return Reason::damaged("was written by a machine with another order of bytes, or is damaged");
-    if (const Reason reason = checkVersion(h.version,fileVersion,fileVersion,"is of an older version of these files, %; this library reads % and later",
-                                           "is of a newer version of these files, %; this library reads versions up to %"))
+    if (memcmp(h.magic,fileMagic,sizeof(fileMagic)) != 0)
+      return Reason::damaged("is not a file of compressed surfaces");
+    if (h.byteOrder != fileByteOrder) return Reason::damaged("has another byte order: expected little-endian");
+    if (const Reason reason = checkVersion(h.version,fileVersion,fileVersion,
+          "has an older version of these files, %: this library reads % and later",
+          "has a newer version of these files, %: this library reads versions up to %"))
       return reason;
-    if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum))) return Reason::damaged("is damaged: the checksum of its header differs");
-    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,vertFormatVersion,"has blocks of an older version of cVERT, %; this library reads % and later",
-                                           "has blocks of a newer version of cVERT, %; this library reads versions up to %"))
+    if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum)))
+      return Reason::damaged("is damaged: the checksum of its header differs");
+    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,meshFormatVersion,
+          "has blocks of an older version of cVERT, %: this library reads % and later",
+          "has blocks of a newer version of cVERT, %: this library reads versions up to %"))
       return reason;
-    if (const Reason reason = checkVersion(h.framedVersion,fileFramedVersion,fileFramedVersion,"has blocks with frames of an older version, %; this library reads % and later",
-                                           "has blocks with frames of a newer version, %; this library reads versions up to %"))
+    if (const Reason reason = checkVersion(h.framedVersion,fileFramedVersion,fileFramedVersion,
+          "has blocks with frames of an older version, %: this library reads % and later",
+          "has blocks with frames of a newer version, %: this library reads versions up to %"))
       return reason;
-    if (h.fileBytes > bytes) return Reason::damaged("is truncated: it has % bytes of %",bytes,h.fileBytes);
-    if (h.fileBytes < bytes) return Reason::damaged("has something after its end: it has % bytes, expected %",bytes,h.fileBytes);
-    if (h.recordBytes != sizeof(FileGeometry) || h.numGeometries == 0 || h.directory > bytes || h.directory % 16 != 0 || (bytes-h.directory)/sizeof(FileGeometry) < h.numGeometries)
+    if (h.fileBytes > bytes) return Reason::damaged("is truncated: it has % bytes, expected %",bytes,h.fileBytes);
+    if (h.fileBytes < bytes)
+      return Reason::damaged("has data after its end: it has % bytes, expected %",bytes,h.fileBytes);
+    if (h.recordBytes != sizeof(FileGeometry) || h.numGeometries == 0 || h.directory > bytes || h.directory % 16 != 0
+        || (bytes-h.directory)/sizeof(FileGeometry) < h.numGeometries)
       return Reason::damaged("is damaged: its directory of % geometries does not fit",h.numGeometries);
-    if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry))) return Reason::damaged("is damaged: the checksum of its directory differs");
+    if (h.directoryChecksum != fileChecksum(data+h.directory,h.numGeometries*sizeof(FileGeometry)))
+      return Reason::damaged("is damaged: the checksum of its directory differs");
     for (size_t i=0; i<h.numGeometries; i++)
     {
       const FileGeometry& g = geometry(i);
@@ -102,15 +112,16 @@ namespace cvert
   void File::verifyGeometry (size_t i, const BlockCheck& other) const
   {
     const FileGeometry& record = geometry(i);
-    if (record.blocksChecksum != fileChecksum(blocks(i),size_t(record.blockBytes))) failAt(i,"the checksum of its blocks differs");
+    if (record.blocksChecksum != fileChecksum(blocks(i),size_t(record.blockBytes)))
+      failAt(i,"the checksum of its blocks differs");
     const Reason reason = forEachBlock(record,tree(i),[&](FileChild type, uint64_t offset) {
         if (type == FILE_FRAMED && !other) return;
         const char* const block = blocks(i)+offset;
         const size_t bytes = size_t(record.blockBytes-offset);
         Reason reason = type == FILE_FRAMED ? other(record,block,bytes)
-            : validateVertBlock(record,(const VertHeader*)block,bytes);
+            : type == FILE_MESH ? validateMeshBlock(record,block,bytes) : validateVertBlock(record,block,bytes);
         if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
-          reason = Reason::damaged("it belongs to another surface");
+          reason = Reason::damaged("its surface number differs from its geometry's");
         if (reason) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
       });
     if (reason) failAt(i,reason.message());

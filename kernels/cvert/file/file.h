@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A file of compressed surfaces, mapped for reading. Opening it checks the header and the directory. The trees and the
- * blocks are not read until they are used: see TreeReader and validateVertBlock. */
+/* A file of compressed surfaces, mapped for reading. Opening it checks the header and the directory. Trees and blocks
+ * are not read until they are used, see TreeReader and validateVertBlock. */
 
 #include "../basics/reason.h"
 #include "format.h"
@@ -13,18 +13,17 @@
 
 namespace cvert
 {
-  /*! Immutable; any number of threads may read it. */
+  /*! Immutable. Any number of threads may read it. */
   class File
   {
   public:
-    /*! Throws Error with a message that names the path if there is no such file, or if it is not a valid file of
-     *  compressed surfaces. */
+    /*! Throws Error with a message that names the path if the file does not exist or is not a valid file of compressed
+     *  surfaces. */
     explicit File (const std::string& path);
     ~File ();
     File (const File&) = delete;
     File& operator= (const File&) = delete;
 
-    /*! Number of geometries. */
     size_t size () const { return header()->numGeometries; }
     const FileGeometry& geometry (size_t i) const { return ((const FileGeometry*)(data+header()->directory))[i]; }
 
@@ -32,8 +31,8 @@ namespace cvert
     const char* tree (size_t i) const { return data+geometry(i).tree; }
     const char* blocks (size_t i) const { return data+geometry(i).blocks; }
 
-    /*! Returns what is wrong with a block that is not cVERT, of a geometry with that record. bytes: from the block to
-     *  the end of the blocks */
+    /*! Returns the first error in a block that is not cVERT. record: of its geometry. bytes: from the block to the end
+     *  of the blocks. */
     typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
 
     /*! Reads all bytes of the file. Throws Error if a checksum differs, or if a tree or a block is damaged. other:
@@ -48,7 +47,7 @@ namespace cvert
     /*! Throws Error: this program does not support geometry i. */
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
 
-    /*! Open as long as this exists. */
+    /*! Open during the lifetime of this object. */
     int descriptor () const { return file; }
 
     const std::string path;

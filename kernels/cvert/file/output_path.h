@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Finds what a path of output leads to: a file that can be replaced, or something that must be written into, such as a
- * device, a pipe or a descriptor of this process. Needs nothing but POSIX, so that the programs use the same rule as
- * the library. */
+/* Resolves an output path. It leads to a file that can be replaced, or to a device, a pipe or a descriptor of this
+ * process, which must be written in place. Depends only on POSIX, so that programs use the same rule as the library. */
 
 #include <cctype>
 #include <cerrno>
@@ -19,7 +18,7 @@
 
 namespace cvert
 {
-  /*! what() is the text of errno */
+  /*! Throws std::system_error, whose what() is the text of an errno. */
   [[noreturn]] inline void throwErrno (int error) { throw std::system_error(error,std::generic_category()); }
 
   inline std::string folderOf (const std::string& path)
@@ -32,11 +31,11 @@ namespace cvert
 
   struct OutputPath
   {
-    /*! A file is replaced when the output is complete. A stream is written into: a rename would put a file in its
-     *  place. */
+    /*! A REGULAR file is replaced when the output is complete. A STREAM is written in place, because a rename would
+     *  replace it with a file. */
     enum Kind { NEW, REGULAR, STREAM };
 
-    /*! Throws std::system_error for a folder, and for what cannot be looked up. */
+    /*! Throws std::system_error for a folder, and if the path cannot be resolved. */
     explicit OutputPath (const std::string& given) : path(given)
     {
       if (given.empty()) throwErrno(ENOENT);
@@ -54,13 +53,13 @@ namespace cvert
       return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
     }
 
-    std::string path;     //!< with symbolic links followed, also one to a file that is not there yet
+    std::string path;     //!< with symbolic links followed, including links to files that do not exist yet
     Kind kind = NEW;
-    int descriptor = -1;  //!< of this process that the path names, as /dev/stdout does
+    int descriptor = -1;  //!< descriptor of this process that the path names, for example /dev/stdout
     struct stat status;   //!< of the file; undefined for a new one
 
   private:
-    /*! Returns true at a link of /proc to an open file, whose text is no path. */
+    /*! Follows symbolic links. Returns true at a link of /proc to an open file, whose text is not a path. */
     bool followLinks ()
     {
       for (int links=0; ; links++)
@@ -75,7 +74,7 @@ namespace cvert
       }
     }
 
-    /*! Whether a link is one of /proc/PID/fd. */
+    /*! True if a link is one of /proc/PID/fd. */
     static bool isOpenFile (const std::string& path)
     {
       const long proc = 0x9fa0; // PROC_SUPER_MAGIC
@@ -84,7 +83,7 @@ namespace cvert
       return isNumber && ::statfs(folderOf(path).c_str(),&system) == 0 && system.f_type == proc;
     }
 
-    /*! N of /proc/self/fd/N, whatever links lead to that folder; -1 for another process */
+    /*! Returns N for /proc/self/fd/N and all links to that folder, or -1 for another process. */
     static int ownDescriptor (const std::string& path)
     {
       char* const real = ::realpath(folderOf(path).c_str(),nullptr);
@@ -93,7 +92,7 @@ namespace cvert
       return folder == "/proc/" + std::to_string(::getpid()) + "/fd" ? std::atoi(nameOf(path).c_str()) : -1;
     }
 
-    /*! Standard output or standard error, if one of them goes to the file: a rename would lose what is printed. */
+    /*! Standard output or standard error, if it goes to the file, else -1: a rename would lose its output. */
     static int standardDescriptor (const struct stat& file)
     {
       struct stat open;

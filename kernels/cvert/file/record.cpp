@@ -11,13 +11,16 @@ namespace cvert
   {
     Reason validatePrimitives (const VertHeader* block, uint32_t numPrimitives)
     {
-      if (block->primID >= numPrimitives) return Reason::damaged("primitive % is out of range: the geometry has %",block->primID,numPrimitives);
+      if (block->primID >= numPrimitives)
+        return Reason::damaged("primitive % is out of range: the geometry has %",block->primID,numPrimitives);
       if (!hasNumbers(block->boxForm)) return Reason();
       for (uint32_t y=0; y<vertQuadsY(block->region); y++)
-        for (uint32_t x=0; x<vertQuadsX(block->region); x++) {
-          const uint32_t primID = primitiveOfNumber(block->patchQuads,numberOfQuad(block,x,y),isOfTriangles(block->patchQuads));
-          if (primID >= numPrimitives) return Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
-        }
+        for (uint32_t x=0; x<vertQuadsX(block->region); x++)
+          for (bool isSecond : { false,true }) {
+            const uint32_t primID = primitiveOfQuad(block,x,y,isSecond).primID;
+            if (primID >= numPrimitives)
+              return Reason::damaged("primitive % is out of range: the geometry has %",primID,numPrimitives);
+          }
       return Reason();
     }
   }
@@ -29,20 +32,27 @@ namespace cvert
   Reason validateRecord (const FileGeometry& g)
   {
     if (g.form > FILE_MOVING) return Reason::damaged("form % is unknown: expected 0 to %",g.form,FILE_MOVING);
-    if (g.source > FILE_TRIANGLES) return Reason::damaged("source % is unknown: expected 0 to %",g.source,FILE_TRIANGLES);
-    if (g.compression < FILE_COMPRESSION_GRID || g.compression > FILE_COMPRESSION_VERT) return Reason::damaged("compression % is unknown: expected 2 to 5",g.compression);
+    if (g.source > FILE_TRIANGLES)
+      return Reason::damaged("source % is unknown: expected 0 to %",g.source,FILE_TRIANGLES);
+    if (g.compression < FILE_COMPRESSION_GRID || g.compression > FILE_COMPRESSION_VERT)
+      return Reason::damaged("compression % is unknown: expected 2 to 5",g.compression);
     const size_t of = g.form == FILE_TREE ? sizeof(FileNode) : sizeof(FileEntry);
-    if (g.treeBytes % of != 0 || (g.form == FILE_TREE && g.treeBytes == 0)) return Reason::damaged("its tree has % bytes: expected a multiple of %",g.treeBytes,of);
-    if (g.numBlocks > g.treeBytes/of*(g.form == FILE_TREE ? 4 : 1)) return Reason::damaged("its tree of % bytes has too few leaves for % blocks",g.treeBytes,g.numBlocks);
+    if (g.treeBytes % of != 0 || (g.form == FILE_TREE && g.treeBytes == 0))
+      return Reason::damaged("its tree has % bytes: expected a multiple of %",g.treeBytes,of);
+    if (g.numBlocks > g.treeBytes/of*(g.form == FILE_TREE ? 4 : 1))
+      return Reason::damaged("its tree of % bytes has too few leaves for % blocks",g.treeBytes,g.numBlocks);
     const bool moves = g.form == FILE_MOVING;
     if (moves != (g.numTimeSteps != 1) || g.numTimeSteps == 0 || g.numTimeSteps > maxTimeSteps)
-      return Reason::damaged(moves ? "it has % time steps: expected 2 to %" : "it has % time steps: expected 1",g.numTimeSteps,maxTimeSteps);
-    if (moves && (!std::isfinite(g.begin) || !std::isfinite(g.end) || !(g.begin < g.end))) return Reason::damaged("its time range is empty or not finite");
+      return Reason::damaged(moves ? "it has % time steps: expected 2 to %" : "it has % time steps: expected 1",
+                             g.numTimeSteps,maxTimeSteps);
+    if (moves && (!std::isfinite(g.begin) || !std::isfinite(g.end) || !(g.begin < g.end)))
+      return Reason::damaged("its time range is empty or not finite");
     if ((g.surface & firstFileNumber) == 0 || ((g.surface & movingSurface) != 0) != moves || g.surface == ~0u)
-      return Reason::damaged("the number of its surface, %, is out of range",g.surface);
+      return Reason::damaged("its surface number % is out of range",g.surface);
     const bool isEmpty = !(g.lower[0] <= g.upper[0] && g.lower[1] <= g.upper[1] && g.lower[2] <= g.upper[2]);
     if (g.numBlocks && !isEmpty && !areBounds(g.lower,g.upper)) return Reason::damaged("its bounds are not finite");
-    if (g.numBlocks && isEmpty && !moves) return Reason::damaged("its bounds are empty, but it has % blocks",g.numBlocks);
+    if (g.numBlocks && isEmpty && !moves)
+      return Reason::damaged("its bounds are empty, but it has % blocks",g.numBlocks);
     return Reason();
   }
 
@@ -51,12 +61,30 @@ namespace cvert
     if (const Reason reason = validateVert(data,bytes)) return reason;
     const VertHeader* const block = (const VertHeader*)data;
     const bool moves = record.form == FILE_MOVING;
-    if (isMoving(block->boxForm) != moves) return Reason::damaged(moves ? "it has no time steps" : "it has time steps, but its geometry has none");
+    if (isMoving(block->boxForm) != moves)
+      return Reason::damaged(moves ? "it has no time steps" : "it has time steps, but its geometry has none");
     if (moves) {
       const VertMotion motion = motionOf(block);
-      if (motion.numSteps != record.numTimeSteps) return Reason::damaged("it has % time steps: the geometry has %",motion.numSteps,record.numTimeSteps);
-      if (motion.begin != record.begin || motion.end != record.end) return Reason::damaged("its time range differs from the geometry's");
+      if (motion.numSteps != record.numTimeSteps)
+        return Reason::damaged("it has % time steps: the geometry has %",motion.numSteps,record.numTimeSteps);
+      if (motion.begin != record.begin || motion.end != record.end)
+        return Reason::damaged("its time range differs from the geometry's");
     }
     return validatePrimitives(block,record.numPrimitives);
+  }
+
+  Reason validateMeshBlock (const FileGeometry& record, const void* data, size_t bytes)
+  {
+    if (const Reason reason = validateMesh(data,bytes)) return reason;
+    if (record.form == FILE_MOVING) return Reason::damaged("it has no time steps");
+    const MeshHeader* const block = (const MeshHeader*)data;
+    const MeshView view(block);
+    for (uint32_t g=0; g<view.groups; g++)
+      for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++) {
+        const uint32_t primID = primitiveOfMesh(block->form,view.number(g,t));
+        if (primID >= record.numPrimitives)
+          return Reason::damaged("primitive % is out of range: the geometry has %",primID,record.numPrimitives);
+      }
+    return Reason();
   }
 }

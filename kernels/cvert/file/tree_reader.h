@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reads the tree of a geometry in a file, and checks it: every node has one parent, nodes and blocks come in the order of the traversal, and
- * boxes are finite. The blocks themselves are not read. */
+/* Reads and checks the tree of a geometry in a file: every node has one parent, nodes and blocks are in the order of
+ * the traversal, and boxes are finite. Does not read the blocks. */
 
 #include "../format/block.h"
 #include "record.h"
@@ -13,33 +13,36 @@ namespace cvert
 {
   /*! Passes the tree to a Sink, which has
    *
-   *    typedef Ref                                                        what it makes of a node or a block
+   *    typedef Ref                                                        reference to a node or a block
    *    Ref leaf (FileChild type, uint64_t offset)                         a block, offset bytes after the first
-   *    Node* beginNode ()                                                 before the node's children are read
-   *    void setChild (Node*, unsigned i, lower, upper, Ref)               child i, with its box
+   *    Node* beginNode ()                                                 before the children of a node are read
+   *    void setChild (Node*, unsigned i, lower, upper, Ref)               child i with its box
    *    Ref endNode (Node*)
-   *    void entry (const FileEntry&, Ref)                                 of a list
+   *    void entry (const FileEntry&, Ref)                                 an entry of a list
    *
    *  Sinks may throw. */
   template<typename Sink>
   class TreeReader
   {
   public:
-    /*! Deepest tree that is accepted, in nodes. */
+    /*! Maximum depth of trees, in nodes. */
     static const unsigned maxDepth = 40;
 
     TreeReader (const FileGeometry& record, const char* tree, Sink& sink) : record(record), tree(tree), sink(sink) {}
 
-    /*! Returns what is wrong with the tree. root: set if the geometry has a tree and not a list */
+    /*! Returns the first error in the tree. root: set if the geometry has a tree and not a list. */
     Reason read (typename Sink::Ref& root)
     {
-      if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes))) return Reason::damaged("the checksum of its tree differs");
+      if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes)))
+        return Reason::damaged("the checksum of its tree differs");
       if (record.form == FILE_TREE) {
         root = node(0,1);
-        if (!reason && used*sizeof(FileNode) != record.treeBytes) fail("its tree has % nodes that no other node refers to",record.treeBytes/sizeof(FileNode)-used);
+        if (!reason && used*sizeof(FileNode) != record.treeBytes)
+          fail("its tree has % nodes that no other node refers to",record.treeBytes/sizeof(FileNode)-used);
       }
       else readList();
-      if (!reason && numBlocks != record.numBlocks) fail("its tree has % leaves: expected %, one for each block",numBlocks,record.numBlocks);
+      if (!reason && numBlocks != record.numBlocks)
+        fail("its tree has % leaves: expected %, one for each block",numBlocks,record.numBlocks);
       return reason;
     }
 
@@ -48,14 +51,20 @@ namespace cvert
   private:
     typedef typename Sink::Ref Ref;
 
-    Ref fail (const char* text, uint64_t first = 0, uint64_t second = 0) { reason = Reason::damaged(text,first,second); return Ref(); }
+    Ref fail (const char* text, uint64_t first = 0, uint64_t second = 0) {
+      reason = Reason::damaged(text,first,second);
+      return Ref();
+    }
 
     Ref leaf (uint64_t child)
     {
       const uint64_t type = child & FILE_CHILD_MASK, offset = child & ~uint64_t(FILE_CHILD_MASK);
       const bool moves = record.form == FILE_MOVING;
-      if (moves ? type != FILE_MOVING_VERT : type != FILE_VERT && type != FILE_FRAMED) return fail("a leaf of its tree has the unknown type %",type);
-      if (offset < next || offset > record.blockBytes || record.blockBytes-offset < vertHeaderBytes) return fail("a leaf of its tree has no block at %",offset);
+      const bool isKnown = moves ? type == FILE_MOVING_VERT
+        : type == FILE_VERT || type == FILE_FRAMED || type == FILE_MESH;
+      if (!isKnown) return fail("a leaf of its tree has the unknown type %",type);
+      if (offset < next || offset > record.blockBytes || record.blockBytes-offset < vertHeaderBytes)
+        return fail("a leaf of its tree has no block at %",offset);
       next = offset+1;
       numBlocks++;
       return sink.leaf(FileChild(type),offset);
@@ -63,7 +72,8 @@ namespace cvert
 
     Ref node (uint64_t offset, unsigned depth)
     {
-      if (offset != used*sizeof(FileNode) || offset >= record.treeBytes) return fail("a node of its tree refers to a node at %: expected %",offset,used*sizeof(FileNode));
+      if (offset != used*sizeof(FileNode) || offset >= record.treeBytes)
+        return fail("a node of its tree refers to a node at %: expected %",offset,used*sizeof(FileNode));
       if (depth > maxDepth) return fail("its tree is deeper than % nodes",maxDepth);
       used++;
       const FileNode& from = ((const FileNode*)tree)[offset/sizeof(FileNode)];
@@ -74,8 +84,10 @@ namespace cvert
         if (child == FILE_NONE) continue;
         float lower[3], upper[3];
         for (int k=0; k<3; k++) { lower[k] = from.planes[k][0][i]; upper[k] = from.planes[k][1][i]; }
-        if (!areBounds(lower,upper)) return fail("the node at % of its tree has a box that is empty or not finite",offset);
-        const Ref ref = (child & FILE_CHILD_MASK) == FILE_NODE ? node(child & ~uint64_t(FILE_CHILD_MASK),depth+1) : leaf(child);
+        if (!areBounds(lower,upper))
+          return fail("the node at % of its tree has a box that is empty or not finite",offset);
+        const Ref ref = (child & FILE_CHILD_MASK) == FILE_NODE ? node(child & ~uint64_t(FILE_CHILD_MASK),depth+1)
+                                                               : leaf(child);
         if (reason) return Ref();
         sink.setChild(to,i,lower,upper,ref);
       }
@@ -86,7 +98,10 @@ namespace cvert
     {
       const FileEntry* const entries = (const FileEntry*)tree;
       for (uint64_t i=0; i<record.treeBytes/sizeof(FileEntry) && !reason; i++) {
-        if (record.form != FILE_MOVING && !areBounds(entries[i].lower,entries[i].upper)) { fail("entry % of its list has a box that is empty or not finite",i); return; }
+        if (record.form != FILE_MOVING && !areBounds(entries[i].lower,entries[i].upper)) {
+          fail("entry % of its list has a box that is empty or not finite",i);
+          return;
+        }
         const Ref ref = leaf(entries[i].child);
         if (!reason) sink.entry(entries[i],ref);
       }
@@ -96,12 +111,13 @@ namespace cvert
     const char* const tree;
     Sink& sink;
     Reason reason;
-    uint64_t next = 0;       //!< least offset of the next block
+    uint64_t next = 0;       //!< lowest valid offset of the next block
     uint64_t numBlocks = 0;
-    uint64_t used = 0;       //!< nodes
+    uint64_t used = 0;       //!< number of nodes
   };
 
-  /*! Calls visit(type,offset) for each block of a geometry in the order of the file. Returns what is wrong with the tree. */
+  /*! Calls visit(type,offset) for each block of a geometry in the order of the file. Returns the first error in the
+   *  tree. */
   template<typename Visit>
   Reason forEachBlock (const FileGeometry& record, const char* tree, const Visit& visit)
   {

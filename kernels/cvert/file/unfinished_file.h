@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A file that is written next to its place and renamed into it when it is complete. It is locked until then, so that
- * another process can tell it from what a killed process left. Needs nothing but POSIX, so that the programs replace
+/* A file that is written next to its final path and renamed when it is complete. It is locked until then, so that other
+ * processes can distinguish it from a file that a killed process left. Depends only on POSIX, so that programs replace
  * files in the same way as the library. */
 
 #include "output_path.h"
@@ -20,8 +20,8 @@
 
 namespace cvert
 {
-  /*! While one exists, a write by this thread beyond the limit on file sizes fails with EFBIG; SIGXFSZ does not end
-   *  the process. */
+  /*! During its lifetime, writes by this thread beyond the limit on file sizes fail with EFBIG, and SIGXFSZ does not
+   *  end the process. */
   class FileSizeLimit
   {
   public:
@@ -47,7 +47,7 @@ namespace cvert
     sigset_t signal, before;
   };
 
-  /*! Writes all of it by put(data, bytes, done), a system call that writes a part. Returns 0, else the error. */
+  /*! Writes all bytes with put(data, bytes, done), a system call that may write fewer. Returns 0 or an errno. */
   template<typename Put>
   int putAll (const void* data, size_t bytes, const Put& put)
   {
@@ -73,8 +73,8 @@ namespace cvert
   class UnfinishedFile
   {
   public:
-    /*! For one that is lost unless it is committed. Removes what killed writers of the same place left. Throws
-     *  std::system_error. */
+    /*! Creates a file that is removed unless it is committed. Removes files that killed writers of the same path left.
+     *  Throws std::system_error. */
     explicit UnfinishedFile (const OutputPath& place) : place(place)
     {
       const std::string mark = ".cbvh-part-";
@@ -84,8 +84,8 @@ namespace cvert
       removeStale(folder,begin);
     }
 
-    /*! For one that a later process goes on with: its name is the place's and `ending`. Throws std::system_error,
-     *  with EWOULDBLOCK if another writer has it. */
+    /*! Creates or opens a file that a later process can continue. Its name is the final name followed by `ending`.
+     *  Throws std::system_error, with EWOULDBLOCK if another writer has the file locked. */
     UnfinishedFile (const OutputPath& place, const std::string& ending) : place(place), keeps(true)
     {
       const std::string path = folderOf(place.path) + "/" + fitted(ending.size()) + ending;
@@ -108,7 +108,7 @@ namespace cvert
     const std::string& path () const { return name; }
     void keep (bool isKept) { keeps = isKept; }
 
-    /*! Gives it the permissions of the file that it replaces, if there is one, and its owner, if this process may. */
+    /*! Copies the permissions of the file that this one replaces, if any, and its owner if the process may. */
     void takeOver ()
     {
       if (place.kind != OutputPath::REGULAR) return;
@@ -118,8 +118,8 @@ namespace cvert
       (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
     }
 
-    /*! Puts the file in its place, on the disk, too. The lock is held until then: nobody else may write what has the
-     *  final name. Throws std::system_error; the file stays as it was then. */
+    /*! Flushes the file to the disk and renames it. The lock is held until then, because no other process may write a
+     *  file with the final name. Throws std::system_error; the file is then unchanged. */
     void commit ()
     {
       if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
@@ -131,8 +131,8 @@ namespace cvert
     }
 
   private:
-    /*! Creates and locks it. Returns false where that has to be tried again: the name is taken, or a writer that had
-     *  the file before has renamed or removed it. */
+    /*! Creates and locks the file. Returns false if the caller must try again: the name exists, or the previous writer
+     *  of the file renamed or removed it. */
     bool open (const std::string& path, int flags)
     {
       const int opened = ::open(path.c_str(),O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags,0666);
@@ -140,7 +140,7 @@ namespace cvert
         if (errno == EEXIST) return false;
         throwErrno(errno);
       }
-      /* a file system without locks has none to respect */
+      /* file systems without locks ignore them */
       const int error = ::flock(opened,LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
       if ((error == EWOULDBLOCK && !(flags & O_EXCL)) || !isNamed(opened,path) || error == EWOULDBLOCK) {
         ::close(opened);
@@ -158,7 +158,8 @@ namespace cvert
       return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
     }
 
-    /*! The place's name, cut where `more` bytes would not fit; then a checksum of the name tells it from others. */
+    /*! Returns the final name. If `more` bytes would not fit after it, it is cut and a checksum of the name is
+     *  added. */
     std::string fitted (size_t more) const
     {
       const std::string all = nameOf(place.path);
@@ -168,7 +169,7 @@ namespace cvert
       uint64_t sum = 0xcbf29ce484222325; // FNV-1a
       for (char c : all) sum = (sum ^ (unsigned char)c)*0x100000001b3;
       size_t left = most > more+17 ? std::min(all.size(),most-more-17) : 0;
-      while (left > 0 && (all[left] & 0xC0) == 0x80) left--; // no part of a character of UTF-8
+      while (left > 0 && (all[left] & 0xC0) == 0x80) left--; // do not cut a UTF-8 character
       return all.substr(0,left) + "-" + digitsOf(sum);
     }
 
@@ -185,7 +186,7 @@ namespace cvert
       return digitsOf((uint64_t(random()) << 32) | random());
     }
 
-    /*! Removes files of the folder that begin so and end in random digits, unless they are locked. */
+    /*! Removes files of the folder whose name is `begin` and random digits, unless they are locked. */
     void removeStale (const std::string& folder, const std::string& begin) const
     {
       DIR* const entries = ::opendir(folder.c_str());

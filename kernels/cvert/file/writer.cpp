@@ -14,15 +14,18 @@ namespace cvert
     const uint64_t begin = end;
     blocks.push_back({ data,bytes,surface });
     end = (begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1);
+    hasMeshBlocks |= type == FILE_MESH;
     return begin | type;
   }
 
   void FileSurface::appendToList (const void* data, uint32_t bytes)
   {
     if (record.form != FILE_LIST && record.form != FILE_MOVING)
-      throw Error(ErrorCode::INVALID_ARGUMENT,"the surface's record has form " + std::to_string(record.form) + ": expected FILE_LIST or FILE_MOVING");
+      throw Error(ErrorCode::INVALID_ARGUMENT,"the surface's record has form " + std::to_string(record.form)
+                  + ": expected FILE_LIST or FILE_MOVING");
     const VertHeader* const block = (const VertHeader*)data;
-    if (const Reason reason = validateVertBlock(record,block,bytes)) throw Error(reason.code,"the block cannot be saved: " + reason.message());
+    if (const Reason reason = validateVertBlock(record,block,bytes))
+      throw Error(reason.code,"the block cannot be saved: " + reason.message());
     const bool moves = isMoving(block->boxForm);
     if (blocks.empty())
       for (int k=0; k<3; k++) { record.lower[k] = infinity; record.upper[k] = -infinity; }
@@ -53,14 +56,14 @@ namespace cvert
       const OutputPath place(path);
       if (place.kind == OutputPath::STREAM)
         throw Error(ErrorCode::INVALID_ARGUMENT,
-                       path + ": is a device, a pipe or open already: compressed surfaces need a regular file");
+                       path + ": is a device, a pipe or an open descriptor: expected a regular file");
       name = place.path + ending;
       file.reset(ending.empty() ? new UnfinishedFile(place) : new UnfinishedFile(place,ending));
     }
     catch (const std::system_error& error)
     {
       const bool isTaken = error.code().value() == EWOULDBLOCK;
-      if (isTaken) throw Error(ErrorCode::INVALID_ARGUMENT,name + ": another writer has it");
+      if (isTaken) throw Error(ErrorCode::INVALID_ARGUMENT,name + ": is being written by another writer");
       throw Error(ErrorCode::INVALID_ARGUMENT,name + ": cannot be written: " + error.code().message());
     }
   }
@@ -81,7 +84,7 @@ namespace cvert
   {
     if (!file || !keeps) return;
     try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
-    catch (...) {} // what was saved before is still there
+    catch (...) {} // the file still has everything that was saved before
     file->keep(saved != 0);
   }
 
@@ -105,20 +108,25 @@ namespace cvert
     const FileHeader none = FileHeader();
     if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
     {
-      /* nothing was saved in it, unless it is another's */
-      if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is no file of compressed surfaces");
+      /* nothing was saved in it, unless it is another kind of file */
+      if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is not a file of compressed surfaces");
       if (::ftruncate(part,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
     }
-    const std::string anew = "; without it the file is begun anew";
-    if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is no file of compressed surfaces");
-    if (header.byteOrder != fileByteOrder || header.version != fileVersion || header.vertVersion != vertFormatVersion || header.framedVersion != fileFramedVersion)
-      refuse("was begun by another version of the library" + anew);
+    const std::string anew = "; remove it to start again";
+    if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is not a file of compressed surfaces");
+    if (header.byteOrder != fileByteOrder || header.version != fileVersion
+        || (header.vertVersion != vertFormatVersion && header.vertVersion != meshFormatVersion)
+        || header.framedVersion != fileFramedVersion)
+      refuse("was started by another version of the library" + anew);
     const uint64_t count = header.numGeometries;
-    if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum)) || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
+    if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum))
+        || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
         header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
       refuse("is damaged" + anew);
-    if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32)) refuse("was begun with something else" + anew);
+    if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32))
+      refuse("was started with another key" + anew);
+    hasMeshBlocks = header.vertVersion == meshFormatVersion;
     directory.resize(size_t(count));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
@@ -152,7 +160,7 @@ namespace cvert
 
   uint32_t FileWriter::numberOf (const FileGeometry& record)
   {
-    /* the same file for the same surfaces; surfaces of other files most likely have other numbers */
+    /* The same surfaces produce the same file. Surfaces of other files most likely have other numbers. */
     const uint32_t count = firstFileNumber-1; // the last number with bit 31 is reserved
     uint32_t number = fileChecksum(&record,sizeof(record)) % count;
     while (!numbers.insert(number).second) number = (number+1) % count;
@@ -161,8 +169,8 @@ namespace cvert
 
   void FileWriter::requireOpen () const
   {
-    if (!file) throw Error(ErrorCode::INVALID_OPERATION,path + ": was committed");
-    if (failed) throw Error(ErrorCode::INVALID_OPERATION,path + ": could not be written before");
+    if (!file) throw Error(ErrorCode::INVALID_OPERATION,path + ": was already committed");
+    if (failed) throw Error(ErrorCode::INVALID_OPERATION,path + ": could not be written earlier");
   }
 
   void FileWriter::add (FileSurface& surface)
@@ -178,7 +186,8 @@ namespace cvert
     record.blockBytes = surface.end;
     record.treeChecksum = fileChecksum(surface.tree.data(),surface.tree.size());
     record.surface = numberOf(record);
-    if (const Reason reason = validateRecord(record)) throw Error(ErrorCode::INVALID_OPERATION,"the geometry cannot be saved: " + reason.message());
+    if (const Reason reason = validateRecord(record))
+      throw Error(ErrorCode::INVALID_OPERATION,"the geometry cannot be saved: " + reason.message());
     record.tree = at;
     write(surface.tree.data(),surface.tree.size());
     padTo(filePage);
@@ -188,6 +197,7 @@ namespace cvert
     padTo(filePage);
     if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
     directory.push_back(record);
+    hasMeshBlocks |= surface.hasMeshBlocks;
     /* starts writing to the disk, so that the next checkpoint need not wait */
     if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
   }
@@ -217,7 +227,7 @@ namespace cvert
     memcpy(header.magic,fileMagic,sizeof(header.magic));
     header.byteOrder = fileByteOrder;
     header.version = fileVersion;
-    header.vertVersion = vertFormatVersion;
+    header.vertVersion = hasMeshBlocks ? meshFormatVersion : vertFormatVersion;
     header.framedVersion = fileFramedVersion;
     header.numGeometries = uint32_t(directory.size());
     header.recordBytes = sizeof(FileGeometry);
@@ -229,7 +239,7 @@ namespace cvert
     header.key[0] = uint32_t(key);
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
-    /* where the file may be gone on with, a header is only of what is on the disk */
+    /* If the file may be resumed, its header must only refer to data that is on the disk. */
     int error = keeps && ::fsync(file->descriptor()) != 0 ? errno : 0;
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
     if (!error && ::fsync(file->descriptor()) != 0) error = errno;

@@ -1,30 +1,31 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cVERT: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. It is
+/* A block of cVERT: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. Its layout is
  *
- *   header | edges of the patch, or numbers of quads | remainders' word | margins of groups | words of groups |
+ *   header | edges of the patch, or numbers of quads | word of remainders | margins of groups | words of groups |
  *   fields of the first cell | fields of groups | remainders | table of numbers
  *
- * What moving blocks have besides is in motion.h.
+ * motion.h describes the additional parts of moving blocks.
  *
  * On each axis a vertex is
  *
  *   origin + coordinate * spacing + remainder * spacing / 2^bits,
  *
- * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Most blocks have no remainders. A block whose
- * vertices need more than 14 bits stores the lower ones as remainders, bit for bit; on an axis where they are too many, it stores floats in
- * their place. A vertex is exact in float, in two fused or unfused
- * multiply-adds: the origin is a multiple of the spacing, and so is the sum before the remainder. So blocks that share a vertex have the same
- * three floats, and surfaces are closed as the triangles are. There is no frame.
+ * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Most blocks have no
+ * remainders. A block whose vertices need more than 14 bits stores the lower bits as remainders. If an axis needs too
+ * many bits, the block stores floats for it instead. A vertex is exact in float, in two fused or unfused
+ * multiply-adds: the origin is a multiple of the spacing, and so is the sum before the remainder. Blocks that share a
+ * vertex therefore have the same three floats, so surfaces are watertight if their triangles are. There is no frame.
  *
- * The box of a group is that of its four corners, which the first cell has, grown by margins of 4 bits a side. It lies between planes of two
- * of the world's axes and those of a third that is sheared along the block: a sheet that is inclined has flat boxes, without a frame.
+ * The box of a group is the box of its four corners, which the first cell stores, enlarged by margins of 4 bits per
+ * side. Its planes are perpendicular to two of the world axes and to a third axis that is sheared along the block.
+ * Inclined sheets thus have flat boxes without a frame.
  *
- * A raw block stores its vertices and boxes as floats in place of all that: where a vertex is not finite, or where that takes fewer bytes.
+ * A raw block stores its vertices and boxes as floats instead, if a vertex is not finite or if floats need fewer bytes.
  *
- * This header has the layout, and reads words of the header, edges, numbers and group words; cell.h gives words and
- * fields of cells their meaning. */
+ * This header defines the layout and reads words of the header, edges, numbers and words of groups. cell.h interprets
+ * words and fields of cells. */
 
 #ifndef CVERT_VERT_FORMAT_H
 #define CVERT_VERT_FORMAT_H
@@ -36,18 +37,19 @@
 
 CVERT_BEGIN
 
-/*! Version of the bytes that this header and docs/formats/block.md describe. A change that affects readers increments it. */
+/*! Version of the bytes that this header and docs/formats/block.md describe. Incremented by changes that affect
+ *  readers. */
 CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 
-/*! Oldest version that decoders read. All versions from this one on are decoded for ever. */
+/*! Oldest version that decoders read. Decoders will always read all versions from this one on. */
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
 /*! Decoders read at most this many bytes after a block. */
 CVERT_CONSTANT uint32_t readBehindVert = 16u;
 
-CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< along a side of a group
-CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^this quads along a side
-CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< so blocks of a patch begin at multiples of this
+CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< per side of a group
+CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^maxVertHeight quads per side
+CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks of a patch begin at multiples of this
 CVERT_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
@@ -55,28 +57,29 @@ CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< in the header
 CVERT_CONSTANT uint32_t vertEdgesBytes = 8u;
 CVERT_CONSTANT uint32_t vertMotionBytes = 16u;
 CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
-CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< along an axis: as many as a float has
-CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< in place of a number of bits
-CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< in steps
-CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: x, y, z lower, then x, y, z upper
+CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< per axis; the precision of a float
+CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< special value for a number of bits
+CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< in steps, see marginShift
+CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: lower x, y, z, then upper x, y, z
 
 struct VertHeader
 {
-  float origin[3];        //!< world position of the block's lowest coordinates
+  float origin[3];        //!< world position of coordinates 0
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
   uint32_t surface;       //!< number of the geometry's surface, limits.h
-  uint32_t primID;        //!< or what the numbers of quads count from: cvert/format/quad_numbers.h
+  uint32_t primID;        //!< or the number that the numbers of quads are relative to, see quad_numbers.h
   uint32_t region;        //!< size and position: see the accessors
-  uint32_t patchQuads;    //!< of the patch along u and v, less 1, 16 bits each; or the form of numbers
+  uint32_t patchQuads;    //!< quads of the patch along u and v, minus 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first;
-                          //!< see cornerBits for the other bits
-  uint32_t boxForm;       //!< bits 0..11: shifts of margins, 12..13: sheared axis, or 3: raw, 14..23: shear of boxes,
-                          //!< 24: has remainders, 25..28: shift of reach, see below; 29: has edges; 30: numbers its quads; 31: moves
-  uint32_t word;          //!< of the first cell; bits 24..31: exponent of the spacing on x
+                          //!< see cornerBits for the other 2 bits
+  uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
+                          //!< 24: has remainders; 25..28: shift of reach; 29: has edges; 30: has numbers of quads;
+                          //!< 31: moves
+  uint32_t word;          //!< word of the first cell; bits 24..31: exponent of the spacing on x
 };
 CVERT_READABLE(VertHeader,16)
 
-/*! x, y: first quad in the patch, multiples of vertBlockQuads */
+/*! x, y: first quad of the block in the patch, multiples of vertBlockQuads. */
 CVERT_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
   return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
@@ -89,72 +92,76 @@ CVERT_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (q
 CVERT_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
 CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
-/*! The edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. Of each the lower 12 bits are the rate less 1 that
- *  its vertices have, which may be lower than the patch's quads there; the upper 4 of the first two are the parameters u and v
- *  of the face at the patch's corner, in halves. A block has them behind its header, bit 29 of boxForm, if its patch does not begin
- *  at the corner of its face, or has a lower rate at an edge that the block touches. */
+/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate of the edge
+ *  minus 1, which may be lower than the number of quads of the patch along it. The upper 4 bits of the first two are
+ *  the parameters u and v of the face at the patch's corner, in halves. A block stores edges if its patch does not
+ *  begin at the corner of its face, or if it touches an edge of a lower rate. They follow the header, and bit 29 of
+ *  boxForm is set. */
 struct VertEdges
 {
-  uint32_t low, high; //!< of the first two, and of the others
+  uint32_t low, high; //!< the first two edges, and the other two
 };
 CVERT_READABLE(VertEdges,4)
 
 CVERT_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
 
-CVERT_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU, uint32_t cornerV)
+CVERT_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
+                                    uint32_t cornerV)
 {
   VertEdges edges;
   edges.low = (rate0-1u) | (cornerU << 12) | ((rate1-1u) << 16) | (cornerV << 28);
   edges.high = (rate2-1u) | ((rate3-1u) << 16);
   return edges;
 }
-CVERT_FUNCTION uint32_t vertRate (VertEdges edges, int edge) { return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u; }
+CVERT_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
+  return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u;
+}
 CVERT_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
 CVERT_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
-/*! Of a block that moves, behind its header, and edges or numbers if it has any. */
+/*! Part of a moving block. Follows the header and, if present, edges or numbers. */
 struct VertMotion
 {
-  float begin, end;  //!< time of the first step and of the last
-  uint32_t numSteps; //!< from 2
-  uint32_t steps;    //!< where the offsets of all steps but the first begin, 4 bytes each; all are in bytes from the block's start
+  float begin, end;  //!< times of the first and the last step
+  uint32_t numSteps; //!< at least 2
+  uint32_t steps;    //!< offset of an array with the offsets of all steps but the first, 4 bytes each; all offsets are
+                     //!< in bytes from the start of the block
 };
 CVERT_READABLE(VertMotion,4)
 
 CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
-/*! offset of the motion of a block that moves */
+/*! Offset of the VertMotion of a moving block. */
 CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
   return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
 }
 
 CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
-/*! quads along a side of group g of a row */
+/*! Number of quads of group g along a row or column of `quads` quads. */
 CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
   return rest < groupQuads ? rest : groupQuads;
 }
 
-/* Boxes have planes on two axes of the world, and on a third, m, of the sheared coordinate
+/* The planes of boxes are perpendicular to two world axes. On the third axis, m, they bound the sheared coordinate
  *
- *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes counted round,
+ *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
  *
- * which is the same all over a plane of the block's slope. Shifts, axis and slopes are where a
- * cell's word has bits, main axis and slopes; slopes of 0 make boxes of the world's axes. */
+ * which is constant on a plane with the slopes of the block. Shifts, axis and slopes have the bit positions that bits,
+ * main axis and slopes have in the word of a cell. Slopes of 0 make boxes axis-aligned. */
 
-/*! a step of margins on an axis is 2^this */
+/*! Margins on an axis are multiples of 2^marginShift. */
 CVERT_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
 
 CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
 
-/*! in 1/16, of the next axis (i = 1) and the one after it (i = 2) */
+/*! Slope of axis m+i (i = 1 or 2), in 1/16. */
 CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
-/*! Bounds of the block, in coordinates, are steps of this: bits 0..7 and 8..15 of its reach are those
- *  on the axes m+1 and m+2, where it begins at 0; 16..23 and 24..31, signed, the sheared coordinates
- *  that it lies between. */
+/*! Unit of the bounds of the block, in coordinates. Bits 0..7 and 8..15 of the reach are the upper bounds on the axes
+ *  m+1 and m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the bounds of the sheared coordinate. */
 CVERT_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
 CVERT_FUNCTION int reachOf (uint32_t reach, int i)
 {
@@ -165,27 +172,33 @@ CVERT_FUNCTION int reachOf (uint32_t reach, int i)
 CVERT_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
 CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
 
-/* Corners leave two bits of each of their 12 values: of the value i, counted corner by corner,
+/* Each of the 12 values of corners has two bits that coordinates do not use. For value i, in order of corners:
  *
- *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: that on z
+ *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: bit i of the exponent on z
  *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
 
-/*! bit `at` (14 or 15) of the two values of a word of corners */
-CVERT_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) { return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u); }
+/*! Bit `at` (14 or 15) of the two values in a word of corners. */
+CVERT_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
+  return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u);
+}
 
-/*! the same of four words, as a byte */
+/*! Bits `at` of the values in four words of corners, as a byte. */
 CVERT_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
 
-/*! of the last two words; 0 of the steps of a block that moves */
-CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) { return cornerBits(c4,15u) | cornerBits(c5,15u) << 2; }
-CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) { return cornerBits(c4,14u) | cornerBits(c5,14u) << 2; }
+/*! c4, c5: the last two words of corners. The version is 0 in the steps of a moving block. */
+CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
+  return cornerBits(c4,15u) | cornerBits(c5,15u) << 2;
+}
+CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
+  return cornerBits(c4,14u) | cornerBits(c5,14u) << 2;
+}
 
-/*! by axis: a power of two each, stored as the exponent of a float */
+/*! Spacing per axis: powers of two, stored as exponents of floats. */
 struct VertSpacing { float at[3]; };
 
-/*! word: of the first cell; c0 to c3: words of corners */
+/*! word: word of the first cell. c0 to c3: words of corners. */
 CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
 {
   VertSpacing spacing;
@@ -195,11 +208,11 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
   return spacing;
 }
 
-/*! Bounds of a block from its origin: on the axes m+1 and m+2 from 0 up to planes; the sheared coordinate lies
- *  between two. */
+/*! Bounds of a block relative to its origin. On the axes m+1 and m+2 they are 0 and `upper`; `sheared` bounds the
+ *  sheared coordinate. */
 struct BlockReach { float upper[2], sheared[2]; };
 
-/*! From its `reach`; step: reachStep. The products are exact. */
+/*! reach: from the block. step: reachStep. The products are exact. */
 CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
 {
   int m = shearedAxis(boxForm);
@@ -211,26 +224,26 @@ CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32
   return bounds;
 }
 
-/*! An upper limit of how far a block and the planes of its boxes lie from its origin on any axis. Slopes are less
- *  than 1, so no vertex lies farther away than the sum of the bounds; margins may double that. It is one number for
- *  all axes because the shear of a ray mixes their rounding errors. */
+/*! Upper bound of the distance on any axis between the origin and the block's vertices and planes of boxes. Slopes are
+ *  less than 1, so no vertex is farther away than the sum of the bounds; margins may double this. All axes have the
+ *  same bound because the shear of a ray mixes their rounding errors. */
 CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-/*! the same from a block's `reach` */
+/*! extentOfReach from the `reach` of a block. */
 CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
   return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
-/*! What a coordinate on the axis m+i (i = 1 or 2) counts in the sheared one, in spacings of m. */
+/*! Contribution of a coordinate on axis m+i (i = 1 or 2) to the sheared coordinate, in spacings of m. */
 CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/*! Word of a group. words, wordsHigh: offsets of its lower and upper bits; hasHigh: whether it has upper bits */
+/*! Word of a group. words, wordsHigh: offsets of the lower and the upper bits. hasHigh: if false, upper bits are 0. */
 CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHigh,
                                      uint32_t g)
 {
@@ -238,38 +251,41 @@ CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, u
   return hasHigh ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Returns the offset at which the fields of the first `groups` groups end, and the next group begins. cell, word:
- *  of the first cell */
+/*! Returns the offset of the end of the fields of the first `groups` groups, where the next group begins.
+ *  cell, word: fields and word of the first cell. */
 CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
-  for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g)); // numbers of bits are in the lower half
+  // numbers of bits are in the lower half of a word
+  for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g));
   return end;
 }
 
 /* The word of remainders follows the header, edges or numbers, and motion:
  *
  *   bits 0..4, 5..9, 10..14    bits of a remainder on x, y and z, or remaindersAreFloats
- *   bits 16..31                where the remainders begin, in bytes from the start of the block
+ *   bits 16..31                offset of the remainders, in bytes from the start of the block
  *
- * There the remainders of all vertices follow each other, row by row: x, y and z of each, without gaps, the lowest bit first. */
+ * The remainders are stored row by row, x, y and z of each vertex, without gaps, the lowest bit first. */
 
 CVERT_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
 CVERT_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CVERT_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
-/*! bits that are stored for an axis of a vertex: of a remainder, or 32 of the vertex itself, as a float */
+/*! Number of bits stored per vertex for an axis: of a remainder, or 32 for a float. */
 CVERT_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
   return bits == remaindersAreFloats ? 32u : bits;
 }
 
-/*! of a vertex */
-CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) { return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2); }
+/*! Number of bits stored per vertex. */
+CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) {
+  return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
+}
 
-/*! first bit of a remainder; vertex: its number, row by row */
+/*! Index of the first bit of a remainder. vertex: index of the vertex, row by row. */
 CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
@@ -278,10 +294,11 @@ CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, in
   return bit;
 }
 
-/*! what a remainder is multiplied with, from the spacing: 2^-bits of it */
+/*! Spacing of remainders: spacing * 2^-bits. */
 CVERT_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
-/*! Adds its remainder to a vertex on an axis. without: the vertex before; word: begins with the remainder; bits: remainderBits, not 0 */
+/*! Returns a vertex on an axis with its remainder. without: the vertex without remainder. word: its lowest bits are the
+ *  remainder. bits: remainderBits, not 0. */
 CVERT_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
@@ -292,27 +309,28 @@ CVERT_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region)
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
-/*! margins of a group on an axis, in coordinates, from their byte */
+/*! Margins of a group on an axis, in coordinates. margins: byte of the group. */
 CVERT_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
 CVERT_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
-/*! Corner c (column + 2 row) of the block: its coordinate along an axis. pair: the word of
- *  corners that has it, cornerPair(c,axis). */
+/*! Coordinate of corner c (column + 2 row) of the block along an axis. pair: word cornerPair(c,axis) of corners. */
 CVERT_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
-CVERT_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) { return int((pair >> (16*((3*c + axis) & 1))) & 16383u); }
+CVERT_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
+  return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
+}
 
-/*! offsets in bytes from the block's start; group g is row by row */
+/*! Offsets in bytes from the start of the block. Groups are stored row by row. */
 struct VertLayout
 {
   uint32_t groupsX, groupsY, groups;
-  uint32_t remainders; //!< the word of remainders, if it has any
-  uint32_t margins;   //!< axis by axis, a byte a group: lower, then upper bits
-  uint32_t words;     //!< lower 16 bits of each group's word
-  uint32_t wordsHigh; //!< upper 8 bits
+  uint32_t remainders; //!< the word of remainders, if present
+  uint32_t margins;   //!< axis by axis, a byte per group: lower 4 bits, then upper 4 bits
+  uint32_t words;     //!< lower 16 bits of the word of each group
+  uint32_t wordsHigh; //!< upper 8 bits of the word of each group
   uint32_t cell;      //!< fields of the first cell
   /* of a raw block */
-  uint32_t vertices;  //!< x, y, z of each, row by row
-  uint32_t boxes;     //!< plane by plane, a float a group
+  uint32_t vertices;  //!< x, y, z of each vertex, row by row
+  uint32_t boxes;     //!< plane by plane, a float per group
   uint32_t rawBytes;
 };
 
@@ -334,22 +352,24 @@ CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
-/* Embree stitches the border of a patch whose quads are more than the rate of an edge: several vertices of the border
- * lie on one vertex of the edge. */
+/* If a patch has more quads along an edge than the rate of the edge, Embree stitches its border: several vertices of
+ * the border coincide with one vertex of the edge. */
 
-/*! The vertex of an edge of that rate on which vertex x of a border of that many quads lies. The rate is at most
- *  maxVertRate, so that the product has 32 bits, or it is the number of quads: then vertices are not moved. */
-CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) { return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads); }
+/*! Index of the vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate is at most
+ *  maxVertRate, so that the product fits into 32 bits, or it equals quads: then no vertex moves. */
+CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
+  return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
+}
 
-/*! Parameter of the patch at vertex x of a row (column) of quads quads: that of GRID's
- *  vertex. rate: of the edge that the row lies on, or quads inside of the patch. */
+/*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: rate of the edge that the
+ *  row lies on, or `quads` inside of the patch. */
 CVERT_REAL CVERT_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
 
-/* --- what follows the header ----------------------------------------------------------- */
+/* --- parts after the header ------------------------------------------------------------ */
 
-/*! edges of a block's patch; of a block that has none those of a regular patch at the corner of its face */
+/*! Edges of the patch of a block. All zero if the block stores none. */
 CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
@@ -358,28 +378,67 @@ CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
   return edges;
 }
 
-/*! of a block that has them */
-CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) {
+/*! Returns the words after the header. The block must have numbers. */
+CVERT_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
+
+/*! Returns numbers as decoders need them. The distance is 1 if the block stores none. */
+CVERT_FUNCTION VertHalves halvesOf (CVERT_POINTER(VertHeader) block)
+{
+  VertHalves halves;
+  halves.numbers = storedNumbersOf(block);
+  halves.distance = 1u;
+  if (haveHalves(CVERT_AT(VertHeader,block).patchQuads)) {
+    uint32_t at = halves.numbers.x >> 2;
+    halves.numbers.x = wordAt(block,at);
+    halves.numbers.y = wordAt(block,at+1u);
+    halves.distance = wordAt(block,at+2u);
+  }
+  return halves;
+}
+
+CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return halvesOf(block).numbers; }
 
 CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! Number of quad x, y of a block that numbers its quads. Hits of a damaged block can be at quads that it does not
- *  have: they get the number of a quad that it has. */
-CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y)
+/*! Primitive of the first or second triangle of quad x, y. The block must have numbers. Hits of a damaged block may be
+ *  at quads outside of the block: x and y are clamped. */
+CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
-  VertNumbers numbers = numbersOf(block);
+  VertHalves halves = halvesOf(block);
+  VertNumbers numbers = halves.numbers;
   uint32_t form = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
   uint32_t region = CVERT_AT(VertHeader,block).region;
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region);
   x = x < quadsX ? x : quadsX-1u;
   y = y < quadsY ? y : quadsY-1u;
-  if (patternOfNumbers(form) != numbersInTable) return first + patternNumber(form,numbers,x,y);
-  uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*(y*quadsX + x),numbers.y);
-  return first + (numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read);
+  QuadPrimitive primitive;
+  primitive.form = form;
+  uint32_t number;
+  if (!haveTable(form)) number = patternNumber(form,numbers,x,y);
+  else {
+    uint32_t entry = (y*quadsX + x)*entriesPerQuad(form);
+    if (patternOfNumbers(form) == numbersInTriangleTable && isSecond) entry++;
+    uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*entry,numbers.y);
+    number = numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
+    if (patternOfNumbers(form) == numbersInTriangleTable) {
+      uint32_t turn = number & ((1u << turnBits) - 1u);
+      primitive.form = form | formOfTurns(turn,turn);
+      primitive.primID = first + (number >> turnBits);
+      return primitive;
+    }
+  }
+  primitive.primID = first + number;
+  if (isOfTriangles(form) && !isOneTriangle(form) && isSecond) primitive.primID += halves.distance;
+  return primitive;
+}
+
+/*! primID of quad x, y or of its first triangle. */
+CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
+  return primitiveOfQuad(block,x,y,false).primID;
 }
 
 CVERT_END
@@ -391,10 +450,12 @@ static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes
 
 CVERT_BEGIN
 
-/*! spacings from the word of the first cell and corners, of a block or of a step */
-inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) { return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]); }
+/*! Spacings of a block or a step. word: word of the first cell. */
+inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
+  return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]);
+}
 
-/*! bytes of a block at its first step, without the numbers of quads, and without those that fill it up */
+/*! Size of a block's first step in bytes, without numbers of quads and without padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);

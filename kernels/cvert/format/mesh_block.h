@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers.
- * docs/formats/mesh_block.md specifies it. It is
+ * docs/formats/mesh_block.md specifies it. Its layout is
  *
  *   header | records of groups | boxes of groups | topology of groups | fields of vertices | numbers of groups
  *
@@ -12,16 +12,16 @@
  * A vertex belongs to the first group that uses it. Groups share vertices by their number in the block. On each axis
  * a vertex is
  *
- *   origin + coordinate * spacing
+ *   origin + coordinate * spacing,
  *
- * with a power of two as the spacing, and exact in float. If that takes too many bits, a coordinate counts floats
- * instead: it is the number of floats between the origin and the vertex. Fields of vertices count from the box of
- * the group that they belong to, and have as many bits as its box is wide. On one axis boxes and fields may be of a
- * sheared coordinate, so that an inclined sheet has flat boxes and short fields.
+ * where the spacing is a power of two. It is exact in float. If this takes too many bits, the coordinate is the number
+ * of floats between the origin and the vertex instead. Fields of vertices are relative to the box of the group that
+ * owns them, and have as many bits as its box needs. On one axis, boxes and fields may use a sheared coordinate, so
+ * that inclined sheets have flat boxes and short fields.
  *
  * The triangles of a group are generalized strips. A strip is a stream of vertices. Each triangle after the first
- * takes the last vertex, the second to last vertex or the first vertex of the triangle before it, and the next
- * vertex of the stream. Where each triangle is in the stream follows from bit masks, so triangles are decoded in
+ * uses the next vertex of the stream and two vertices of the triangle before it: the last one, and the second to last
+ * or the first. The position of each triangle in the stream follows from bit masks, so triangles are decoded in
  * parallel.
  *
  * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly
@@ -34,16 +34,16 @@
 
 CVERT_BEGIN
 
-/*! Version of the bytes that this header and docs/formats/mesh_block.md describe. It stands where grid blocks have
- *  theirs: readers that know only grid blocks refuse version 6 as one that they do not know. */
+/*! Version of the bytes that this header and docs/formats/mesh_block.md describe. It is stored where grid blocks store
+ *  their version: readers that know only grid blocks reject version 6 as unknown. */
 CVERT_CONSTANT uint32_t meshFormatVersion = 6u;
 
-/*! Kind of a block, in the bits of `counts` and `form` that are reserved in blocks of version 5; 0 is a grid. */
+/*! Kind of a block, in the bits of `counts` and `form` that are reserved in blocks of version 5. Grid blocks are 0. */
 CVERT_CONSTANT uint32_t kindOfMesh = 1u;
 
 CVERT_CONSTANT uint32_t meshHeaderBytes = 56u;
-CVERT_CONSTANT uint32_t meshRecordBytes = 2u;       //!< of a group
-CVERT_CONSTANT uint32_t meshBoxBytes = 6u;          //!< of a group
+CVERT_CONSTANT uint32_t meshRecordBytes = 2u;       //!< per group
+CVERT_CONSTANT uint32_t meshBoxBytes = 6u;          //!< per group
 CVERT_CONSTANT uint32_t maxMeshTriangles = 256u;
 CVERT_CONSTANT uint32_t maxMeshGroups = 16u;
 CVERT_CONSTANT uint32_t maxGroupTriangles = 32u;
@@ -51,23 +51,24 @@ CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
 CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< of all groups
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
-CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< of boxes on an axis that counts floats
+CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< of boxes on an axis whose coordinates count floats
 
 struct MeshHeader
 {
-  float origin[3];        //!< where coordinates are 0
-  //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; others: 0
+  float origin[3];        //!< position of coordinates 0
+  //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; other bits: 0
   uint32_t spacings;
   uint32_t surface;       //!< number of the geometry's surface, limits.h
-  uint32_t primID;        //!< that primitive numbers count from
-  uint32_t bytes;         //!< of the block, a multiple of 4
+  uint32_t primID;        //!< base of the primitive numbers
+  uint32_t bytes;         //!< size of the block, a multiple of 4
   uint32_t motion;        //!< 0, reserved
-  //! a byte per group: bits 0..4: triangles less 1, 5..7: lower bits of its restarts; 0 if there is no group
+  //! a byte per group, 0 if unused: bits 0..4: triangles minus 1; 5..7: lower bits of the number of restarts
   uint32_t groups[4];
-  //! bits 0..9: vertices less 1, 10..13: groups less 1; 16..23: triangles less 1, 24..29: bits of a group's base
-  //! number
+  //! bits 0..9: vertices minus 1; 10..13: groups minus 1; 16..23: triangles minus 1; 24..29: bits of the base number of
+  //! a group
   uint32_t counts;
-  //! bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26..29: 0
+  //! bits 0..11: shifts of boxes, a nibble per axis; 12..13: sheared axis; 16..20, 21..25: slopes; 26: the triangles
+  //! are halves of quads; 27..29: 0
   uint32_t form;
 };
 
@@ -76,7 +77,7 @@ CVERT_FUNCTION uint32_t meshGroups (uint32_t counts) { return ((counts >> 10) & 
 CVERT_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16) & 255u) + 1u; }
 CVERT_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
 
-/*! bits of version and kind in `counts` and in `form`, which are words 4 and 5 of a grid block's corners */
+/*! Bits of version and kind in `counts` and in `form`, which are words 4 and 5 of corners in a grid block. */
 CVERT_FUNCTION uint32_t meshMarkOfCounts () {
   return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
     | (kindOfMesh & 2u) << 29;
@@ -86,7 +87,7 @@ CVERT_FUNCTION uint32_t meshMarkOfForm () {
     | (kindOfMesh & 8u) << 27;
 }
 
-/*! version and kind of any block, from its words 12 and 13 */
+/*! Version and kind of any block, from its words 12 and 13. */
 CVERT_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
 CVERT_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
@@ -97,7 +98,7 @@ CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
 /*! True if coordinates on an axis count floats. */
 CVERT_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
-/*! Rank of a float among all floats, by size; that of 0 is 2^31. */
+/*! Rank of a float among all floats, by size. 0 has rank 2^31. */
 CVERT_FUNCTION uint32_t rankOfFloat (float x)
 {
   uint32_t bits = bitsOfFloat(x);
@@ -107,28 +108,40 @@ CVERT_FUNCTION float floatOfRank (uint32_t rank) {
   return floatOfBits(rank >= 0x80000000u ? rank - 0x80000000u : 0u - rank);
 }
 
-/*! planes of boxes are multiples of 2^this coordinates */
+/*! Planes of boxes are multiples of 2^meshBoxShift coordinates. */
 CVERT_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
   return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? leastRankShift : 0u);
 }
 
 CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 3u; }
 
-/*! in 1/16, of the axis m+1 (i = 1) and m+2 (i = 2), where m is the sheared axis */
+/*! Slope of axis m+i (i = 1 or 2), in 1/16, where m is the sheared axis. */
 CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
 
-/*! Returns what is added to a coordinate of the sheared axis. c1, c2: coordinates on the axes m+1 and m+2. Rounded to
- *  the nearest integer, halves up. */
+/*! Bit of `form`: the primitives are quads. Each has two triangles, (v0,v1,v3) and (v2,v3,v1). The number of a triangle
+ *  is twice the number of its primitive, plus 1 for the second. */
+CVERT_CONSTANT uint32_t meshIsOfQuads = 1u << 26;
+
+/*! number: number of a triangle. */
+CVERT_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
+  return (form & meshIsOfQuads) != 0u ? number >> 1 : number;
+}
+CVERT_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
+  return (form & meshIsOfQuads) != 0u && (number & 1u) != 0u;
+}
+
+/*! Returns the value that is added to a coordinate of the sheared axis. c1, c2: coordinates on the axes m+1 and m+2.
+ *  Rounds to the nearest integer, halves up. */
 CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
 
-/* The byte of a group, and its record:
+/* Byte of a group: see MeshHeader::groups. Record of a group:
  *
  *   bits 0..4      vertices
  *   bits 5..9      vertices that belong to the group
  *   bits 10..14    bits of a primitive number; 31 stands for 32
- *   bit 15         upper bit of its restarts */
+ *   bit 15         upper bit of the number of restarts */
 
 CVERT_FUNCTION uint32_t groupTriangles (uint32_t group) { return (group & 31u) + 1u; }
 CVERT_FUNCTION uint32_t groupRestarts (uint32_t group, uint32_t record) {
@@ -140,7 +153,7 @@ CVERT_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
-/*! bits of a number below `count` */
+/*! Number of bits of numbers below `count`. */
 CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
 {
   uint32_t bits = 0u;
@@ -148,7 +161,6 @@ CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
   return bits;
 }
 
-/*! vertices in the stream of a group */
 CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
 /* Topology of a group, in this order, the lowest bit first. Triangle 0 starts a strip, and the first three vertices
@@ -164,12 +176,12 @@ CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { r
  *   others        for each vertex of the group that does not belong to it: its number in the block */
 struct MeshTopology
 {
-  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< first bits, from the first bit of the group
-  uint32_t repeatBits, otherBits;                             //!< of a number
-  uint32_t bits;                                               //!< of all
+  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< first bits, relative to the first bit of the group
+  uint32_t repeatBits, otherBits;                             //!< bits per entry
+  uint32_t bits;                                               //!< bits of the whole topology
 };
 
-/*! group, record: of the group; vertices: of the block */
+/*! group, record: byte and record of the group. vertices: number of vertices of the block. */
 CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
@@ -188,20 +200,20 @@ CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint3
   return at;
 }
 
-/*! Bits of a field of the vertices of a group on an axis. extent: of its box. */
+/*! Number of bits of a vertex field of a group on an axis. extent: extent of the box of the group. */
 CVERT_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
-/*! bits of the primitive numbers of a group: its base, then a number per triangle */
+/*! Number of bits of the primitive numbers of a group: its base, then a number per triangle. */
 CVERT_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
 
-/*! offsets in bytes from the block's start */
+/*! Offsets in bytes from the start of the block. */
 struct MeshLayout
 {
-  uint32_t records;  //!< of groups
+  uint32_t records;
   uint32_t boxes;    //!< a byte per group: lower planes on x, y, z, then extents on x, y, z
   uint32_t topology;
 };
@@ -216,9 +228,9 @@ CVERT_FUNCTION MeshLayout meshLayout (uint32_t counts)
   return offsets;
 }
 
-/* Strips. Masks have a bit per triangle of the group; bit 0 is triangle 0, which starts a strip. */
+/* Strips. Masks have a bit per triangle of the group. Bit 0 is triangle 0, which starts a strip. */
 
-/*! bits 0 to t */
+/*! Mask of bits 0 to t. */
 CVERT_FUNCTION uint32_t bitsUpTo (uint32_t t) { return 0xFFFFFFFFu >> (31u-t); }
 
 CVERT_FUNCTION uint32_t countBits (uint32_t mask)
@@ -228,7 +240,7 @@ CVERT_FUNCTION uint32_t countBits (uint32_t mask)
   return (((count + (count >> 4)) & 0x0F0F0F0Fu)*0x01010101u) >> 24;
 }
 
-/*! index of the highest bit of a mask that is not 0 */
+/*! Index of the highest bit of a mask, which must not be 0. */
 CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
 {
   uint32_t bit = 0u;
@@ -236,16 +248,16 @@ CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
   return bit;
 }
 
-/*! the vertices of a triangle in the stream, in the order of the application's triangle */
+/*! Vertices of a triangle in the stream, in the order of the application's triangle. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
-/*! restarts, fans: masks; bit 0 is set in restarts, and not in fans. turn: of triangle t */
+/*! restarts, fans: masks; bit 0 is set in restarts and clear in fans. turn: of triangle t. */
 CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo); // position in the stream of the triangle's last vertex
-  uint32_t start = highestBit(restarts & upTo);      // triangle that starts the strip
-  // the last triangle, up to this one, that did not keep the first vertex
+  uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
+  // the last triangle up to t that did not keep the first vertex
   uint32_t kept = highestBit((~fans | restarts) & upTo);
   uint32_t first = kept + 2u*countBits(restarts & bitsUpTo(kept)) - 2u;
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));
@@ -264,7 +276,7 @@ static_assert(sizeof(cvert::MeshHeader) == cvert::meshHeaderBytes, "header of a 
 
 CVERT_BEGIN
 
-/*! True if a block of at least 56 bytes is a mesh block, of any version. */
+/*! True if a block of at least 56 bytes is a mesh block of any version. */
 inline bool isMeshBlock (const void* block)
 {
   uint32_t words[2];
@@ -281,7 +293,7 @@ inline uint32_t meshRecord (const MeshHeader* block, uint32_t g)
   return record;
 }
 
-/*! plane: 0 to 2 the lower planes, 3 to 5 the extents */
+/*! plane: 0 to 2 for the lower planes, 3 to 5 for the extents. */
 inline uint32_t meshPlane (const MeshHeader* block, uint32_t plane, uint32_t g) {
   return ((const uint8_t*)block)[meshLayout(block->counts).boxes + plane*meshGroups(block->counts) + g];
 }

@@ -1,18 +1,21 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks of a mesh of quads, or of triangles of which two make a quad: each quad is a primitive of its own, with its own
- * parameters, and a block says which by a pattern, where there is one:
+/* Primitive numbers of blocks of a quad mesh, or of a triangle mesh in which pairs of triangles form quads. Each quad
+ * or triangle is a primitive with its own parameters. A block stores its numbers as one of these patterns:
  *
- *   rows        numbers grow by a step along x and by another along y: a sheet that was written row by row
- *   recursive   bits of x and y exchange bits of the number: quads that were cut into four, and those again
- *   table       anything else; bits for each quad, how much more its number is than the lowest
+ *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row
+ *   recursive   bits of x and y map to bits of the number: quads that were split into four recursively
+ *   table       any other order of quads; for each quad: its number minus the lowest
+ *   triangles   any order of triangles; for each triangle: its number minus the lowest, and its turn
  *
- * Bit 30 of boxForm says that a block is one of these. It has VertNumbers behind its header, where others have edges; patchQuads
- * is the form of its numbers, and primID the number that they count from.
+ * Bit 30 of boxForm marks such blocks. VertNumbers follows the header, where other blocks have edges. patchQuads is the
+ * form of the numbers, and primID is the number that they are relative to.
  *
- * The numbers of triangles are those of the quad's first triangle, and 1 more for the second. A triangle's parameters depend on
- * which of its corners the application begins with: forms hold that. */
+ * The number of a quad of two triangles is the number of its first triangle. The second triangle has a higher number;
+ * the distance is 1 or stored in VertHalves, so that an application may list all first triangles before all second
+ * ones. The parameters of a triangle depend on its turn: the corner with which the application's triangle begins. Forms
+ * or the table of triangles store turns. block.h reads all of this. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
@@ -23,27 +26,41 @@ CVERT_BEGIN
 
 struct VertNumbers
 {
-  uint32_t x, y; //!< rows: steps; recursive: 8 bits for each bit of x and y; table: offset from the block's start, bits a quad
+  /* rows: steps. recursive: 8 bits for each bit of x and y. tables: offset from the start of the block, and bits per
+   * quad or triangle. With VertHalves, x is the offset of VertHalves from the start of the block, and y is 0. */
+  uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
+/*! Part of blocks whose second triangles do not follow the first ones. Only a table is stored after it. */
+struct VertHalves
+{
+  VertNumbers numbers;
+  uint32_t distance; //!< from the number of a first triangle to the number of its second triangle, modulo 2^32
+};
+CVERT_READABLE(VertHalves,4)
+
 CVERT_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
 
-/* Forms: bits 0..1 the pattern, 2 triangles, 3 a triangle that has no second, 4..5 and 6..7 the turns of the first and the second
- * triangle, 8..15 of recursive numbers what they begin with. */
+/* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles without a second one; 4..5, 6..7: turns of the first and
+ * the second triangle; 8..15: value that recursive numbers begin with; 16: has VertHalves. */
 CVERT_CONSTANT uint32_t numbersInRows = 0u;
 CVERT_CONSTANT uint32_t numbersRecursive = 1u;
 CVERT_CONSTANT uint32_t numbersInTable = 2u;
+CVERT_CONSTANT uint32_t numbersInTriangleTable = 3u;
 CVERT_CONSTANT uint32_t numbersOfTriangles = 4u;
 CVERT_CONSTANT uint32_t numbersOfOneTriangle = 8u;
+CVERT_CONSTANT uint32_t numbersOfHalves = 1u << 16;
 
 CVERT_FUNCTION uint32_t patternOfNumbers (uint32_t form) { return form & 3u; }
+CVERT_FUNCTION bool haveTable (uint32_t form) { return patternOfNumbers(form) >= numbersInTable; }
+CVERT_FUNCTION bool haveHalves (uint32_t form) { return (form & numbersOfHalves) != 0u; }
 CVERT_FUNCTION bool isOfTriangles (uint32_t form) { return (form & numbersOfTriangles) != 0u; }
 CVERT_FUNCTION bool isOneTriangle (uint32_t form) { return (form & numbersOfOneTriangle) != 0u; }
 CVERT_FUNCTION uint32_t formOfTurns (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
 CVERT_FUNCTION uint32_t turnOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6 : 4)) & 3u; }
 
-/*! of quad x, y of a block, whose numbers are no table, from the first */
+/*! Number of quad x, y relative to the first. The form must not be a table. */
 CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
@@ -52,18 +69,29 @@ CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint3
     if (((x >> i) & 1u) != 0u) code ^= (numbers.x >> (8u*i)) & 255u;
     if (((y >> i) & 1u) != 0u) code ^= (numbers.y >> (8u*i)) & 255u;
   }
-  return isOfTriangles(form) ? 2u*code : code;
+  return isOfTriangles(form) && !haveHalves(form) ? 2u*code : code;
 }
 
-/*! bytes of a table, which has 32 bits behind its last that may be read */
-CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t quads, uint32_t bits) { return (quads*bits + 7u)/8u; }
+/*! Number of bits of the turn, the lowest bits of an entry in a table of triangles. Numbers in such a table are
+ *  therefore within 2^30 of the lowest. */
+CVERT_CONSTANT uint32_t turnBits = 2u;
 
-/*! primID of a triangle of a quad with that number */
-CVERT_FUNCTION uint32_t primitiveOfNumber (uint32_t form, uint32_t number, bool isSecond) {
-  return isOfTriangles(form) && !isOneTriangle(form) && isSecond ? number+1u : number;
+/*! Number of table entries per quad. */
+CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
+  return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
 
-/*! Parameters of the primitive at position a, b of a quad, from 0 to 1. */
+/*! Size of a table in bytes. Readers may read 32 bits after its end. */
+CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
+
+/*! A primitive at a quad: the quad or one of its triangles. */
+struct QuadPrimitive
+{
+  uint32_t primID;
+  uint32_t form; //!< form of its block, with the turn of this triangle, for ownParameters() and turnOfTriangle()
+};
+
+/*! Parameters of a primitive at position a, b of a quad, 0 to 1. */
 struct OwnParameters { float u, v; };
 
 CVERT_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
@@ -72,7 +100,7 @@ CVERT_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float 
   parameters.u = a;
   parameters.v = b;
   if (!isOfTriangles(form)) return parameters;
-  /* weights of the corners 00, 10, 01, or 11, 01, 10 */
+  /* weights of the corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second */
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
   uint32_t turn = turnOfTriangle(form,isSecond);

@@ -10,9 +10,10 @@
 
 CVERT_BEGIN
 
-/*! What is less than 1e-18 of the largest component counts as that much: as of none is left out in a float, whatever the
- *  direction's length. The result is neither 0 nor infinite nor denormal, so that its product with a distance is a number, also
- *  where that is 0 or infinite. d and largest are finite. */
+/*! Returns the reciprocal of component d of a direction. largest: magnitude of its largest component. Magnitudes below
+ *  1e-18 of the largest count as 1e-18 of it, which is far below the precision of floats at any length of the
+ *  direction. The result is neither 0 nor infinite nor denormal, so its product with a distance is a number, even if
+ *  the distance is 0 or infinite. d and largest must be finite. */
 CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
 {
   Real least = greater(Real(1e-18f)*largest,Real(1.17549435e-38f));

@@ -1,14 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule by which rays hit the triangles of cVERT, which docs/formats/rays.md specifies: one text for single rays,
- * packets, shaders and tests. It is, in the order in which a ray needs it,
+/* The rule by which rays hit the triangles of cVERT. docs/formats/rays.md specifies it. Single rays, packets, shaders
+ * and tests share this code. Its parts, in the order in which a ray needs them:
  *
- *   boxes        how far they are widened, as they only cull
+ *   boxes        by how much boxes are enlarged, because they only cull
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
- *   containment  whether the ray's line goes through a triangle: sides, and their exact signs where one rounded to 0
- *   distance     where it goes through: the triangle's plane, kept within the triangle's extent along the ray
- *   nearest hit  whether a hit is within the ray and nearer than the one before; of two at one distance, which counts
+ *   containment  if the line of the ray passes through a triangle: sides, and exact signs if a side rounded to 0
+ *   distance     where it does: at the triangle's plane, clamped to the triangle's extent along the ray
+ *   nearest hit  if a hit is within the ray and nearer than the previous one, or counts among hits at the same distance
  *   parameters   (u,v) of a hit on the face
  *
  * A quad has the triangles of GRID, (00,10,01) and (01,10,11), and five edges:
@@ -19,9 +19,9 @@
  *      |      \   |
  *     00-bottom--10
  *
- * Numbers are Real: a float, or a vector of floats with a ray or a quad in each lane; and Wide, in which products of
- * Reals are exact: a double, or a vector of them. In shaders without 64-bit floats Wide is a float, too, and signs
- * are exact in integers.
+ * Real is a float, or a vector of floats with a ray or a quad per lane. In Wide, products of Reals are exact: it is a
+ * double or a vector of doubles. In shaders without 64-bit floats Wide is a float, too, and signs are computed exactly
+ * in integers.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
@@ -35,28 +35,28 @@ CVERT_BEGIN
 
 /* --- boxes --------------------------------------------------------------------------- */
 
-/*! Ulps that the sheared vertices, the boxes and the ray's distances to them may be off together: a difference is
- *  off by a half, a shear by three halves, a plane's distance by three, each of the two. In shaders a quotient is off
- *  by up to 2.5 ulps instead of a half: that adds 2 to the shear, and 2 to each of the two distances. */
+/*! Bound of the total rounding error of the sheared vertices, the boxes and the ray's distances to them, in ulps: 1/2
+ *  for a difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders the error of a quotient is
+ *  up to 2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each of the two distances. */
 #ifdef VULKAN
 CVERT_CONSTANT float slackUlps = 14.0f;
 #else
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! the same of the sheared coordinate, where the ray's start and its direction are sums of three */
+/*! The same bound for the sheared coordinate, in which the ray's origin and direction are sums of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
-/*! what is to be added to planes of a world axis; extent: of the block from its origin, at least */
+/*! Distance by which planes on a world axis are moved outwards. extent: at least the block's extent from its origin. */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
 }
 
-/*! a ray along the sheared coordinate of a block's boxes, from the block's origin */
+/*! A ray along the sheared coordinate of the boxes of a block, relative to the origin of the block. */
 CVERT_REAL struct ShearedCoordinate
 {
   Real org, dir;
-  Real size;  //!< of what org may have lost to rounding
+  Real size;  //!< sum of magnitudes that bounds the rounding error of org, see shearedSlack
 };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
@@ -66,8 +66,9 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
   return sum;
 }
 
-/*! adds what a world axis contributes to it; shear: factor of the axis */
-CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir, float origin, float extent, float shear)
+/*! Adds the contribution of a world axis. shear: factor of the axis. */
+CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
+                                                                float origin, float extent, float shear)
 {
   Real distance = org-Real(origin);
   sum.org = sum.org + Real(shear)*distance;
@@ -76,57 +77,59 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
   return sum;
 }
 
-/*! what is to be added to planes of the sheared coordinate */
+/*! Distance by which planes of the sheared coordinate are moved outwards. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! What a world axis counts in the sheared coordinate of boxes: the sheared axis m (i = 0), the next axis (1) and the
- *  one after it (2). */
+/*! Factor of a world axis in the sheared coordinate of boxes: i = 0 for the sheared axis m, 1 and 2 for the next
+ *  axes. */
 CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
 
-/*! part of a ray that is between planes */
+/*! Part of a ray between planes. */
 CVERT_REAL struct RayInterval { Real from, to; };
 
-/*! lower, upper: planes from the ray's origin; rcp: directionReciprocal */
+/*! lower, upper: planes relative to the ray's origin. rcp: directionReciprocal. */
 CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) interval, Real lower, Real upper, Real rcp)
 {
   Real a = lower*rcp, b = upper*rcp;
   interval.from = greater(interval.from,lesser(a,b));
-  interval.to = lesser(interval.to,greater(b,a)); // not (a,b): the compiler would make one branch of both
+  interval.to = lesser(interval.to,greater(b,a)); // (a,b) would make the compiler merge both lines into one branch
   return interval;
 }
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Returns the axis of the largest of three magnitudes, the first if several are equal. NaN counts as largest. It has
- *  no branches, which a processor would often mispredict. */
+/*! Returns the axis of the largest of three magnitudes, or the first if several are equal. NaN counts as largest. The
+ *  code has no branches because processors would often mispredict them. */
 CVERT_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
   return 2*isZ + (isY & (1-isZ));
 }
 
-/*! Side of the ray on which the edge from a to b lies, sheared. Seen from the edge's other triangle it is the exact
- *  negative, as products commute; and as rounding is monotonic, it may round to 0 but never to the wrong sign. */
+/*! Side of the ray on which the sheared edge from a to b lies. The result for the edge's other triangle is the exact
+ *  negative because products commute. Rounding is monotonic, so the result may round to 0 but never to the wrong
+ *  sign. */
 CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 {
-  CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // CVERT_PRECISE: no driver may fuse the difference either
+  CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // CVERT_PRECISE: drivers must not fuse the difference
   return side;
 }
 
-/*! whether the ray is on one side of three edges, or on some of them: no triangle that has it is left out */
+/*! True if the ray is on the same side of three edges, or on some of them. Never false for a triangle that contains the
+ *  ray. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
 
-/*! The sides of a triangle's edges. Each is the weight of the vertex opposite. */
+/*! Sides of the edges of a triangle. Each is the weight of the opposite vertex. */
 CVERT_REAL struct TriangleSides
 {
   Real w0, w1, w2, sum;
 };
 
-/*! of its sheared vertices a, b and c */
+/*! a, b, c: sheared vertices of the triangle. */
 CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay, Real bx, Real by, Real cx, Real cy)
 {
   CVERT_OF(TriangleSides) sides;
@@ -137,22 +140,24 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
   return sides;
 }
 
-/*! Whether no side rounded to 0, of a triangle that isInside: then their signs are exact. Least and greatest in the same
- *  order would become a branch, which a processor would not foresee. */
+/*! True if no side rounded to 0. For triangles that satisfy isInside the signs are then exact. The operands of lesser
+ *  and greater are nested differently: otherwise the compiler would generate a branch, which a processor would
+ *  mispredict. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) areCertain (CVERT_OF(TriangleSides) sides)
 {
-  return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),greater(greater(sides.w0,sides.w1),sides.w2) < Real(0.0f)),
+  return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),
+                     greater(greater(sides.w0,sides.w1),sides.w2) < Real(0.0f)),
               magnitude(sides.sum) < Real(infinity));
 }
 
 /* --- containment --------------------------------------------------------------------- */
 
-/*! Exact sign of ax by - ay bx, in integers: the mantissas' products, shifted until their highest bits are at the same
- *  place, and their exponents. For finite numbers. */
+/*! Product of two floats for the exact sign of ax by - ay bx in integers: the product of the mantissas, shifted until
+ *  its highest bit is at a fixed position, and the exponent. The floats must be finite. */
 struct ExactProduct
 {
   int exponent;
-  uint32_t high, low; //!< 24 bits each; 0 of a product that is 0
+  uint32_t high, low; //!< 24 bits each; 0 if the product is 0
   bool isNegative;
 };
 
@@ -185,7 +190,7 @@ CVERT_FUNCTION ExactProduct exactProduct (float a, float b)
   return p;
 }
 
-/*! sign of |p| - |q| */
+/*! Sign of |p| - |q|. */
 CVERT_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
 {
   bool isZeroP = (p.high | p.low) == 0u, isZeroQ = (q.high | q.low) == 0u;
@@ -204,7 +209,7 @@ CVERT_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
-/*! the same by doubles, in which products of floats are exact */
+/*! The same sign by doubles, in which products of floats are exact. */
 CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
@@ -214,12 +219,12 @@ CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
-/*! Whether a sheared triangle has the ray in it, by exact signs. Sides of 0 count for both of their triangles, and slivers,
- *  which have no others. A triangle whose three sides are 0 is a line, and covers nothing that others do not. */
+/*! True if a sheared triangle contains the ray, by exact signs. A side of 0 counts as inside for both triangles of its
+ *  edge. A triangle whose three sides are 0 is a line and covers nothing that other triangles do not cover. */
 CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
-  if (!(size < infinity)) return false; // of a vertex that is not finite
+  if (!(size < infinity)) return false; // a vertex is not finite
   int s0 = exactSide(bx,by,cx,cy), s1 = exactSide(cx,cy,ax,ay), s2 = exactSide(ax,ay,bx,by);
   bool isPositive = s0 > 0 || s1 > 0 || s2 > 0, isNegative = s0 < 0 || s1 < 0 || s2 < 0;
   return isPositive != isNegative;
@@ -227,11 +232,12 @@ CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, 
 
 /* --- distance ------------------------------------------------------------------------ */
 
-/*! A triangle's vertices along one axis each: at[axis][vertex]. Differences of floats are exact in double: weights of a needle
- *  are off by more than its plane is. */
+/*! Vertices of a triangle by axis: at[axis][vertex]. Differences of floats are exact in double if their exponents
+ *  differ by at most 28. Distances come from the plane because weights of a needle have larger errors than its
+ *  plane. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
-/*! cross product of the edges from the first vertex; 0 of a line */
+/*! Cross product of the edges from the first vertex. 0 if the triangle is a line. */
 CVERT_WIDE struct WideNormal { Wide at[3]; };
 
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTriangle) triangle)
@@ -248,17 +254,20 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTr
   return n;
 }
 
-/*! Below this a ray is taken to lie in the plane, as far as vertices of 24 bits can say. */
+/*! A ray counts as lying in a plane if |n d| is at most this fraction of the sum of |n_k d_k|: vertices of 24 bits do
+ *  not resolve smaller angles. */
 CVERT_CONSTANT float minCosine = 1e-6f;
 
-/*! where a ray meets a plane */
+/*! Intersection of a ray and a plane. */
 CVERT_WIDE struct PlaneMeeting
 {
-  Wide t;            //!< not a number where the ray is parallel to the plane
-  Wide speed, least; //!< a ray that comes nearer to the plane no faster than `least` lies in it
+  Wide t;            //!< infinite or NaN if the ray is parallel to the plane
+  Wide speed, least; //!< n d, and the bound of |n d| up to which the ray lies in the plane
 };
 
-CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal, const Wide org[3], const Wide dir[3])
+CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(WideTriangle) triangle,
+                                                              CVERT_OF_WIDE(WideNormal) normal, const Wide org[3],
+                                                              const Wide dir[3])
 {
   Wide height = Wide(0.0f), speed = Wide(0.0f), size = Wide(0.0f);
   for (int k=0; k<3; k++) {
@@ -274,11 +283,11 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(Wid
   return at;
 }
 
-/*! distances between which a triangle is along a ray: of its nearest and its farthest vertex */
+/*! Distances of the nearest and the farthest vertex of a triangle along a ray. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
-/*! z0, z1, z2: of the vertices on the axis of the ray's largest component; org, dir: of the ray there. Division is monotonic, so
- *  that of the lowest and the highest is enough. */
+/*! z0, z1, z2: coordinates of the vertices on the axis of the ray's largest component. org, dir: of the ray on this
+ *  axis. Division is monotonic, so dividing the lowest and the highest difference suffices. */
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;
@@ -289,16 +298,20 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wi
   return span;
 }
 
-CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide t) { return lesser(greater(t,span.nearest),span.farthest); }
+CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide t) {
+  return lesser(greater(t,span.nearest),span.farthest);
+}
 
-/*! Whether the plane gives the distance: the ray does not lie in it, or the plane's distance is within the triangle. Else
- *  the ray may be inside by the rounding of vertices alone, and the plane does not say where. */
+/*! True if the plane determines the distance: the ray does not lie in it, or the plane's distance is within the
+ *  triangle. Otherwise the ray may be inside only because vertices are rounded, and the plane does not determine
+ *  where. */
 CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isOfPlane (CVERT_OF_WIDE(PlaneMeeting) at, CVERT_OF_WIDE(TriangleSpan) span) {
   return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
 }
 
-/*! where a ray is nearest to the longest edge of a triangle */
-CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3], const Wide dir[3])
+/*! Distance at which a ray is nearest to the longest edge of a triangle. */
+CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
+                                                 const Wide dir[3])
 {
   Wide best = Wide(-1.0f), t = Wide(0.0f);
   for (int i=0; i<3; i++)
@@ -313,17 +326,19 @@ CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) tri
     if (ee <= best) continue;
     best = ee;
     Wide det = dd*ee - de*de;
-    Wide s = det > Wide(0.0f) ? lesser(greater((de*dw - dd*ew)/det,Wide(0.0f)),Wide(1.0f)) : Wide(0.0f); // along the edge
+    Wide s = det > Wide(0.0f) ? lesser(greater((de*dw - dd*ew)/det,Wide(0.0f)),Wide(1.0f))
+                              : Wide(0.0f); // position on the edge
     t = (dw + s*de)/dd;
   }
   return t;
 }
 
-/*! Distance of the hit of a ray whose line goes through a triangle, and which may begin at tnear. A ray that lies in the plane,
- *  and of which the plane does not say where it is within the triangle, hits it where it is nearest to the longest edge, but
- *  not before it begins: it would leave a closed surface there without a hit. */
-CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal, CVERT_OF_WIDE(TriangleSpan) span,
-                                            const Wide org[3], const Wide dir[3], Wide tnear)
+/*! Distance of the hit of a ray that starts at tnear and whose line passes through a triangle. If the plane does not
+ *  determine the distance because the ray lies in it, the hit is where the ray is nearest to the longest edge. It is
+ *  not before tnear: otherwise the ray could leave a closed surface there without a hit. */
+CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
+                                              CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
+                                              const Wide dir[3], Wide tnear)
 {
   CVERT_OF_WIDE(PlaneMeeting) at = meetPlane(triangle,normal,org,dir);
   if (CVERT_LIKELY(isOfPlane(at,span))) return clampToSpan(span,at.t);
@@ -333,13 +348,13 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
 
 /* --- nearest hit --------------------------------------------------------------------- */
 
-/* whether a hit counts: see placeOfHit */
-CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< it does not
-CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< it does
-CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< it does if it comesBefore the hit that the ray has
+/* results of placeOfHit */
+CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
+CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
+CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it comesBefore the previous hit of the ray
 
-/*! exact: distance of the hit; tfar: the ray's, or the distance of the nearest hit so far; isOfHit: whether that is
- *  one of cVERT */
+/*! exact: distance of the hit. tfar: end of the ray, or distance of the nearest hit so far. isOfHit: true if tfar is
+ *  the distance of a cVERT hit. */
 CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isOfHit)
 {
   float t = float(exact);
@@ -348,16 +363,17 @@ CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar
   return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
 }
 
-/*! which triangle of a scene it is */
+/*! Identifies a triangle of a scene. */
 struct TriangleName
 {
   uint32_t geomID, primID;
-  uint32_t region;     //!< of the block: VertHeader
-  uint32_t triangle;  //!< of the block: 32 times its group's column + 4 row, 2 times its quad's column + 4 row, and 0 or 1
+  uint32_t region;     //!< of the block, see VertHeader
+  uint32_t triangle;   //!< 32 (column + 4 row) of its group in the block + 2 (column + 4 row) of its quad in the group,
+                       //!< plus 1 for the second triangle of the quad
 };
 
-/*! Of hits at the same distance the one counts that comes before all others: so the order in which blocks are traced does not
- *  matter. */
+/*! Order of hits at the same distance. The first hit in this order counts, so that the result does not depend on the
+ *  order in which blocks are traced. */
 CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
@@ -365,54 +381,57 @@ CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
-/*! corner of the quad that is a vertex of triangle h of a group: column + 2 row */
+/*! Corner of the quad, column + 2 row, that is a vertex of triangle h of a group. */
 CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
-/*! quad of triangle h in its group */
+/*! Position in its group of the quad of triangle h. */
 CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
 CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! position in a quad, from 0 to 1 along u and v */
+/*! Position in a quad, 0 to 1 along u and v. */
 CVERT_REAL struct QuadPosition { Real a, b; };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(TriangleSides) sides, CVERT_BOOL(Real) isSecond)
 {
-  Real b1 = sides.w1/sides.sum, b2 = sides.w2/sides.sum; // weights of the second and the third vertex; not numbers where all sides rounded to 0
+  // weights of the second and the third vertex; NaN if all sides rounded to 0
+  Real b1 = sides.w1/sides.sum, b2 = sides.w2/sides.sum;
   CVERT_OF(QuadPosition) position;
   position.a = choose(isSecond,b1+b2,b1);
   position.b = choose(isSecond,Real(1.0f)-b1,b2);
   return position;
 }
 
-/*! what is not a number, of slivers, becomes the middle of the diagonal: both triangles have it */
+/*! Clamps to 0 to 1. NaN, which slivers produce, becomes 1/2: the middle of the diagonal belongs to both triangles. */
 CVERT_REAL CVERT_INLINE Real inUnit (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
-/*! A parameter of the face, at position a of quad x, of as many along the patch. corner: the patch's, in halves */
+/*! Parameter of the face at position a of quad x of `quads` quads along the patch. corner: corner of the patch, in
+ *  halves. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
   return Real(0.5f*float(corner)) + greater((x + inUnit(a))/Real(float(quads)),Real(0.0f));
 }
 
-/*! quad of the patch that is the first of the group in a lane */
+/*! Position in the patch of the first quad of the group in a lane. */
 CVERT_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
 CVERT_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
 
-/*! whether an edge of a patch has a lower rate than its quads, of a block that has edges */
+/*! True if an edge of a patch has a lower rate than the patch has quads. The block must have edges. */
 CVERT_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
-  return vertRate(edges,0) != quadsX || vertRate(edges,1) != quadsY || vertRate(edges,2) != quadsX || vertRate(edges,3) != quadsY;
+  return vertRate(edges,0) != quadsX || vertRate(edges,1) != quadsY || vertRate(edges,2) != quadsX
+    || vertRate(edges,3) != quadsY;
 }
 
-/*! Whether a quad of a patch, of a block that has edges, is at one of a lower rate: its parameters are interpolated from its
- *  vertices'. */
+/*! True if a quad of a patch is at an edge of a lower rate: its parameters are interpolated from the parameters of its
+ *  vertices. The block must have edges. */
 CVERT_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -422,17 +441,22 @@ CVERT_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_
 
 struct FaceParameters { float u, v; };
 
-/*! of position (a,b) of such a quad: barycentrics in a triangle, of parameters that Embree stitches where an edge has a lower rate */
-CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y, bool isSecond, float a, float b)
+/*! Parameters at position (a,b) of a quad that isAtLowerEdge: barycentric interpolation in a triangle of the parameters
+ *  of its vertices, which Embree stitches at edges of a lower rate. */
+CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
+                                                     bool isSecond, float a, float b)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   float p = inUnit(a), q = inUnit(b), s = 0.0f, t = 0.0f;
   for (uint32_t c=0u; c<4u; c++)
   {
-    float w = c == 0u ? (isSecond ? 0.0f : 1.0f-p-q) : c == 1u ? (isSecond ? 1.0f-q : p) : c == 2u ? (isSecond ? 1.0f-p : q) : (isSecond ? p+q-1.0f : 0.0f);
+    float w = c == 0u ? (isSecond ? 0.0f : 1.0f-p-q) : c == 1u ? (isSecond ? 1.0f-q : p)
+      : c == 2u ? (isSecond ? 1.0f-p : q) : (isSecond ? p+q-1.0f : 0.0f);
     uint32_t i = x + (c & 1u), j = y + (c >> 1);
-    s += w*CVERT_AS_FLOAT(vertParameter)(i,quadsX,j == 0u ? vertRate(edges,0) : j == quadsY ? vertRate(edges,2) : quadsX);
-    t += w*CVERT_AS_FLOAT(vertParameter)(j,quadsY,i == 0u ? vertRate(edges,3) : i == quadsX ? vertRate(edges,1) : quadsY);
+    s += w*CVERT_AS_FLOAT(vertParameter)(i,quadsX,
+                                          j == 0u ? vertRate(edges,0) : j == quadsY ? vertRate(edges,2) : quadsX);
+    t += w*CVERT_AS_FLOAT(vertParameter)(j,quadsY,
+                                          i == 0u ? vertRate(edges,3) : i == quadsX ? vertRate(edges,1) : quadsY);
   }
   FaceParameters parameters;
   parameters.u = 0.5f*float(vertCornerU(edges)) + greater(s,0.0f);
@@ -440,29 +464,29 @@ CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEd
   return parameters;
 }
 
-/*! What a hit says of the surface: the primitive, and the parameters there. */
+/*! Primitive and parameters of a hit. */
 struct SurfacePoint
 {
   uint32_t primID;
   float u, v;
 };
 
-/*! In a block that numbers its quads; h: triangle of the group in a lane. */
+/*! For blocks with numbers of quads. h: triangle of the group in a lane. */
 CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                                CVERT_AS_FLOAT(QuadPosition) at)
 {
-  uint32_t form = CVERT_AT(VertHeader,block).patchQuads;
   uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
   bool isSecond = (h & 1u) != 0u;
-  OwnParameters own = ownParameters(form,isSecond,inUnit(at.a),inUnit(at.b));
+  QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
+  OwnParameters own = ownParameters(primitive.form,isSecond,inUnit(at.a),inUnit(at.b));
   SurfacePoint point;
-  point.primID = primitiveOfNumber(form,numberOfQuad(block,x,y),isSecond);
+  point.primID = primitive.primID;
   point.u = own.u;
   point.v = own.v;
   return point;
 }
 
-/*! In a block of a patch. */
+/*! For blocks of a patch. */
 CVERT_INLINE SurfacePoint pointOfPatch (CVERT_POINTER(VertHeader) block, uint32_t lane, uint32_t h,
                                         CVERT_AS_FLOAT(QuadPosition) at)
 {

@@ -3,6 +3,7 @@
 
 #include "blocks.h"
 #include "kernels/cbvh/files/validate_framed.h"
+#include "kernels/cvert/decoder/validate_mesh.h"
 
 #include <algorithm>
 #include <cstring>
@@ -20,21 +21,29 @@ namespace {
 constexpr size_t readBehind = 16;             // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
 constexpr size_t ownBufferBytes = 1 << 20;    // a surface of so much has buffers of its own, which are freed with it
 
+bool isVert(const FlatBlock& block) { return block.type == blockReference(kindVert) || block.type == movingBlockReference; }
+
+/* whether shaders read a block in words, which may reach over its end */
+bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }
+
 void requireValid(const FlatBlock& block)
 {
   if (block.type == cellReference) return;
-  const bool moves = block.type == movingBlockReference;
-  const uint32_t kind = moves ? kindVert : block.type - firstBlockReference;
-  cvert::Reason reason = kind == kindVert ? cvert::validateVert(block.data, block.bytes) : validateFramedBlock(block.data, block.bytes);
-  if (!reason && kind != kindVert && kindOf(((const BlockHeader*)block.data)->info) != kind)
-    reason = {cvert::ErrorCode::DAMAGED, "its kind differs from that of its reference"};
-  if (!reason && moves && !isMoving(((const VertHeader*)block.data)->boxForm))
-    reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
+  cvert::Reason reason;
+  if (block.type == meshBlockReference) reason = cvert::validateMesh(block.data, block.bytes);
+  else if (isVert(block)) {
+    reason = cvert::validateVert(block.data, block.bytes);
+    if (!reason && block.type == movingBlockReference && !isMoving(((const VertHeader*)block.data)->boxForm))
+      reason = {cvert::ErrorCode::DAMAGED, "it has one time step, and its geometry has several"};
+  }
+  else {
+    reason = validateFramedBlock(block.data, block.bytes);
+    if (!reason && blockReference(kindOf(((const BlockHeader*)block.data)->info)) != block.type)
+      reason = {cvert::ErrorCode::DAMAGED, "its kind differs from that of its reference"};
+  }
   if (reason)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
-
-bool isVert(const FlatBlock& block) { return block.type == blockReference(kindVert) || block.type == movingBlockReference; }
 
 /* what of a block is copied: of grids not their own trees, which are in the scene's */
 struct Source
@@ -147,7 +156,7 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   for (const PlacedBlock& placed : blocks) {
     const FlatBlock& block = *placed.block;
     requireValid(block);
-    const size_t begin = size_t(block.data), end = begin + block.bytes + (isVert(block) ? readBehind : 0);
+    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadInWords(block) ? readBehind : 0);
     ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
   }
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });

@@ -13,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <tuple>
 
 namespace embree { namespace vulkan {
 

@@ -8,6 +8,7 @@
 #include "functions.h"
 #include <embree3/rtcore_vulkan.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 

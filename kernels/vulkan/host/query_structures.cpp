@@ -3,6 +3,8 @@
 
 #include "query_structures.h"
 
+#include <algorithm>
+
 namespace embree { namespace vulkan {
 namespace {
 

@@ -3,6 +3,7 @@
 
 #include "tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>

@@ -44,6 +44,7 @@
 
 #include "framed_block.glsl"
 #include "instance.glsl"
+#include "mesh_block.glsl"
 #include "meshes.glsl"
 #include "vert_block.glsl"
 
@@ -112,6 +113,8 @@ bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool 
     return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(movingBlockReference) && type == movingBlockReference)
     return cbvhTraceMovingVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
+  if (cbvhHasKind(meshBlockReference) && type == meshBlockReference)
+    return cbvhTraceMesh(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
   uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);

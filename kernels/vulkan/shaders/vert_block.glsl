@@ -9,36 +9,7 @@
 #define CBVH_VERT_BLOCK_GLSL
 
 #include "vert_motion.glsl"
-
-/* The ray sheared to the z axis: kz is the axis of the direction's largest component. */
-struct CbvhShear
-{
-  int kz;
-  float sx, sy;
-};
-
-/* components along kx, ky and kz */
-vec3 cbvhTurn (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
-
-CbvhShear cbvhShear (vec3 dir)
-{
-  vec3 a = abs(dir);
-  CbvhShear shear;
-  shear.kz = largestAxis(a.x, a.y, a.z);
-  vec3 d = cbvhTurn(shear.kz, dir);
-  float sz = 1.0/d.z;
-  shear.sx = d.x*sz;
-  shear.sy = d.y*sz;
-  return shear;
-}
-
-vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
-{
-  precise vec3 r = cbvhTurn(shear.kz, vertex - org);
-  precise vec2 products = vec2(shear.sx*r.z, shear.sy*r.z);
-  precise vec2 at = r.xy - products;
-  return at;
-}
+#include "vert_triangle.glsl"
 
 /* Vertex i, j of group gx, gy in the world. moves: whether the block does, a constant; its group is decoded then */
 vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j,
@@ -54,8 +25,6 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 }
 
 /* --- triangles ------------------------------------------------------------------------- */
-
-float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
 
 /* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
 uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
@@ -93,28 +62,6 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShe
   return mask;
 }
 
-WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
-{
-  WideTriangle triangle;
-  for (int k = 0; k < 3; k++) {
-    triangle.at[k][0] = Wide(a[k]);
-    triangle.at[k][1] = Wide(b[k]);
-    triangle.at[k][2] = Wide(c[k]);
-  }
-  return triangle;
-}
-
-/* The triangle of a ray's nearest hit, if that is one of cVERT: of hits at the same distance one counts, by its name. */
-struct CbvhVertNearest
-{
-  bool isSet;
-  uint instID;
-  float t;
-  TriangleName name;
-};
-
-CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
-
 /* Triangle h of a group, bits as of cbvhTriangles; true if it is hit. */
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h,
                       const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
@@ -127,28 +74,12 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhS
   }
   vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
-  vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
-  TriangleSides sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
-  if (!areCertain(sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
-
-  WideTriangle triangle = cbvhWideTriangle(a, b, c);
-  WideNormal normal = normalOf(triangle);
-  int kz = shear.kz;
-  Wide org[3], dir[3];
-  for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
-  TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
-  Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   uint lane = gx + 4u*gy;
   TriangleName name = TriangleName(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
-  uint place = placeOfHit(exact, ray.tnear, hit.t, nearest.isSet && nearest.t == hit.t && nearest.instID == ray.instID);
-  if (place == hitIsOutside || (place == hitIsTied && !comesBefore(name, nearest.name))) return false;
-
-  float t = float(exact);
-  SurfacePoint point = surfacePoint(block.at, lane, h, positionInQuad(sides, (h & 1u) != 0u));
-  vec3 Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
-  if (Ng == vec3(0.0)) Ng = -ray.dir;
-  cbvhSetHit(hit, ray, t, point.u, point.v, Ng, point.primID, name.geomID);
-  nearest = CbvhVertNearest(true, ray.instID, t, name);
+  CbvhVertHit at;
+  if (!cbvhMeetsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
+  SurfacePoint point = surfacePoint(block.at, lane, h, positionInQuad(at.sides, (h & 1u) != 0u));
+  cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, name.geomID);
   return true;
 }
 

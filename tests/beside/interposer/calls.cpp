@@ -9,10 +9,12 @@
 
 #include "../host.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <sys/resource.h>
 #include <thread>
+#include <utility>
 
 using host::Vec;
 

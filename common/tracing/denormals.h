@@ -1,0 +1,52 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Whether the calling thread's arithmetic takes denormal numbers for 0. */
+
+#include <cstdint>
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace cbvh {
+
+/* From construction to destruction, on the thread that constructs it. */
+class Denormals
+{
+public:
+  explicit Denormals(bool areZero) : saved(control()) { setControl(areZero ? saved | zeroBits : saved & ~zeroBits); }
+  ~Denormals() { setControl(saved); }
+  Denormals(const Denormals&) = delete;
+  Denormals& operator=(const Denormals&) = delete;
+
+private:
+#if defined(__x86_64__)
+  using Control = unsigned;
+  static constexpr Control zeroBits = 1u << 15 | 1u << 6; // FTZ: results; DAZ: operands
+  static Control control() { return _mm_getcsr(); }
+  static void setControl(Control bits) { _mm_setcsr(bits); }
+#elif defined(__aarch64__)
+  using Control = uint64_t;
+  static constexpr Control zeroBits = 1u << 24; // FZ: both
+  static Control control()
+  {
+    Control bits;
+    asm volatile("mrs %0, fpcr" : "=r"(bits));
+    return bits;
+  }
+  static void setControl(Control bits) { asm volatile("msr fpcr, %0" : : "r"(bits)); }
+#endif
+
+  const Control saved;
+};
+
+/* Denormals off while tracing, as Embree's manual asks for. */
+struct FastDenormals : Denormals
+{
+  FastDenormals() : Denormals(true) {}
+};
+
+} // namespace cbvh

@@ -1,0 +1,88 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Interpolation on faces that have no surface. The mark of a face is kept in its first half-edge, because the input may
+ * be released before the face is interpolated. */
+
+#include "interpolation.h"
+#include "../surface/patches.h"
+
+namespace embree
+{
+  namespace
+  {
+    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< a number that Embree leaves free
+
+    /*! Rings around the vertices of the other types have 4 quads at most, or are not read. */
+    bool mayBeUnsupported (HalfEdge::PatchType type) {
+      return type == HalfEdge::COMPLEX_PATCH || type == HalfEdge::IRREGULAR_QUAD_PATCH;
+    }
+
+    /*! Null for a face that does not exist, or has no edges. */
+    const HalfEdge* firstEdge (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
+    {
+      if (face >= mesh->size() || topology.halfEdges.size() == 0) return nullptr;
+      if (mesh->faceVertices && !isa::hasEdges(mesh,face)) return nullptr;
+      const HalfEdge* const edge = topology.getHalfEdge(face);
+      /* released: a face without edges begins where the next one does */
+      if (!mesh->faceVertices && face+1 < mesh->size() && edge == topology.getHalfEdge(face+1)) return nullptr;
+      return edge < topology.halfEdges.end() ? edge : nullptr;
+    }
+
+    void require (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
+    {
+      const HalfEdge* const edge = firstEdge(mesh,topology,face);
+      if (likely(edge && edge->patch_type != unsupportedPatch)) return;
+      const std::string name = "face " + std::to_string(face) + " cannot be interpolated: ";
+      if (face >= mesh->size())
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,name + "the geometry has " + std::to_string(mesh->size()) + " faces");
+      if (topology.halfEdges.size() == 0)
+        throw_RTCError(RTC_ERROR_INVALID_OPERATION,name + "its topology was not committed");
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,name + "it, or a face at its vertices, has fewer than 3 or more than "
+          + std::to_string(MAX_PATCH_VALENCE) + " vertices, or a vertex has more than "
+          + std::to_string(MAX_RING_FACE_VALENCE) + " faces");
+    }
+
+    template<typename Arguments>
+    const SubdivMesh::Topology& topologyOf (const SubdivMesh* mesh, const Arguments* args)
+    {
+      const bool isAttribute = args->bufferType == RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
+      return mesh->topology[isAttribute ? mesh->vertexAttribs[args->bufferSlot].userData : 0];
+    }
+  }
+
+  void markUnsupportedFaces (SubdivMesh* mesh)
+  {
+    if (!mesh->faceVertices) return; // released, and marked before
+    for (SubdivMesh::Topology& topology : mesh->topology)
+    {
+      if (topology.halfEdges.size() == 0) continue;
+      parallel_for(size_t(0),mesh->numFaces(),size_t(4096),[&](const range<size_t>& r) {
+          for (size_t f=r.begin(); f!=r.end(); f++)
+          {
+            if (!isa::hasEdges(mesh,f)) continue;
+            HalfEdge& first = const_cast<HalfEdge&>(*topology.getHalfEdge(f));
+            if (mayBeUnsupported(first.patch_type) && !isa::canBeEvaluated(&first,mesh->faceVertices[f]))
+              first.patch_type = unsupportedPatch;
+          }
+        });
+    }
+  }
+
+  void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args) {
+    require(mesh,topologyOf(mesh,args),args->primID);
+  }
+
+  void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args)
+  {
+    const SubdivMesh::Topology& topology = topologyOf(mesh,args);
+    const int* const valid = (const int*) args->valid;
+    unsigned checked = RTC_INVALID_GEOMETRY_ID;
+    for (unsigned i=0; i<args->N; i++)
+    {
+      if ((valid && valid[i] != -1) || args->primIDs[i] == checked) continue;
+      checked = args->primIDs[i];
+      require(mesh,topology,checked);
+    }
+  }
+}

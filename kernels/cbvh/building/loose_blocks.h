@@ -1,0 +1,103 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Builds the mesh blocks of the triangles of a mesh that are in no grid. All threads divide the triangles into parts of
+ * several clusters; one task clusters and encodes each part. */
+
+#include "../surface/mesh_parts.h"
+#include "../vert/mesh_writer.h"
+#include "build_results.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class LooseBlocks
+    {
+    public:
+      /*! parts: parts of the mesh, with loose primitives. plan must outlive this object. */
+      LooseBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
+                   const CompressionPlan& plan, Device* device)
+        : device(device), plan(plan), parts(parts),
+          triangles(mesh,parts->areAllLoose ? nullptr : &parts->loose,plan,device) {}
+
+      size_t numPrimitives () const { return triangles.numPrimitives(); }
+      size_t estimateBlocks () const {
+        return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles;
+      }
+
+      /*! borders: borders of the geometry's grids, or null; must exist until release(). */
+      template<typename Progress>
+      void prepare (const StoredBorders* borders, const Progress& progress) {
+        triangles.prepare(borders,[&] { progress(0.0); });
+      }
+      void release () { triangles.release(); }
+
+      /*! Adds the blocks and their statistics to the results, after all primitives of grids. numGrids: number of the
+       *  geometry's grids. */
+      template<typename Progress>
+      void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
+      {
+        const uint32_t group = MeshWriter::groupPrimitives(triangles.mesh);
+        const cbvh::MeshClusters cutter(group);
+        std::vector<range<size_t>> parts;
+        if (triangles.centers.size()) parts.push_back(range<size_t>(0,triangles.centers.size()));
+        while (cut(cutter,parts)) progress(0.0);
+        const double perCenter = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
+        parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+            cbvh::MeshClusters clusters(group);
+            for (size_t i=r.begin(); i!=r.end(); i++)
+            {
+              BlockStore store(device,&memory);
+              cbvh::BuildStatistics statistics;
+              /* On the heap, because it is large. */
+              const std::unique_ptr<MeshWriter> writer(new MeshWriter(triangles,plan.surface,store,statistics));
+              clusters.cut(triangles.centers.data()+parts[i].begin(),parts[i].size(),
+                [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
+                [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
+              results.add(numGrids+i,0,0,store);
+              results.add(statistics);
+              progress(perCenter*double(parts[i].size()));
+            }
+          });
+        cbvh::BuildStatistics statistics;
+        statistics.bytesInEmbree = triangles.bytesInEmbree();
+        /* Two triangles count as a quad. */
+        const bool areQuads = triangles.mesh.areOfQuads();
+        const size_t quads = areQuads ? triangles.centers.size() : (triangles.centers.size()+1)/2;
+        statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numLooseQuads = quads;
+        statistics.sums.numInvalidQuads = areQuads ? triangles.numInvalid : (triangles.numInvalid+1)/2;
+        statistics.sums.maxVertexSpacing = triangles.spacing();
+        results.add(statistics);
+      }
+
+    private:
+      /*! Halves all parts that are too large. Returns false if there are none. */
+      bool cut (const cbvh::MeshClusters& cutter, std::vector<range<size_t>>& parts)
+      {
+        std::vector<size_t> halves(parts.size(),0);
+        parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++)
+              if (parts[i].size() > cutter.maxPart())
+                halves[i] = cutter.halve(triangles.centers.data()+parts[i].begin(),parts[i].size());
+          });
+        std::vector<range<size_t>> next;
+        for (size_t i=0; i<parts.size(); i++) {
+          const size_t middle = parts[i].begin() + halves[i];
+          if (halves[i]) next.push_back(range<size_t>(parts[i].begin(),middle));
+          next.push_back(range<size_t>(middle,parts[i].end()));
+        }
+        const bool changed = next.size() != parts.size();
+        parts.swap(next);
+        return changed;
+      }
+
+      Device* const device;
+      const CompressionPlan& plan;
+      const std::shared_ptr<const QuadRegions> parts;
+      LooseTriangles triangles;
+    };
+  }
+}

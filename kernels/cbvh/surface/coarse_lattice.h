@@ -1,0 +1,35 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Warning for users whose max_error is as large as the quads. Vertices of a quad then coincide, and pictures get
+ * speckles. */
+
+#include "../base/environment.h"
+#include "../embree/scene.h"
+#include <atomic>
+#include <iostream>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! Spacings from this fraction of an edge on are reported. Quads start to flip there. */
+    static const double coarseSpacing = 0.5;
+
+    /*! Warns on stderr if the spacing that the application selected is coarse: once per process, and at each commit if
+     *  the device or the environment is verbose. spacing, edge: means over the primitives of a geometry. */
+    inline void warnIfCoarse (Device* device, double spacing, double edge)
+    {
+      static std::atomic<bool> wasReported(false);
+      if (!(edge > 0 && spacing >= coarseSpacing*edge)) return;
+      const bool isFirst = !wasReported.exchange(true);
+      if (!isFirst && !device->verbosity(1) && !environmentAsksForCommitLines()) return;
+      Lock<MutexSys> lock(g_printMutex);
+      std::cerr << "compression: max_error selects a spacing of " << spacing << ", " << spacing/edge
+                << " times the median edge: pictures may have speckles; expected at most " << edge/36
+                << ", 1/36 of the edge" << std::endl;
+    }
+  }
+}

@@ -1,0 +1,267 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The triangles of a mesh that are in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All use one
+ * lattice. Its exceptions are found before any block is encoded, so that blocks agree on the vertices that they
+ * share. */
+
+#include "../base/resize_to_fit.h"
+#include "../base/tasks.h"
+#include "../../cvert/encoder/mesh_clusters.h"
+#include "../../cvert/encoder/mesh_lattice.h"
+#include "border_lattices.h"
+#include "embree_bytes.h"
+#include <memory>
+
+namespace embree
+{
+  namespace isa
+  {
+    /*! The triangles of a mesh, by number. Embree splits a quad into two; they have the numbers 2 primID and 2 primID +
+     *  1. */
+    class TrianglesOfMesh
+    {
+    public:
+      explicit TrianglesOfMesh (const TriangleMesh* mesh)
+        : perPrimitive(1), numPrimitives(mesh->triangles.size()), numVertices(mesh->numVertices()),
+          vertices(mesh->vertices0), indices(mesh->triangles.getPtr()), stride(mesh->triangles.getStride()) {}
+      explicit TrianglesOfMesh (const QuadMesh* mesh)
+        : perPrimitive(2), numPrimitives(mesh->quads.size()), numVertices(mesh->numVertices()),
+          vertices(mesh->vertices0), indices(mesh->quads.getPtr()), stride(mesh->quads.getStride()) {}
+
+      const uint32_t perPrimitive;
+      const size_t numPrimitives;
+
+      bool areOfQuads () const { return perPrimitive == 2; }
+
+      /*! Number of the first (i = 0) or second triangle of a primitive. */
+      uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
+
+      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false if Embree skips its
+       *  primitive because an index is out of range or a vertex is not finite. */
+      bool corners (size_t triangle, const float* out[3]) const
+      {
+        unsigned numbers[3];
+        return corners(triangle,out,numbers);
+      }
+
+      /*! As above; also sets the numbers of the vertices. */
+      bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
+      {
+        static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
+        const uint32_t n = areOfQuads() ? 4 : 3;
+        unsigned v[4];
+        memcpy(v,indices + (triangle >> (perPrimitive-1))*stride,n*sizeof(unsigned));
+        const float* p[4];
+        for (uint32_t i=0; i<n; i++) {
+          if (v[i] >= numVertices) return false;
+          p[i] = (const float*)vertices.getPtr(v[i]);
+          if (!cbvh::isFinite(p[i])) return false;
+        }
+        for (int c=0; c<3; c++) {
+          const int i = areOfQuads() ? ofQuad[triangle & 1][c] : c;
+          out[c] = p[i];
+          numbers[c] = v[i];
+        }
+        return true;
+      }
+
+    private:
+      const size_t numVertices;
+      const BufferView<Vec3fa> vertices;
+      const char* const indices;
+      const size_t stride;
+    };
+
+    /*! The stored positions of vertices on the borders of a mesh's grids, for the triangles next to them. */
+    class StoredBorders
+    {
+    public:
+      /*! Returns false if the vertex is on no border. vertex: number in the mesh; must be finite. */
+      virtual bool find (size_t vertex, float out[3]) const = 0;
+
+    protected:
+      ~StoredBorders () {}
+    };
+
+    class LooseTriangles
+    {
+    public:
+      /*! primitives: of the mesh, ascending; null for all. plan and primitives must outlive this object. */
+      LooseTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
+                      Device* device)
+        : mesh(mesh), primitives(primitives), plan(plan), device(device), centers(device,0) {}
+
+      /*! Number of primitives, including invalid ones. */
+      size_t numPrimitives () const { return primitives ? primitives->size() : mesh.numPrimitives; }
+      size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
+
+      size_t bytesInEmbree () const {
+        return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
+      }
+
+      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: borders of the
+       *  mesh's grids, or null; must exist until release(). Calls progress() from time to time, which may throw to
+       *  cancel. */
+      template<typename Progress>
+      void prepare (const StoredBorders* borders, const Progress& progress)
+      {
+        this->borders = borders;
+        lattice.reset(new cbvh::MeshLattice(chooseExponent()));
+        cbvh::resizeToFit(centers,numPrimitives());
+        const size_t tasks = (numPrimitives()+perTask-1)/perTask;
+        std::vector<Found> found(tasks);
+        parallel_for(size_t(0),tasks,size_t(1),[&](const range<size_t>& r) {
+            for (size_t task=r.begin(); task!=r.end(); task++) find(task,found[task]);
+            progress();
+          });
+        size_t n = 0;
+        for (size_t task=0; task<tasks; task++) {
+          if (n != task*perTask) std::copy_n(centers.begin() + task*perTask,found[task].count,centers.begin() + n);
+          n += found[task].count;
+          numInvalid += found[task].numInvalid;
+        }
+        centers.resize(n);
+        settle(found,progress);
+      }
+
+      void release ()
+      {
+        centers.clear();
+        lattice.reset();
+      }
+
+      /*! Returns the stored corners of a triangle in `out`. Corners on borders of grids are those that the grids store.
+       *  Returns the square of the largest distance that a corner moved. */
+      double store (uint32_t triangle, float out[3][3]) const
+      {
+        const float* p[3];
+        unsigned vertices[3];
+        mesh.corners(triangle,p,vertices);
+        double farthest = 0;
+        for (int c=0; c<3; c++)
+        {
+          if (!borders || !borders->find(vertices[c],out[c])) lattice->snap(p[c],out[c]);
+          double square = 0;
+          for (int k=0; k<3; k++) { const double d = double(out[c][k])-p[c][k]; square += d*d; }
+          farthest = max(farthest,square);
+        }
+        return farthest;
+      }
+
+      /*! True if a triangle has no area: no ray can hit it. */
+      bool isDegenerate (uint32_t triangle) const
+      {
+        const float* p[3];
+        mesh.corners(triangle,p);
+        return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
+      }
+
+      void bound (uint32_t primitive, float lower[3], float upper[3]) const
+      {
+        const float* p[6];
+        for (uint32_t i=0; i<mesh.perPrimitive; i++) mesh.corners(mesh.triangleOf(primitive,i),p+3*i);
+        for (int k=0; k<3; k++) {
+          lower[k] = upper[k] = p[0][k];
+          for (uint32_t i=1; i<3*mesh.perPrimitive; i++) {
+            lower[k] = min(lower[k],p[i][k]);
+            upper[k] = max(upper[k],p[i][k]);
+          }
+        }
+      }
+
+      float spacing () const { return spacingOfLattice; }
+
+      const TrianglesOfMesh mesh;
+      size_t numInvalid = 0;               //!< primitives left out because of their indices or vertices
+
+    private:
+      static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
+
+      /*! Results of a task. */
+      struct Found
+      {
+        size_t count = 0, numInvalid = 0;
+        std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip
+      };
+
+      uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
+
+      int chooseExponent ()
+      {
+        LatticeChoice choice(cbvh::spacingOfMeshEdge);
+        const size_t step = max(numPrimitives()/sampledPrimitives,size_t(1));
+        for (size_t i=0; i<numPrimitives(); i+=step)
+        {
+          const float* p[3];
+          if (!mesh.corners(mesh.triangleOf(primitiveAt(i),0),p)) continue;
+          float line[4][3];
+          for (int c=0; c<4; c++) memcpy(line[c],p[c % 3],sizeof(line[c]));
+          choice.addLine(true,line,4);
+        }
+        const int exponent = choice.exponent(plan,0.0);
+        spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
+        if (plan.settings.maxError > 0) warnIfCoarse(device,spacingOfLattice,choice.edge());
+        return exponent;
+      }
+
+      void find (size_t task, Found& out)
+      {
+        const size_t begin = task*perTask, end = min(begin+perTask,numPrimitives());
+        for (size_t i=begin; i<end; i++)
+        {
+          const uint32_t primitive = primitiveAt(i);
+          bool isValid = true, canBeHit = false;
+          for (uint32_t k=0; k<mesh.perPrimitive && isValid; k++)
+          {
+            const uint32_t triangle = mesh.triangleOf(primitive,k);
+            const float* p[3];
+            isValid = mesh.corners(triangle,p);
+            if (!isValid) continue;
+            const bool isRobust = lattice->isRobust(p[0],p[1],p[2]);
+            if (!isRobust && cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2])) continue;
+            canBeHit = true;
+            if (!isRobust) out.fragile.push_back(triangle);
+          }
+          if (!isValid) out.numInvalid++;
+          if (!isValid || !canBeHit) continue;
+          cbvh::MeshCenter& center = centers[begin+out.count++];
+          float lower[3], upper[3];
+          bound(primitive,lower,upper);
+          for (int k=0; k<3; k++) center.at[k] = 0.5f*(lower[k]+upper[k]);
+          center.index = primitive;
+        }
+      }
+
+      /*! A vertex on a finer lattice can flip other triangles that use it. Repeats the check until none flips. */
+      template<typename Progress>
+      void settle (const std::vector<Found>& found, const Progress& progress)
+      {
+        for (bool changed=true; changed; ) {
+          changed = false;
+          for (const Found& task : found) {
+            for (uint32_t triangle : task.fragile) {
+              const float* p[3];
+              mesh.corners(triangle,p);
+              changed |= lattice->check(p[0],p[1],p[2]);
+            }
+            progress();
+          }
+        }
+      }
+
+      const mvector<unsigned>* const primitives;
+      const CompressionPlan& plan;
+      Device* const device;
+      const StoredBorders* borders = nullptr;
+      std::unique_ptr<cbvh::MeshLattice> lattice;
+      float spacingOfLattice = 0.0f;
+
+    public:
+      /*! Centers of the primitives that can be hit. Set by prepare(); users reorder them. */
+      mvector<cbvh::MeshCenter> centers;
+    };
+  }
+}

@@ -1,0 +1,71 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. */
+
+#include "mesh_parts.h"
+#include "embree_bytes.h"
+#include <algorithm>
+
+namespace embree
+{
+  namespace
+  {
+    /*! Moves quads to the loose primitives if their region needs less memory in mesh blocks. */
+    template<typename Mesh>
+    void loosen (const Mesh* mesh, QuadRegions& parts)
+    {
+      if (std::none_of(parts.regions.begin(),parts.regions.end(),QuadRegions::isSmallerInMeshBlocks)) return;
+      const auto quads = quadsOf(mesh,parts);
+      cbvh::UnmonitoredVector<unsigned> kept; // regions are not in the order of their quads
+      kept.reserve(parts.quads.size());
+      size_t regions = 0, regular = 0;
+      for (size_t i=0; i<parts.regions.size(); i++)
+      {
+        const QuadRegions::Region region = parts.regions[i];
+        const unsigned* const of = parts.quads.data()+region.first;
+        const size_t count = size_t(region.width)*region.height;
+        if (QuadRegions::isSmallerInMeshBlocks(region)) {
+          for (size_t k=0; k<count; k++) {
+            const unsigned first = quads.number(of[k]), second = quads.second(of[k]);
+            parts.loose.push_back(first);
+            if (second != first) parts.loose.push_back(second);
+          }
+          continue;
+        }
+        parts.regions[regions++] = QuadRegions::Region{ kept.size(),region.width,region.height };
+        regular += i < parts.numRegular;
+        const size_t begin = kept.size();
+        kept.resize(begin+count);
+        std::copy_n(of,count,kept.begin()+begin);
+      }
+      parts.regions.resize(regions);
+      parts.numRegular = regular;
+      parts.quads = std::move(kept);
+      std::sort(parts.loose.begin(),parts.loose.end());
+    }
+
+    /*! There are no mesh blocks for moving meshes: all of such a mesh is stored as grids, or nothing, because rays
+     *  would leak between grids and Embree's own kernels. */
+    template<typename Mesh>
+    std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
+    {
+      const std::shared_ptr<const QuadRegions> found = QuadRegions::find(mesh);
+      if (mesh->numTimeSteps != 1) {
+        const bool isWorthIt = !found->regions.empty() && 4*found->bytesOfBlocks() <= 3*bytesInEmbree*mesh->size();
+        return isWorthIt ? found : nullptr;
+      }
+      const std::shared_ptr<QuadRegions> parts = std::const_pointer_cast<QuadRegions>(found);
+      parts->areAllLoose = parts->regions.empty();
+      loosen(mesh,*parts);
+      return parts;
+    }
+  }
+
+  std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh) {
+    return findPartsOf(mesh,bytesOfQuadInEmbree(1));
+  }
+  std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh) {
+    return findPartsOf(mesh,bytesOfTriangleInEmbree(1));
+  }
+}

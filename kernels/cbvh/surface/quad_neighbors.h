@@ -1,0 +1,239 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The neighbors of the quads of a mesh on their four sides, as defined in quad_regions.h. */
+
+#include "../base/atomic_ref.h"
+#include "../base/resize_to_fit.h"
+#include "quad_regions.h"
+#include <algorithm>
+#include <atomic>
+#include <tuple>
+#include <vector>
+
+namespace embree
+{
+  struct QuadNeighbors
+  {
+    enum : unsigned { none = ~0u };
+    enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
+
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< neighbor of each quad, or none
+    cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners of a quad are vertices
+    size_t numLeftOut = 0;                           //!< number of invalid quads
+    bool haveOwnForms = false;                       //!< neighbors may have different forms
+
+    size_t size () const { return isValid.size(); }
+  };
+
+  /*! Quads: QuadsOfMesh or PairsOfMesh. */
+  template<typename Quads>
+  class NeighborFinder
+  {
+  public:
+    NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
+      : quads(quads), numVertices(numVertices), out(out) {}
+
+    /*! Finds the neighbors. Returns false, and finds none, if a sample shows that few quads are regular. */
+    bool run ()
+    {
+      if (!findCorners()) return false;
+      link();
+      if (!looksRegular()) return false;
+      findNeighbors();
+      return true;
+    }
+
+  private:
+    enum : unsigned { none = QuadNeighbors::none };
+    static const size_t perTask = 1 << 14;
+
+    struct Corners { unsigned v[4]; };
+
+    struct Quad : public Corners
+    {
+      unsigned index;
+      unsigned form;
+    };
+
+    /*! A quad that begins at the same vertex as a quad with a lower number, and a vertex that it shares with a
+     *  neighbor. */
+    struct Other
+    {
+      unsigned first, second, quad;
+      bool operator< (const Other& other) const {
+        return std::tie(first,second,quad) < std::tie(other.first,other.second,other.quad);
+      }
+    };
+
+    Quad quad (unsigned index) const
+    {
+      Quad q;
+      static_cast<Corners&>(q) = corners[index];
+      q.index = index;
+      q.form = forms[index];
+      return q;
+    }
+
+    /*! True if `other` is right of q. */
+    static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
+
+    bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
+
+    /*! True if two quads can be neighbors. If their forms differ, neighbors may begin their triangles at different
+     *  corners, but must have the same number of triangles. */
+    bool fit (const Quad& q, const Quad& other) const
+    {
+      const unsigned different = q.form ^ other.form;
+      if (q.index == other.index) return false;
+      return out.haveOwnForms ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
+    }
+
+    /*! Copies the corners of all quads, because the search visits them repeatedly, in the order of neighbors. Returns
+     *  false if a table of their vertices would be much larger than the mesh. */
+    bool findCorners ()
+    {
+      cbvh::resizeToFit(corners,quads.size());
+      cbvh::resizeToFit(forms,quads.size());
+      cbvh::resizeToFit(out.isValid,quads.size());
+      std::atomic<size_t> numLeftOut(0);
+      typedef std::pair<unsigned,unsigned> Range; // lowest and highest vertex
+      const Range empty(unsigned(none),0u);
+      const Range range = parallel_reduce(size_t(0),quads.size(),perTask,empty,[&](const embree::range<size_t>& r) {
+          Range of = empty;
+          size_t n = 0;
+          for (size_t i=r.begin(); i!=r.end(); i++) {
+            Corners& q = corners[i];
+            forms[i] = uint8_t(quads.look(i,q.v));
+            out.isValid[i] = isValid(q);
+            if (out.isValid[i]) of = Range(min(of.first,q.v[0]),max(of.second,q.v[0])); else n++;
+          }
+          if (n) numLeftOut += n;
+          return of;
+        },[](const Range& a, const Range& b) { return Range(min(a.first,b.first),max(a.second,b.second)); });
+      out.numLeftOut = numLeftOut;
+      if (range.first > range.second) return false;
+      lowest = range.first;
+      const size_t size = size_t(range.second-range.first) + 1;
+      if (size/16 > quads.size()) return false;
+      fill(begins,size);
+      return true;
+    }
+
+    static void fill (mvector<unsigned>& table, size_t size)
+    {
+      cbvh::resizeToFit(table,size);
+      parallel_for(size_t(0),size,size_t(1) << 16,[&](const range<size_t>& r) {
+          std::fill(table.begin()+r.begin(),table.begin()+r.end(),unsigned(none));
+        });
+    }
+
+    static void lower (unsigned& value, unsigned to)
+    {
+      const cbvh::AtomicRef<unsigned> slot(value);
+      unsigned found = slot.load(std::memory_order_relaxed);
+      while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
+    }
+
+    /*! Finds the quads that begin at each vertex. */
+    void link ()
+    {
+      parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
+          for (size_t i=r.begin(); i!=r.end(); i++)
+            if (out.isValid[i]) lower(begins[corners[i].v[0]-lowest],unsigned(i));
+        });
+      MutexSys mutex;
+      parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
+          std::vector<Other> right, above;
+          for (size_t i=r.begin(); i!=r.end(); i++) {
+            const Corners& q = corners[i];
+            if (!out.isValid[i] || begins[q.v[0]-lowest] == i) continue;
+            right.push_back(Other{ q.v[0],q.v[3],unsigned(i) });
+            above.push_back(Other{ q.v[0],q.v[1],unsigned(i) });
+          }
+          if (right.empty()) return;
+          Lock<MutexSys> lock(mutex);
+          othersRight.insert(othersRight.end(),right.begin(),right.end());
+          othersAbove.insert(othersAbove.end(),above.begin(),above.end());
+        });
+      std::sort(othersRight.begin(),othersRight.end());
+      std::sort(othersAbove.begin(),othersAbove.end());
+    }
+
+    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and fits q. Returns false if there is
+     *  none. */
+    bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<Other>& others,
+               Quad& found) const
+    {
+      if (first < lowest || first-lowest >= begins.size()) return false;
+      const unsigned index = begins[first-lowest];
+      if (index == none) return false;
+      found = quad(index);
+      if (found.v[c] == second) return fit(q,found);
+      if (others.empty()) return false;
+      const auto other = std::lower_bound(others.begin(),others.end(),Other{ first,second,0 });
+      if (other == others.end() || other->first != first || other->second != second) return false;
+      found = quad(other->quad);
+      return fit(q,found);
+    }
+
+    bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
+    bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
+
+    /*! Returns true if at least a quarter of a sample of quads has a quad on the right and a quad above that share
+     *  their own neighbor. If far more quads do so when forms are ignored, haveOwnForms is set. */
+    bool looksRegular ()
+    {
+      const size_t step = max(quads.size()/4096,size_t(1));
+      size_t looked = 0;
+      auto countRegular = [&](bool haveOwnForms) {
+        out.haveOwnForms = haveOwnForms;
+        looked = 0;
+        size_t regular = 0;
+        for (size_t i=0; i<quads.size(); i+=step) {
+          const Quad q = quad(unsigned(i));
+          Quad right, up, corner;
+          looked++;
+          regular += isValid(q) && rightOf(q,right) && above(q,up) && above(right,corner) && isRight(up,corner);
+        }
+        return regular;
+      };
+      const size_t withOwnForms = countRegular(true), withEqualForms = countRegular(false);
+      out.haveOwnForms = withOwnForms > 2*withEqualForms && quads.size() < size_t(1) << 29;
+      return 4*(out.haveOwnForms ? withOwnForms : withEqualForms) >= looked;
+    }
+
+    void findNeighbors ()
+    {
+      for (auto& side : out.at) fill(side,quads.size());
+      parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
+          for (size_t i=r.begin(); i!=r.end(); i++) {
+            if (!out.isValid[i]) continue;
+            const Quad q = quad(unsigned(i));
+            Quad next;
+            if (rightOf(q,next)) set(q,next,QuadNeighbors::RIGHT,QuadNeighbors::LEFT);
+            if (above(q,next)) set(q,next,QuadNeighbors::ABOVE,QuadNeighbors::BELOW);
+          }
+        });
+    }
+
+    /*! If several quads have the same neighbor on a side, the neighbor only stores the first of them. */
+    void set (const Quad& q, const Quad& next, int side, int opposite)
+    {
+      out.at[side][q.index] = next.index;
+      lower(out.at[opposite][next.index],q.index);
+    }
+
+    const Quads quads;
+    const size_t numVertices;
+    QuadNeighbors& out;
+    cbvh::UnmonitoredVector<Corners> corners;    //!< of all quads
+    cbvh::UnmonitoredVector<uint8_t> forms;
+    unsigned lowest = 0;
+    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad that begins at each vertex
+    std::vector<Other> othersRight, othersAbove; //!< other quads at a vertex, sorted by the vertices that neighbors
+                                                 //!< must share
+  };
+}

@@ -1,0 +1,426 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Compiled for the library's lowest ISA only. Half-edge 3 t + e is edge e of triangle t, from its corner e to the next
+ * corner. */
+
+#include "triangle_pairs.h"
+#include "../base/atomic_ref.h"
+#include "../base/resize_to_fit.h"
+#include "quad_regions.h"
+#include <algorithm>
+#include <vector>
+
+namespace embree
+{
+  namespace
+  {
+    class PairFinder
+    {
+    public:
+      PairFinder (const TriangleMesh* mesh, const WeldedVertices* welded)
+        : mesh(mesh), welded(welded), size(mesh->triangles.size()), numVertices(mesh->numVertices()) {}
+
+      void run (mvector<unsigned>& firsts, mvector<unsigned>& seconds)
+      {
+        copyTriangles();
+        findEdges();
+        fill(mates,size,unsigned(none));
+        const Edges edges = chooseEdges();
+        if (!edges.isNone() && edges.first != edges.second) pairBy(edges);
+        spread(edges);
+        size_t numPairs = 0;
+        for (size_t t=0; t<size; t++) numPairs += mates[t] != second;
+        cbvh::resizeToFit(firsts,numPairs);
+        cbvh::resizeToFit(seconds,numPairs);
+        for (size_t t=0, i=0; t<size; t++)
+          if (mates[t] != second) {
+            firsts[i] = triangles[t].number;
+            seconds[i++] = triangles[mates[t] == none ? t : mates[t]].number;
+          }
+      }
+
+    private:
+      enum : unsigned { none = ~0u, second = ~1u };
+      static const size_t perTask = size_t(1) << 14;
+      static const size_t samples = 4096;
+
+      struct Triangle
+      {
+        unsigned v[3]; //!< welded vertices
+        unsigned number;
+      };
+
+      /*! A half-edge, listed at its lower vertex. */
+      struct Half
+      {
+        unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
+        unsigned half;
+        bool operator< (const Half& h) const { return other < h.other; }
+      };
+
+      /*! The edge that first triangles share with second triangles, and which edge of the second triangles it is. */
+      struct Edges
+      {
+        unsigned first, second;
+        bool isNone () const { return first == none; }
+      };
+
+      static unsigned next (unsigned half) { return half % 3 == 2 ? half-2 : half+1; }
+      static unsigned before (unsigned half) { return half % 3 == 0 ? half+2 : half-1; }
+
+      static void fill (mvector<unsigned>& table, size_t size, unsigned value)
+      {
+        cbvh::resizeToFit(table,size);
+        parallel_for(size_t(0),size,4*perTask,[&](const range<size_t>& r) {
+            std::fill(table.begin()+r.begin(),table.begin()+r.end(),value);
+          });
+      }
+
+      Triangle triangle (size_t number) const
+      {
+        Triangle t;
+        memcpy(t.v,mesh->triangles.getPtr(number),sizeof(t.v));
+        if (welded)
+          for (unsigned& v : t.v) v = (*welded)[v];
+        t.number = unsigned(number);
+        return t;
+      }
+
+      bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
+
+      /*! Returns a vertex near which a triangle lies; numVertices for an invalid triangle. */
+      unsigned vertexOf (const Triangle& t) const {
+        return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
+      }
+
+      /*! True if consecutive triangles tend to have vertices that are far apart in the buffer. */
+      bool areScattered () const
+      {
+        const size_t step = max(size/samples,size_t(2));
+        size_t looked = 0, far = 0;
+        for (size_t t=0; t+1<size; t+=step, looked++) {
+          const unsigned a = vertexOf(triangle(t)), b = vertexOf(triangle(t+1));
+          far += size_t(max(a,b)-min(a,b)) > numVertices/64;
+        }
+        return 2*far > looked;
+      }
+
+      /*! Copies the triangles, because everything else visits them in the order of neighbors. Scattered triangles are
+       *  sorted by their vertices first, because consecutive vertices are often near each other. */
+      void copyTriangles ()
+      {
+        cbvh::resizeToFit(triangles,size);
+        if (!areScattered()) {
+          parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+              for (size_t t=r.begin(); t!=r.end(); t++) triangles[t] = triangle(t);
+            });
+          return;
+        }
+        fill(ends,numVertices+2,0u);
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++) increment(ends[vertexOf(triangle(t))]);
+          });
+        sumUp(ends);
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t i=r.begin(); i!=r.end(); i++) {
+              const Triangle t = triangle(i);
+              triangles[decrement(ends[vertexOf(t)])] = t;
+            }
+          });
+        parallel_for(size_t(0),numVertices+1,perTask,[&](const range<size_t>& r) {
+            for (size_t v=r.begin(); v!=r.end(); v++)
+              std::sort(triangles.begin()+ends[v],triangles.begin()+ends[v+1],[](const Triangle& a, const Triangle& b) {
+                  return a.number < b.number;
+                });
+          });
+        ends.clear();
+      }
+
+      static void increment (unsigned& count) {
+        cbvh::AtomicRef<unsigned>(count).fetchAdd(1u,std::memory_order_relaxed);
+      }
+
+      /*! Returns the decremented value. */
+      static unsigned decrement (unsigned& count) {
+        return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
+      }
+
+      /*! Converts numbers of items to the ends of their ranges. */
+      static void sumUp (mvector<unsigned>& counts)
+      {
+        unsigned sum = 0;
+        for (unsigned& count : counts) count = sum += count;
+      }
+
+      /*! Calls closure(lower vertex, Half) for the edges of a triangle whose two vertices differ. */
+      template<typename Closure>
+      void forEachHalf (size_t triangle, const Closure& closure) const
+      {
+        const Triangle& t = triangles[triangle];
+        if (!isValid(t)) return;
+        for (unsigned e=0; e<3; e++) {
+          const unsigned a = t.v[e], b = t.v[e == 2 ? 0 : e+1];
+          if (a != b) closure(min(a,b),Half{ 2*max(a,b) + (a > b),unsigned(3*triangle) + e });
+        }
+      }
+
+      /*! Sets `opposite` for each half-edge. */
+      void findEdges ()
+      {
+        fill(ends,numVertices+1,0u);
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++)
+              forEachHalf(t,[&](unsigned v, const Half&) { increment(ends[v]); });
+          });
+        sumUp(ends);
+        cbvh::resizeToFit(halves,ends[numVertices]);
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++)
+              forEachHalf(t,[&](unsigned v, const Half& half) {
+                  halves[decrement(ends[v])] = half;
+                });
+          });
+        fill(opposite,3*size,unsigned(none));
+        parallel_for(size_t(0),numVertices,perTask,[&](const range<size_t>& r) {
+            for (size_t v=r.begin(); v!=r.end(); v++) join(halves.data()+ends[v],halves.data()+ends[v+1]);
+          });
+      }
+
+      /*! Joins the half-edges of a vertex. */
+      void join (Half* begin, Half* end)
+      {
+        if (end-begin > 16) std::sort(begin,end);
+        else // insertion sort: most vertices have six
+          for (Half* i=begin; i<end; i++)
+            for (Half* j=i; j!=begin && *j < j[-1]; j--) std::swap(*j,j[-1]);
+        for (Half* i=begin, * j; i!=end; i=j) {
+          for (j=i+1; j!=end && j->other/2 == i->other/2; j++) {}
+          if (j != i+2 || i[0].other == i[1].other) continue;
+          opposite[i[0].half] = i[1].half;
+          opposite[i[1].half] = i[0].half;
+        }
+      }
+
+      /*! Returns the squared length of a half-edge at the first time step; 0 if it is not finite. */
+      double lengthOf (unsigned half) const
+      {
+        const unsigned* const v = triangles[half/3].v;
+        const float* const p = (const float*)mesh->vertices[0].getPtr(v[half % 3]);
+        const float* const q = (const float*)mesh->vertices[0].getPtr(v[next(half) % 3]);
+        double square = 0;
+        for (int k=0; k<3; k++) square += (double(p[k])-q[k])*(double(p[k])-q[k]);
+        return square < std::numeric_limits<double>::infinity() ? square : 0;
+      }
+
+      bool isJoined (unsigned triangle, unsigned e, unsigned f) const
+      {
+        const unsigned other = opposite[3*triangle+e];
+        return other != none && other % 3 == f;
+      }
+
+      /*! Returns the half-edge by which a triangle is paired, one of two edges, or none. If quads with other corners
+       *  are adjacent, a triangle can share both edges: the longer one is the diagonal of a quad. */
+      unsigned sharedHalf (unsigned triangle, const Edges& edges) const
+      {
+        const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
+        const bool isFirst = isJoined(triangle,edges.first,edges.second);
+        if (edges.first == edges.second) return isFirst ? first : unsigned(none);
+        const bool isSecond = isJoined(triangle,edges.second,edges.first);
+        if (isFirst && isSecond) return lengthOf(first) > lengthOf(second) ? first : second;
+        return isFirst ? first : isSecond ? second : unsigned(none);
+      }
+
+      /*! Returns the triangle with which a triangle is paired, or none. isFirst: the other triangle is the second
+       *  one. */
+      unsigned mateOf (unsigned triangle, const Edges& edges, bool& isFirst) const
+      {
+        const unsigned half = sharedHalf(triangle,edges);
+        if (half == none) return none;
+        const unsigned other = opposite[half], mate = other/3;
+        if (sharedHalf(mate,edges) != other) return none;
+        isFirst = edges.first == edges.second ? triangles[triangle].number < triangles[mate].number
+                                              : half % 3 == edges.first;
+        return mate;
+      }
+
+      /*! Statistics of the pairs that two edges create. */
+      struct Pairing
+      {
+        Edges edges;
+        size_t paired = 0, lower = 0; //!< triangles in pairs; those whose first triangle has the lower number
+        double length = 0;            //!< sum of squared lengths
+      };
+
+      /*! Computes statistics from a sample. looked: size of the sample. */
+      Pairing look (const Edges& edges, size_t& looked) const
+      {
+        Pairing pairing;
+        pairing.edges = edges;
+        looked = 0;
+        const size_t step = max(size/samples,size_t(1));
+        for (size_t i=0; i<size; i+=step, looked++)
+        {
+          const unsigned t = unsigned(i);
+          bool isFirst;
+          const unsigned mate = mateOf(t,edges,isFirst);
+          if (mate == none) continue;
+          pairing.paired++;
+          pairing.lower += isFirst == (triangles[t].number < triangles[mate].number);
+          pairing.length += lengthOf(3*t + (edges.first == edges.second || isFirst ? edges.first : edges.second));
+        }
+        return pairing;
+      }
+
+      /*! Chooses the edges that pair most triangles; if several do, the longest edges. Returns none if few are
+       *  paired. */
+      Edges chooseEdges () const
+      {
+        std::vector<Pairing> all;
+        size_t most = 0, looked = 0;
+        for (unsigned e=0; e<3; e++)
+          for (unsigned f=e; f<3; f++) {
+            all.push_back(look(Edges{ e,f },looked));
+            most = max(most,all.back().paired);
+          }
+        if (4*most < 3*looked) return Edges{ none,none };
+        const Pairing* best = nullptr;
+        for (const Pairing& pairing : all) // pairs at borders may be missing
+          if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length))
+            best = &pairing;
+        const bool isFirst = 2*best->lower >= best->paired;
+        return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
+      }
+
+      /*! Pairs all triangles that share these two edges. */
+      void pairBy (const Edges& edges)
+      {
+        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++) {
+              bool isFirst;
+              const unsigned mate = mateOf(unsigned(t),edges,isFirst);
+              if (mate != none) mates[t] = isFirst ? mate : unsigned(second);
+            }
+          });
+      }
+
+      /*! Pairs the remaining triangles along the rows and columns of quads, from a first pair on. Only across `edges`,
+       *  unless they are none. */
+      void spread (const Edges& edges)
+      {
+        auto isFree = [&](unsigned half) {
+          if (half == none || opposite[half] == none) return false;
+          const unsigned other = opposite[half];
+          if (!edges.isNone() && (half % 3 != edges.first || other % 3 != edges.second)
+              && (half % 3 != edges.second || other % 3 != edges.first)) return false;
+          return mates[half/3] == none && mates[other/3] == none && half/3 != other/3;
+        };
+        std::vector<unsigned> found; // half-edges that pairs share, of first triangles
+        auto take = [&](unsigned half) {
+          mates[half/3] = opposite[half]/3;
+          mates[opposite[half]/3] = second;
+          found.push_back(half);
+        };
+        for (size_t t=0, done=0; t<size; t++, done=0)
+        {
+          if (mates[t] != none) continue;
+          unsigned longest = none;
+          for (unsigned half=unsigned(3*t); half<unsigned(3*t)+3; half++)
+            if (isFree(half) && (longest == none || lengthOf(half) > lengthOf(longest))) longest = half;
+          if (longest == none) continue;
+          take(longest);
+          for (; done<found.size(); done++)
+          {
+            /* Corners are 00, 10, 01 and 11, 01, 10. `half` leads from 10 to 01 in the first triangle. */
+            const unsigned half = found[done], back = opposite[half];
+            const unsigned right = opposite[next(back)], up = opposite[before(back)];
+            const unsigned left = opposite[next(half)], down = opposite[before(half)];
+            if (right != none && isFree(before(right))) take(before(right));
+            if (up != none && isFree(next(up))) take(next(up));
+            if (left != none && isFree(before(left))) take(opposite[before(left)]);
+            if (down != none && isFree(next(down))) take(opposite[next(down)]);
+          }
+          found.clear();
+        }
+      }
+
+      const TriangleMesh* const mesh;
+      const WeldedVertices* const welded;
+      const size_t size, numVertices;
+      cbvh::UnmonitoredVector<Triangle> triangles; //!< all triangles; half-edges and mates are indices into it
+      cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
+      cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
+    };
+
+    /*! True if at least half of the vertices in a sample have six triangles. In a mesh with random diagonals, 3 in 8
+     *  do. In less regular meshes, most quads would be loose. */
+    bool areRegular (const TriangleMesh* mesh, const WeldedVertices* welded)
+    {
+      const size_t numVertices = mesh->numVertices();
+      const bool areFew = numVertices < 4096;
+      auto isLookedAt = [&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }; // 1 in 64
+      cbvh::UnmonitoredVector<uint8_t> counts; // modulo 256
+      cbvh::resizeToFit(counts,numVertices);
+      std::fill(counts.begin(),counts.end(),uint8_t(0));
+      const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
+      parallel_for(size_t(0),mesh->triangles.size(),size_t(1) << 14,[&](const range<size_t>& r) {
+          for (size_t t=r.begin(); t!=r.end(); t++) {
+            unsigned corners[3];
+            triangles.triangle(t,corners);
+            for (unsigned v : corners)
+              if (isLookedAt(v) && v < numVertices)
+                cbvh::AtomicRef<uint8_t>(counts[v]).fetchAdd(1,std::memory_order_relaxed);
+          }
+        });
+      const size_t unused = size_t(std::count(counts.begin(),counts.end(),0));
+      return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
+    }
+
+    /*! True if, in a sample, the triangles of the second half share edges with the triangles of the first half, in the
+     *  same order. */
+    bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
+    {
+      const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));
+      const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
+      if (mesh->triangles.size() != 2*n) return false;
+      size_t looked = 0, joined = 0;
+      for (size_t t=0; t<n; t+=step, looked++) joined += triangles.areJoined(t,n+t);
+      return 16*joined >= 15*looked;
+    }
+
+    bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
+                     mvector<unsigned>& seconds)
+    {
+      const size_t n = mesh->triangles.size()/2;
+      const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
+      cbvh::resizeToFit(firsts,n);
+      cbvh::resizeToFit(seconds,n);
+      const size_t numJoined = parallel_reduce(size_t(0),n,size_t(1) << 14,size_t(0),[&](const range<size_t>& r) {
+          size_t numJoined = 0;
+          for (size_t t=r.begin(); t!=r.end(); t++) {
+            const bool isJoined = triangles.areJoined(t,n+t);
+            firsts[t] = unsigned(t);
+            seconds[t] = unsigned(isJoined ? n+t : t);
+            numJoined += isJoined;
+          }
+          return numJoined;
+        },std::plus<size_t>());
+      if (numJoined == n) return true;
+      for (size_t t=0; t<n; t++)
+        if (seconds[t] == t) { firsts.push_back(unsigned(n+t)); seconds.push_back(unsigned(n+t)); }
+      return true;
+    }
+  }
+
+  bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
+                      mvector<unsigned>& seconds)
+  {
+    if (!areRegular(mesh,welded)) return false;
+    if (areHalves(mesh,welded)) return pairHalves(mesh,welded,firsts,seconds);
+    if (mesh->triangles.size() >= size_t(1) << 30 || mesh->numVertices() >= size_t(1) << 31) return false;
+    PairFinder(mesh,welded).run(firsts,seconds);
+    return true;
+  }
+}

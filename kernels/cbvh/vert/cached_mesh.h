@@ -1,0 +1,96 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Gives access to a decoded mesh block, decoding it into the thread's cache if necessary, with the members that the
+ * intersectors of cVERT expect (cached_block.h). References into the cache become invalid once a hit is reported,
+ * because a filter function may trace further rays. Shared code accesses the block as a VertHeader: `surface` and
+ * `primID` have the same offsets in a MeshHeader. */
+
+#include "../base/mapped_blocks.h"
+#include "hits1.h"
+#include "mesh_decoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface)
+                    && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
+                    "surface and primID must have the same offsets in both headers");
+
+      class CachedMeshBlock
+      {
+      public:
+        /*! ray: VertRay or VertRays. Its cache is not used: mesh blocks have a cache of their own. */
+        template<typename VertRay>
+        __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
+          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)) {}
+
+        /*! Returns the boxes, or null if they are not decoded. */
+        __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
+
+        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray intersects. */
+        __forceinline bool mayMeet (const VertRayAxes<float>&, float, float) const { return true; }
+
+        /*! Returns false if the block is damaged. Then no byte of it may be read. */
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
+
+        __forceinline const MeshBoxes& boxes () const
+        {
+          if (unlikely(slot.block != block)) decode();
+          return slot;
+        }
+
+        /*! Returns the triangles of group g, with their vertices. */
+        __forceinline const MeshTriangles& vertices (uint32_t g) const
+        {
+          MeshTriangles& at = cache.slot(block,g);
+          if (at.block != block || at.lane != g) decode(g,at);
+          return at;
+        }
+
+        /*! Returns the primitive of triangle t of group g, and the parameters of a point, as in Embree's kernels. w1,
+         *  w2: weights of the triangle's second and third corner. */
+        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
+        {
+          const uint32_t number = MeshDecoder(block).number(boxes(),g,t);
+          const bool isSecond = isSecondOfQuad(block->form,number);
+          SurfacePoint point;
+          point.primID = primitiveOfMesh(block->form,number);
+          point.u = isSecond ? 1.0f-w1 : w1;
+          point.v = isSecond ? 1.0f-w2 : w2;
+          return point;
+        }
+
+      private:
+        __noinline void decode () const
+        {
+          for (int line=1; line<16; line++) prefetchL1((const char*)block + 64*line);
+          slot.block = block;
+          MeshDecoder(block).decode(slot);
+        }
+
+        __noinline void decode (uint32_t g, MeshTriangles& at) const
+        {
+          const MeshBoxes& boxes = this->boxes();
+          at.block = block;
+          at.lane = g;
+          MeshDecoder(block).triangles(boxes,g,at);
+        }
+
+        MeshCache& cache;
+        const MeshHeader* block;
+        MeshBoxes& slot; //!< slot of the block's boxes
+      };
+
+      __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
+                                             const VertTriangle::Sides& sides) {
+        return cached.point(g,t,inUnit(sides.w1/sides.sum),inUnit(sides.w2/sides.sum));
+      }
+    }
+  }
+}

@@ -1,0 +1,512 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decoder of mesh blocks (cvert/format/mesh_block.h): first the boxes of all groups, then the triangles of one group at
+ * a time. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block. */
+
+#include "../base/codec.h"
+#include "../base/vectors.h"
+#include "../../cvert/format/mesh_block.h"
+#include "mesh_cache.h"
+#include <cmath>
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      using namespace embree::cbvh;
+
+      class MeshDecoder
+      {
+      public:
+        __forceinline explicit MeshDecoder (const MeshHeader* block) : block(block) {}
+
+        /*! Decodes the boxes and the positions of all groups. Does not set out.block. */
+        __forceinline void decode (MeshBoxes& out) const
+        {
+          const uint32_t groups = meshGroups(block->counts);
+          out.lanes = (1u << groups)-1;
+          setAxes(out);
+          decodeBoxes(groups,out);
+          findGroups(groups,out);
+        }
+
+        __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, MeshTriangles& out) const
+        {
+          const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
+            locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
+            repeatBits = bitsFor(locals);
+          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
+          const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
+          uint64_t turns = at.take(min(2*count,32u));
+          if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
+          uint64_t news = at.take(min(stream-3,32u));
+          if (unlikely(stream-3 > 32)) news |= uint64_t(at.take(stream-3-32)) << 32;
+          const uint32_t owns = at.take(locals);
+          Bits repeats = at;
+          at.skip((stream-locals)*repeatBits);
+          decodeVertices(boxes,g,locals,owns,at,out.at);
+          out.numVertices = locals;
+          out.lanes = 0xFFFFFFFFu >> (32-count);
+
+#if defined(__AVX2__)
+          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
+            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
+              out.corners);
+            return;
+          }
+#endif
+          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,out.corners);
+        }
+
+        /*! Returns the number of triangle t of group g (see primitiveOfMesh). */
+        __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
+        {
+          const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
+          Bits at(block,boxes.numbersBegin+boxes.numbers[g]);
+          const uint32_t base = at.take(baseBits);
+          at.skip(t*bits);
+          return block->primID + base + at.take(bits);
+        }
+
+      private:
+        /*! A position in the bits of the block. */
+        struct Bits
+        {
+          const uint8_t* data;
+          uint32_t bit;
+
+          __forceinline Bits (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
+
+          /*! Returns the next 57 bits, with up to 7 undefined bits above them. */
+          __forceinline uint64_t wide () const
+          {
+            uint64_t word;
+            memcpy(&word,data + (bit >> 3),sizeof(word));
+            return word >> (bit & 7);
+          }
+          __forceinline uint32_t peek () const { return uint32_t(wide()); }
+          __forceinline void skip (uint32_t count) { bit += count; }
+          __forceinline uint32_t take (uint32_t count) // count: 0 to 32
+          {
+            const uint32_t value = uint32_t(wide() & ((uint64_t(1) << count)-1));
+            bit += count;
+            return value;
+          }
+        };
+
+        /*! The last triangle of a strip, by the numbers of its vertices in the group. */
+        struct Strip
+        {
+          uint32_t a = 0, b = 1, c = 2;
+          bool isFlipped = false;
+
+          void add (uint32_t vertex, bool isFan)
+          {
+            if (!isFan) a = b;
+            b = c;
+            c = vertex;
+            isFlipped ^= !isFan;
+          }
+
+          /*! Returns the corners in the application's order, 8 bits each. */
+          uint32_t corners (uint32_t turn) const
+          {
+            const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
+            return uint32_t((v | v << 24) >> (8*turn));
+          }
+        };
+
+        /*! Sets the corners of all triangles, one after the other. */
+        static void followStrips (uint32_t count, uint32_t restarts, uint32_t fans, uint64_t turns, uint64_t news,
+                                  Bits repeats, uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
+        {
+          Strip strip;
+          uint32_t fresh = 3;
+          auto next = [&]() {
+            const bool isNew = news & 1;
+            news >>= 1;
+            return isNew ? fresh++ : repeats.take(repeatBits);
+          };
+          for (uint32_t t=0; t<count; t++, turns>>=2)
+          {
+            if ((restarts >> t) & 1) {
+              strip.a = next();
+              strip.b = next();
+              strip.c = next();
+              strip.isFlipped = false;
+            }
+            else if (t > 0) strip.add(next(),(fans >> t) & 1);
+            const uint32_t v = strip.corners(uint32_t(turns) & 3);
+            for (int c=0; c<3; c++) corners[c][t] = uint8_t(v >> (8*c));
+          }
+        }
+
+#if defined(__AVX2__)
+        /*! Returns bytes of ones for set bits, and 0 otherwise, for 16 bits. */
+        static __forceinline __m128i bytesOfBits (uint32_t bits)
+        {
+          const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
+          const __m128i places = _mm_setr_epi8(0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi16(short(bits)),places);
+          return _mm_cmpeq_epi8(_mm_and_si128(spread,each),each);
+        }
+
+        /*! Returns prefix sums of bytes, inclusive. */
+        static __forceinline __m128i sumsOfBytes (__m128i x)
+        {
+          x = _mm_add_epi8(x,_mm_slli_si128(x,1));
+          x = _mm_add_epi8(x,_mm_slli_si128(x,2));
+          x = _mm_add_epi8(x,_mm_slli_si128(x,4));
+          return _mm_add_epi8(x,_mm_slli_si128(x,8));
+        }
+
+        /*! Returns prefix maxima of bytes, inclusive. */
+        static __forceinline __m128i greatestOfBytes (__m128i x)
+        {
+          x = _mm_max_epu8(x,_mm_slli_si128(x,1));
+          x = _mm_max_epu8(x,_mm_slli_si128(x,2));
+          x = _mm_max_epu8(x,_mm_slli_si128(x,4));
+          return _mm_max_epu8(x,_mm_slli_si128(x,8));
+        }
+
+        /*! Sets the corners of up to 16 triangles whose stream has up to 32 entries, up to 8 of which are not new.
+         *  Implements the rule "in parallel" of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: bits of
+         *  all entries. repeats: numbers of the entries that are not new. */
+        static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
+                                                uint64_t repeats, uint32_t repeatBits,
+                                                uint8_t (*corners)[maxGroupTriangles])
+        {
+          const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
+
+          /* Fields of entries that are not new, one byte each. */
+          const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
+          const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
+          const __m256i first = _mm256_srlv_epi64(fields,shifts),
+            second = _mm256_srlv_epi64(fields,_mm256_add_epi64(shifts,_mm256_slli_epi64(b,2)));
+          const __m256i mask = _mm256_set1_epi32((1 << repeatBits)-1);
+          const __m256i pairs = _mm256_and_si256(_mm256_blend_epi32(first,_mm256_slli_epi64(second,32),0xAA),mask);
+          const __m256i packed = _mm256_shuffle_epi8(pairs,_mm256_setr_epi8(
+            0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
+          const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
+
+          /* The stream. */
+          __m128i entries[2];
+          __m128i before = _mm_setzero_si128(); // number of new entries before
+          for (int half=0; half<2; half++)
+          {
+            const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
+            const __m128i fresh = _mm_add_epi8(before,_mm_sub_epi8(sumsOfBytes(isOne),isOne));
+            const __m128i rank = _mm_sub_epi8(_mm_add_epi8(places,_mm_set1_epi8(char(16*half))),fresh);
+            entries[half] = _mm_blendv_epi8(_mm_shuffle_epi8(old,rank),fresh,isNew);
+            before = _mm_set1_epi8(char(__builtin_popcount(news & 0xFFFF)));
+          }
+          auto entryAt = [&](__m128i place) {
+            return _mm_blendv_epi8(_mm_shuffle_epi8(entries[0],place),_mm_shuffle_epi8(entries[1],place),
+              _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
+          };
+
+          /* Triangles. */
+          const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
+          const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
+          const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
+          /* Number of triangles that are neither part of a fan nor the start of a strip. */
+          const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
+          const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
+          const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
+          const __m128i a = entryAt(kept), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
+          const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
+
+          /* Turns, two bits each. */
+          const __m128i quarters = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
+          const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),quarters);
+          const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
+          const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low),
+            is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
+          auto turn = [&](__m128i x, __m128i y, __m128i z) { return _mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2); };
+          _mm_store_si128((__m128i*)corners[0],turn(p,q,r));
+          _mm_store_si128((__m128i*)corners[1],turn(q,r,p));
+          _mm_store_si128((__m128i*)corners[2],turn(r,p,q));
+        }
+#endif
+
+        /*! As bitsForBelow(). */
+        static __forceinline uint32_t bitsFor (uint32_t count) {
+          return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1));
+        }
+
+        __forceinline bool isSheared () const { return (block->form & 0x03FF0000u) != 0; }
+        __forceinline bool hasAnyRanks () const {
+          return hasRanks(block->spacings,0) || hasRanks(block->spacings,1) || hasRanks(block->spacings,2);
+        }
+
+        /*! Sets the shear of boxes in world space: 1 on the sheared axis, and the slopes times the ratio of spacings on
+         *  the others. If floats cannot represent a ratio well, the boxes of the block are unbounded on the sheared
+         *  axis. */
+        __forceinline void setAxes (MeshBoxes& out) const
+        {
+          out.axis = 3;
+          for (int k=0; k<3; k++) { out.origin[k] = block->origin[k]; out.shear[k] = 0.0f; }
+          if (likely(!isSheared())) return;
+          const int m = int(meshShearedAxis(block->form));
+          for (int i=1; i<3; i++)
+            if (exponentRatio(m,i) < -maxRatio || exponentRatio(m,i) > maxRatio) return;
+          out.axis = m;
+          out.shear[m] = 1.0f;
+          for (int i=1; i<3; i++)
+            out.shear[axisAfter(m,i)] = float(meshSlope(block->form,uint32_t(i)))*(1.0f/16.0f)
+              *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
+        }
+
+        static const int maxRatio = 30; //!< largest ratio of spacings, as an exponent
+
+        __forceinline int exponentRatio (int m, int i) const
+        {
+          auto exponent = [&](int k) { return int((block->spacings >> (8*k)) & 255); };
+          return exponent(m) - exponent(axisAfter(m,i));
+        }
+
+        /*! Decodes the planes of boxes, and extents from the origin. */
+        __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
+        {
+          const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
+          float reach[3]; // in coordinates
+          for (int k=0; k<3; k++)
+          {
+            const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
+            if (unlikely(hasRanks(block->spacings,uint32_t(k)))) {
+              decodeRankedBoxes(k,bytes,groups,shift,out);
+              reach[k] = 0.0f;
+              continue;
+            }
+            const bool sheared = isSheared() && uint32_t(k) == meshShearedAxis(block->form);
+            const vfloatV spacing(meshSpacing(block->spacings,uint32_t(k))), origin(sheared ? 0.0f : block->origin[k]),
+              rounding(sheared ? 0.5f : 0.0f);
+            for (int n=0; n<16; n+=vectorWidth)
+            {
+              const vintV lower = loadBytes(bytes + uint32_t(k)*groups + n) << int(shift),
+                upper = lower + ((loadBytes(bytes + uint32_t(3+k)*groups + n) + vintV(1)) << int(shift));
+              vintV::storeu(&out.lower[k][n],lower);
+              const vfloatV begin(lower), end(upper);
+              vfloatV::store(out.planes[k].at[0]+n,origin + (begin-rounding)*spacing);
+              vfloatV::store(out.planes[k].at[1]+n,origin + end*spacing);
+            }
+            reach[k] = float(256u << shift); // L + E + 1 is at most 256
+            out.extent[k] = reach[k]*meshSpacing(block->spacings,uint32_t(k));
+          }
+          if (likely(!isSheared())) return;
+          const int m = int(meshShearedAxis(block->form));
+          for (int i=1; i<3; i++)
+            reach[m] += std::fabs(float(meshSlope(block->form,uint32_t(i))))*(1.0f/16.0f)*reach[axisAfter(m,i)];
+          out.extent[m] = (reach[m]+1.0f)*meshSpacing(block->spacings,uint32_t(m));
+          if (unlikely(out.axis == 3))
+            for (int l=0; l<16; l++) { out.planes[m].at[0][l] = -1e30f; out.planes[m].at[1][l] = 1e30f; }
+        }
+
+        void decodeRankedBoxes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, MeshBoxes& out) const
+        {
+          const uint32_t origin = rankOfFloat(block->origin[k]);
+          out.extent[k] = 0.0f;
+          for (uint32_t l=0; l<16; l++) {
+            const uint32_t g = min(l,groups-1), lower = uint32_t(bytes[uint32_t(k)*groups+g]) << shift;
+            out.lower[k][l] = lower;
+            out.planes[k].at[0][l] = floatOfRank(origin+lower);
+            out.planes[k].at[1][l] = floatOfRank(origin+lower + ((bytes[uint32_t(3+k)*groups+g]+1u) << shift)-1u);
+            out.extent[k] = max(out.extent[k],out.planes[k].at[1][l]-block->origin[k]);
+          }
+        }
+
+        static __forceinline vintV loadBytes (const uint8_t* p)
+        {
+#if defined(__AVX512F__)
+          return vintV(_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i*)p)));
+#elif defined(__AVX2__)
+          return vintV(_mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)p)));
+#else
+          alignas(64) int lanes[vectorWidth];
+          for (int i=0; i<vectorWidth; i++) lanes[i] = p[i];
+          return vintV::load(lanes);
+#endif
+        }
+
+        /*! Returns the number of bits of each of 16 unsigned bytes. */
+        static __forceinline __m128i lengthsOf (__m128i bytes)
+        {
+#if defined(__SSSE3__)
+          const __m128i nibble = _mm_set1_epi8(15);
+          const __m128i ofLow = _mm_setr_epi8(0,1,2,2,3,3,3,3,4,4,4,4,4,4,4,4),
+            ofHigh = _mm_setr_epi8(0,5,6,6,7,7,7,7,8,8,8,8,8,8,8,8);
+          return _mm_max_epu8(_mm_shuffle_epi8(ofLow,_mm_and_si128(bytes,nibble)),
+            _mm_shuffle_epi8(ofHigh,_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
+#else
+          __m128i lengths = _mm_setzero_si128();
+          for (int bit=0; bit<8; bit++) // a number has more than `bit` bits if it is at least 2^bit
+            lengths = _mm_sub_epi8(lengths,_mm_cmpeq_epi8(_mm_max_epu8(bytes,_mm_set1_epi8(char(1 << bit))),bytes));
+          return lengths;
+#endif
+        }
+
+        /*! Stores the sum of the numbers before each of 16 numbers. Returns the sum of all. */
+        static __forceinline uint32_t storeSums (const __m128i numbers[2], uint16_t out[16])
+        {
+          uint32_t before = 0;
+          for (int half=0; half<2; half++)
+          {
+            __m128i sum = _mm_add_epi16(numbers[half],_mm_slli_si128(numbers[half],2));
+            sum = _mm_add_epi16(sum,_mm_slli_si128(sum,4));
+            sum = _mm_add_epi16(sum,_mm_slli_si128(sum,8));
+            _mm_store_si128((__m128i*)(out+8*half),
+              _mm_add_epi16(_mm_sub_epi16(sum,numbers[half]),_mm_set1_epi16(short(before))));
+            before += uint32_t(_mm_extract_epi16(sum,7)) & 0xFFFF;
+          }
+          return before;
+        }
+
+        /*! Sets the positions of groups, as MeshView does. All sums have less than 16 bits. */
+        __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
+        {
+          const uint8_t* const bytes = (const uint8_t*)block;
+          const MeshLayout layout = meshLayout(block->counts);
+          const __m128i none = _mm_setzero_si128(), group = _mm_loadu_si128((const __m128i*)block->groups);
+
+          /* A field has the bits of the extent and of the shift. */
+          __m128i bits[3], all = none;
+          for (uint32_t k=0; k<3; k++) {
+            const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
+            bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->form,k))));
+            all = _mm_add_epi8(all,bits[k]);
+          }
+          const __m128i xy[2] = { _mm_unpacklo_epi8(bits[0],bits[1]),_mm_unpackhi_epi8(bits[0],bits[1]) },
+            zs[2] = { _mm_unpacklo_epi8(bits[2],all),_mm_unpackhi_epi8(bits[2],all) };
+          for (int half=0; half<2; half++) {
+            _mm_store_si128((__m128i*)(out.fieldBits+8*half),_mm_unpacklo_epi16(xy[half],zs[half]));
+            _mm_store_si128((__m128i*)(out.fieldBits+8*half+4),_mm_unpackhi_epi16(xy[half],zs[half]));
+          }
+
+          const uint8_t* const records = bytes + layout.records;
+          const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
+            groups > 8 ? _mm_loadu_si128((const __m128i*)(records+16)) : none }; // a short block ends here
+          const __m128i five = _mm_set1_epi16(31);
+          __m128i locals[2], topology[2], vertices[2], numbers[2], own[2];
+          for (int half=0; half<2; half++) locals[half] = _mm_and_si128(record[half],five);
+          const __m128i repeats = lengthsOf(_mm_sub_epi8(_mm_packus_epi16(locals[0],locals[1]),_mm_set1_epi8(1)));
+          const __m128i otherBits = _mm_set1_epi16(short(bitsFor(meshVertices(block->counts)))),
+            baseBits = _mm_set1_epi16(short(baseNumberBits(block->counts)));
+          for (int half=0; half<2; half++)
+          {
+            auto wide = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
+            const __m128i lane = _mm_add_epi16(_mm_setr_epi16(0,1,2,3,4,5,6,7),_mm_set1_epi16(short(8*half))),
+              isThere = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
+            const __m128i of = wide(group), r = record[half],
+              restarts = _mm_or_si128(_mm_srli_epi16(of,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
+              count = _mm_add_epi16(_mm_and_si128(of,five),_mm_set1_epi16(1)),
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // entries of the stream, less 2
+            own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isThere);
+            __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
+            numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
+            /* restarts, fans, turns, news, owns; then repeats, and numbers of vertices of other groups */
+            __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,locals[half]));
+            sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
+              _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),locals[half])));
+            sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(locals[half],own[half])));
+            topology[half] = _mm_and_si128(sum,isThere);
+            vertices[half] = _mm_mullo_epi16(own[half],wide(all));
+            numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isThere);
+          }
+          out.topologyBegin = 8*layout.topology;
+          out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);
+          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.vertices)+7) & ~7u);
+          storeSums(numbers,out.numbers);
+          storeSums(own,out.firstVertex);
+          for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;
+        }
+
+        static __forceinline uint32_t groupOfVertex (const MeshBoxes& boxes, uint32_t v)
+        {
+          const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)boxes.firstVertex;
+          const __m128i after = _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(first),vertex),
+            _mm_cmpgt_epi16(_mm_load_si128(first+1),vertex));
+          return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
+        }
+
+        /*! Reads the fields of vertices that belong to a group. bits: see MeshBoxes::fieldBits. */
+        struct VertexFields
+        {
+          const MeshBoxes& boxes;
+          const uint32_t g, bits;
+          const uint64_t masks[3];
+
+          static __forceinline uint64_t maskOf (uint32_t bits) { return (uint64_t(1) << bits)-1; }
+
+          __forceinline VertexFields (const MeshBoxes& boxes, uint32_t g)
+            : boxes(boxes), g(g), bits(boxes.fieldBits[g]),
+              masks{ maskOf(bits & 255),maskOf((bits >> 8) & 255),maskOf((bits >> 16) & 255) } {}
+
+          __forceinline uint32_t all () const { return bits >> 24; }
+
+          __forceinline void read (Bits at, uint32_t (*coordinates)[32], uint32_t i) const
+          {
+            uint64_t fields = at.wide();
+            if (likely(all() <= 57)) {
+              coordinates[0][i] = boxes.lower[0][g] + uint32_t(fields & masks[0]);
+              fields >>= bits & 255;
+              coordinates[1][i] = boxes.lower[1][g] + uint32_t(fields & masks[1]);
+              fields >>= (bits >> 8) & 255;
+              coordinates[2][i] = boxes.lower[2][g] + uint32_t(fields & masks[2]);
+            }
+            else for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.take((bits >> (8*k)) & 255);
+          }
+        };
+
+        /*! Decodes the vertices that a group uses. owns: mask of the vertices that belong to it. others: numbers of the
+         *  other vertices. */
+        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
+                                           Bits others, float (*positions)[32]) const
+        {
+          alignas(64) uint32_t coordinates[3][32];
+          const uint32_t otherBits = bitsFor(meshVertices(block->counts));
+          const VertexFields own(boxes,g);
+          uint32_t bit = boxes.verticesBegin+boxes.vertices[g];
+          for (uint32_t rest=owns; rest; rest&=rest-1, bit+=own.all())
+            own.read(Bits(block,bit),coordinates,uint32_t(__builtin_ctz(rest)));
+          for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1)
+          {
+            const uint32_t v = others.take(otherBits);
+            const VertexFields of(boxes,groupOfVertex(boxes,v));
+            const uint32_t begin = boxes.verticesBegin + boxes.vertices[of.g];
+            of.read(Bits(block,begin + (v-boxes.firstVertex[of.g])*of.all()),coordinates,uint32_t(__builtin_ctz(rest)));
+          }
+          if (isSheared()) unshear(locals,coordinates);
+          for (uint32_t k=0; k<3; k++)
+          {
+            if (unlikely(hasRanks(block->spacings,k))) {
+              const uint32_t origin = rankOfFloat(block->origin[k]);
+              for (uint32_t i=0; i<locals; i++) positions[k][i] = floatOfRank(origin + coordinates[k][i]);
+              continue;
+            }
+            const vfloatV origin(block->origin[k]), spacing(meshSpacing(block->spacings,k));
+            for (uint32_t n=0; n<locals; n+=vectorWidth)
+              vfloatV::store(positions[k]+n,origin + vfloatV(vintV::load((const int*)coordinates[k]+n))*spacing);
+          }
+        }
+
+        __forceinline void unshear (uint32_t locals, uint32_t (*coordinates)[32]) const
+        {
+          const int m = int(meshShearedAxis(block->form));
+          const vintV s1(meshSlope(block->form,1)), s2(meshSlope(block->form,2));
+          int* const c = (int*)coordinates[m], * const c1 = (int*)coordinates[axisAfter(m,1)],
+            * const c2 = (int*)coordinates[axisAfter(m,2)];
+          for (uint32_t n=0; n<locals; n+=vectorWidth)
+            vintV::store(c+n,vintV::load(c+n) - ((s1*vintV::load(c1+n) + s2*vintV::load(c2+n) + vintV(8)) >> 4));
+        }
+
+        const MeshHeader* const block;
+      };
+    }
+  }
+}

@@ -1,0 +1,24 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Single-ray intersector of mesh blocks: the intersector of cVERT blocks, with the triangles of a mesh block. */
+
+#include "cached_mesh.h"
+#include "intersector1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      /*! Returns true if a hit was accepted. Not inlined, so that traversal keeps its ray in registers. */
+      template<typename RayType>
+      __noinline bool intersectMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
+        return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
+      }
+    }
+  }
+}

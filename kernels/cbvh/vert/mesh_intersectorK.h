@@ -1,0 +1,64 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Intersector of mesh blocks for the rays of a packet: one ray after the other. */
+
+#include "hitsK.h"
+#include "mesh_intersector1.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      template<int K, typename Rays>
+      class MeshIntersectorK
+      {
+      public:
+        /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
+                                              VertRays<K>& vertRays, const void* block)
+        {
+          vertRays.set(rays);
+          const CachedMeshBlock cached(vertRays,(const VertHeader*)block);
+          if (cached.decodedBoxes() == nullptr && !cached.isUsable()) return vbool<K>(false);
+          uint32_t found = 0;
+          for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
+            const uint32_t k = uint32_t(bsf(rest));
+            if (intersectOne(k,rays,context,vertRays,(const VertHeader*)block,cached)) found |= 1u << k;
+          }
+          return vbool<K>(int(found));
+        }
+
+      private:
+        static __forceinline bool intersectOne (uint32_t k, Rays& rays, IntersectContext* context,
+                                                VertRays<K>& vertRays, const VertHeader* block,
+                                                const CachedMeshBlock& cached)
+        {
+          VertRay ray = vertRays.at(k);
+          for (int i=0; i<3; i++) ray.rcp[i] = vertRays.rcp[i][k];
+          ray.largest = vertRays.largest[k];
+          ray.descends = uint32_t(vertRays.form[k]) >> 2;
+          alignas(64) float enter[16];
+          uint32_t open = meetGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
+          typedef VertTargetK<K,Rays> Target;
+          VertHits<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
+          bool found = false;
+          while (open)
+          {
+            const uint32_t g = IsAnyHit<Rays>::value ? takeAny(open) : takeFirst(open,enter);
+            if (enter[g] > rays.tfar[k]) continue;
+            const GroupTriangles triangles(ray,cached.vertices(g));
+            if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
+            if (IsAnyHit<Rays>::value) return true;
+            found = true;
+          }
+          return found;
+        }
+      };
+    }
+  }
+}

@@ -1,0 +1,88 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Writer of mesh blocks: rounds the corners of a cluster's triangles, encodes them, and puts the blocks into a
+ * store. */
+
+#include "../base/block_store.h"
+#include "../base/build_statistics.h"
+#include "../surface/loose_triangles.h"
+#include "../../cvert/encoder/mesh_encoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class MeshWriter
+    {
+    public:
+      static const uint32_t groupTriangles = 16; //!< triangles of a full group
+
+      MeshWriter (const LooseTriangles& from, uint32_t surface, BlockStore& store, cbvh::BuildStatistics& statistics)
+        : from(from), surface(surface), store(store), statistics(statistics) {}
+
+      /*! Number of primitives of a full group. */
+      static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
+
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last one. */
+      void write (const cbvh::MeshCenter* cluster, uint32_t count)
+      {
+        double moved = 0;
+        uint32_t n = 0;
+        for (uint32_t i=0; i<count; i++)
+          for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
+            cbvh::MeshTriangle& triangle = triangles[n];
+            triangle.number = from.mesh.triangleOf(cluster[i].index,k);
+            if (from.mesh.areOfQuads() && from.isDegenerate(triangle.number)) continue; // half of a quad
+            moved = max(moved,from.store(triangle.number,triangle.corners));
+            n += hasThreeCorners(triangle); // the lattice of a grid can be too coarse for an adjacent triangle
+          }
+        statistics.addDeviation(moved);
+        if (n == 0) return;
+        cbvh::MeshStatistics ofBlocks;
+        encoder.encodeCluster(triangles,n,groupTriangles,from.mesh.areOfQuads(),surface,block,ofBlocks,
+          [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
+        store.flushIfFull();
+      }
+
+    private:
+      static bool hasThreeCorners (const cbvh::MeshTriangle& triangle)
+      {
+        auto areEqual = [](const float* p, const float* q) { return p[0] == q[0] && p[1] == q[1] && p[2] == q[2]; };
+        const float (&c)[3][3] = triangle.corners;
+        return !areEqual(c[0],c[1]) && !areEqual(c[1],c[2]) && !areEqual(c[2],c[0]);
+      }
+
+      void add (size_t bytes, const cbvh::MeshTriangle* of, uint32_t count)
+      {
+        cbvh::WorldBounds bounds;
+        for (uint32_t i=0; i<count; i++)
+          for (const float (&p)[3] : of[i].corners) bounds.extend(p[0],p[1],p[2]);
+        if (from.mesh.areOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshIsOfQuads;
+        memcpy(store.begin(bytes),block,bytes);
+        store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readBehindVert);
+        store.hitBounds.extend(bounds);
+
+        const cbvh::MeshHeader& header = *(const cbvh::MeshHeader*)block;
+        const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
+        const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+        cbvh::CompressionStatistics& sums = statistics.sums;
+        sums.frameBytes += layout.boxes;
+        sums.nodeBytes += layout.topology - layout.boxes;
+        sums.leafBytes += stride - layout.topology;
+        sums.numBlocks++;
+      }
+
+      const LooseTriangles& from;
+      const uint32_t surface;
+      BlockStore& store;
+      cbvh::BuildStatistics& statistics;
+      cbvh::MeshEncoder encoder;
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one entry more, for a triangle that is rejected after
+                                                              //!< it was stored
+      alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
+    };
+  }
+}

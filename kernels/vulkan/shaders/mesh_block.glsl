@@ -1,0 +1,365 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A ray through a mesh block, kernels/cvert/format/mesh_block.h, by the rule of other blocks of cVERT. A ray decodes
+ * the boxes of all groups. Of a group that it meets it decodes the vertices in the order of the strips, and tests each
+ * triangle when its last vertex comes. */
+
+#ifndef CBVH_MESH_BLOCK_GLSL
+#define CBVH_MESH_BLOCK_GLSL
+
+#include "vert_boxes.glsl"
+#include "vert_triangle.glsl"
+#include "../../cvert/format/mesh_block.h"
+
+CVERT_READABLE(MeshHeader,16)
+
+struct CbvhMeshBlock
+{
+  uvec2 at;
+  uint geomID;
+  vec3 origin;
+  uint spacings, primID, counts, form;
+  uint groups;
+  uint boxes;                                      // first byte
+  uint topologyBegin, verticesBegin, numbersBegin; // first bits of sections, from the start of the block
+};
+
+/* Where each group of a block is, in bits from the start of a section, and the fields of its vertices:
+ *
+ *   x   lower half: topology, upper half: fields of vertices
+ *   y   lower half: numbers, upper half: number in the block of the first vertex that belongs to the group
+ *   z   lower planes of its box on x, y and z, 8 bits each
+ *   w   bits of a field on x, y and z, 8 bits each */
+uvec4 cbvhMeshGroups[maxMeshGroups];
+
+/* Where the ray enters the box of each group. */
+float cbvhMeshEntries[maxMeshGroups];
+
+/* Vertices and numbers also need cbvhFindMeshGroups. */
+CbvhMeshBlock cbvhReadMeshBlock (CbvhPointer at)
+{
+  CbvhMeshBlock block;
+  block.at = at.address;
+  block.geomID = at.geomID;
+  for (int k = 0; k < 3; k++) block.origin[k] = CVERT_AT(MeshHeader, block.at).origin[k];
+  block.spacings = CVERT_AT(MeshHeader, block.at).spacings;
+  block.primID = CVERT_AT(MeshHeader, block.at).primID;
+  block.counts = CVERT_AT(MeshHeader, block.at).counts;
+  block.form = CVERT_AT(MeshHeader, block.at).form;
+  block.groups = meshGroups(block.counts);
+  MeshLayout layout_ = meshLayout(block.counts);
+  block.boxes = layout_.boxes;
+  block.topologyBegin = 8u*layout_.topology;
+  block.verticesBegin = block.numbersBegin = 0u;
+  return block;
+}
+
+/* Byte i of a word. */
+uint cbvhByteOf (uint word, int i) { return (word >> (8*i)) & 255u; }
+
+/* Byte of group g in the header, and its record. */
+uint cbvhMeshGroupByte (CbvhMeshBlock block, uint g) {
+  return cbvhByteOf(CVERT_AT(MeshHeader, block.at).groups[g >> 2], int(g & 3u));
+}
+uint cbvhMeshRecord (CbvhMeshBlock block, uint g) { return halfAt(block.at, meshHeaderBytes + meshRecordBytes*g); }
+
+/* Up to 32 bits of a block from a bit on. */
+uint cbvhMeshBits (CbvhMeshBlock block, uint begin, uint count)
+{
+  uint mask = count == 0u ? 0u : 0xFFFFFFFFu >> (32u - count);
+  return bitsAt(block.at, begin, count) & mask;
+}
+
+/* Position in the world of a coordinate on axis k. On the sheared axis it may be negative, modulo 2^32. */
+float cbvhMeshPosition (CbvhMeshBlock block, int k, uint coordinate)
+{
+  if (hasRanks(block.spacings, uint(k))) return floatOfRank(rankOfFloat(block.origin[k]) + coordinate);
+  return block.origin[k] + float(int(coordinate))*meshSpacing(block.spacings, uint(k));
+}
+
+/* True if the boxes and the coordinates of one axis are sheared. */
+bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlope(form, 2u) != 0; }
+
+/* --- boxes ------------------------------------------------------------------------------ */
+
+/* Axes of the boxes of a block, and the ray along the sheared one, from the block's origin. */
+struct CbvhMeshAxes
+{
+  int sheared;               // axis; 3 if none is
+  bool isBounded;            // boxes bound the sheared coordinate
+  vec3 extent;               // of the block from its origin, at least; 0 on an axis of ranks
+  float org, rcp, error;     // of the ray along the sheared coordinate
+};
+
+/* Ratios of spacings beyond 2^30 would not be exact: boxes do not bound the sheared coordinate then. */
+const int cbvhMaxMeshRatio = 30;
+
+CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert)
+{
+  CbvhMeshAxes axes = CbvhMeshAxes(3, true, vec3(0.0), 0.0, 1.0, 0.0);
+  vec3 reach; // of coordinates; planes have 8 bits
+  for (int k = 0; k < 3; k++) {
+    reach[k] = float(256u << meshBoxShift(block.spacings, block.form, uint(k)));
+    axes.extent[k] = reach[k]*meshSpacing(block.spacings, uint(k));
+  }
+  if (!cbvhIsMeshSheared(block.form)) return axes;
+  int m = int(meshShearedAxis(block.form)), exponent = int(cbvhByteOf(block.spacings, m));
+  float sheared = reach[m] + 1.0;
+  vec3 shears = vec3(0.0);
+  shears[m] = 1.0;
+  for (int i = 1; i < 3; i++) {
+    int k = axisAfter(m, i), ratio = exponent - int(cbvhByteOf(block.spacings, k));
+    float slope = float(meshSlope(block.form, uint(i)))*(1.0/16.0);
+    axes.isBounded = axes.isBounded && abs(ratio) <= cbvhMaxMeshRatio;
+    shears[k] = slope*floatOfBits(uint(clamp(ratio, -cbvhMaxMeshRatio, cbvhMaxMeshRatio) + 127) << 23);
+    sheared += abs(slope)*reach[k];
+  }
+  axes.sheared = m;
+  axes.extent[m] = sheared*meshSpacing(block.spacings, uint(m));
+  ShearedCoordinate along = noShearedCoordinate();
+  for (int k = 0; k < 3; k++)
+    along = addSheared(along, ray.org[k], ray.dir[k], block.origin[k], axes.extent[k], shears[k]);
+  axes.org = along.org;
+  axes.rcp = directionReciprocal(along.dir, vert.largest);
+  axes.error = shearedSlack(along.size);
+  return axes;
+}
+
+/* Clips the ray by the planes of a group's box on axis k: lower plane and extent, as stored. */
+RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert,
+                                     CbvhMeshAxes axes, uint plane, uint extent, int k)
+{
+  uint shift = meshBoxShift(block.spacings, block.form, uint(k)), begin = plane << shift;
+  uint end = (plane + extent + 1u) << shift;
+  bool isSheared = k == axes.sheared;
+  if (isSheared && !axes.isBounded) return interval;
+  BoxPlanes planes;
+  float from = ray.org[k], reach = axes.extent[k];
+  if (hasRanks(block.spacings, uint(k))) {
+    planes = BoxPlanes(cbvhMeshPosition(block, k, begin), cbvhMeshPosition(block, k, end - 1u));
+    reach = planes.upper - block.origin[k];
+  }
+  else {
+    float spacing = meshSpacing(block.spacings, uint(k)), origin = isSheared ? 0.0 : block.origin[k];
+    // coordinates were rounded when they were sheared
+    planes.lower = origin + (float(begin) - (isSheared ? 0.5 : 0.0))*spacing;
+    planes.upper = origin + float(end)*spacing;
+  }
+  if (isSheared) from = axes.org;
+  float wide = isSheared ? axes.error : boxSlack(ray.org[k], block.origin[k], reach);
+  return clipped(interval, (planes.lower - from) - wide, (planes.upper - from) + wide,
+                 isSheared ? axes.rcp : vert.rcp[k]);
+}
+
+/* Finds the groups of a block: sets its sections, and cbvhMeshGroups. Returns those whose boxes the ray meets, bit g
+ * each, and sets their cbvhMeshEntries. */
+uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhTravel ray, float tfar)
+{
+  CbvhVertRay vert = cbvhVertRay(ray);
+  CbvhMeshAxes axes = cbvhMeshAxes(block, ray, vert);
+  uint open = 0u, topology = 0u, vertices = 0u, numbers = 0u, firstVertex = 0u;
+  [[dont_unroll]] for (uint g = 0u; g < block.groups; g++)
+  {
+    uint group = cbvhMeshGroupByte(block, g), record = cbvhMeshRecord(block, g);
+    uint planes = 0u, fields = 0u, bits = 0u;
+    RayInterval interval = RayInterval(ray.tnear, tfar);
+    [[dont_unroll]] for (int k = 0; k < 3; k++)
+    {
+      uint plane = byteAt(block.at, block.boxes + uint(k)*block.groups + g);
+      uint extent = byteAt(block.at, block.boxes + uint(k + 3)*block.groups + g);
+      /* meshFieldBits: a field has the bits of the extent, and the shift's */
+      uint field = uint(findMSB(extent) + 1) + meshBoxShift(block.spacings, block.form, uint(k));
+      planes |= plane << (8*k);
+      fields |= field << (8*k);
+      bits += field;
+      interval = cbvhClippedByMeshPlanes(interval, block, ray, vert, axes, plane, extent, k);
+    }
+    cbvhMeshGroups[g] = uvec4(topology | (vertices << 16), numbers | (firstVertex << 16), planes, fields);
+    cbvhMeshEntries[g] = interval.from;
+    if (interval.from <= interval.to) open |= 1u << g;
+    topology += meshTopology(group, record, meshVertices(block.counts)).bits;
+    vertices += groupOwnVertices(record)*bits;
+    numbers += meshNumberBits(block.counts, group, record);
+    firstVertex += groupOwnVertices(record);
+  }
+  block.verticesBegin = block.topologyBegin + ((topology + 7u) & ~7u);
+  block.numbersBegin = block.verticesBegin + ((vertices + 7u) & ~7u);
+  return open;
+}
+
+/* --- topology and vertices -------------------------------------------------------------- */
+
+struct CbvhMeshGroup
+{
+  uint g;
+  uint stream;                  // entries
+  uint restarts, fans;          // masks of triangles
+  uvec2 news;                   // mask of entries
+  uint owns;                    // mask of vertices
+  uint turns, repeats, others;  // first bits, from the start of the block
+  uint repeatBits, otherBits;
+};
+
+/* Needs cbvhFindMeshGroups. */
+CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
+{
+  uint bits = cbvhMeshGroupByte(block, g), record = cbvhMeshRecord(block, g);
+  uint first = block.topologyBegin + (cbvhMeshGroups[g].x & 65535u), triangles = groupTriangles(bits);
+  MeshTopology topology = meshTopology(bits, record, meshVertices(block.counts));
+  CbvhMeshGroup group;
+  group.g = g;
+  group.stream = streamLength(triangles, groupRestarts(bits, record));
+  group.restarts = (cbvhMeshBits(block, first + topology.restarts, triangles - 1u) << 1) | 1u;
+  group.fans = cbvhMeshBits(block, first + topology.fans, triangles - 1u) << 1;
+  uint low = min(group.stream - 3u, 29u);
+  group.news.x = (cbvhMeshBits(block, first + topology.news, low) << 3) | 7u;
+  group.news.y = cbvhMeshBits(block, first + topology.news + low, group.stream - 3u - low);
+  group.owns = cbvhMeshBits(block, first + topology.owns, groupVertices(record));
+  group.turns = first + topology.turns;
+  group.repeats = first + topology.repeats;
+  group.others = first + topology.others;
+  group.repeatBits = topology.repeatBits;
+  group.otherBits = topology.otherBits;
+  return group;
+}
+
+/* bits below bit i of a mask, i up to 31 */
+uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) - 1u))); }
+
+/* Decodes the vertex that entry i of a group's stream is. */
+vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
+{
+  bool isLow = i < 32u;
+  uint news = isLow ? group.news.x : group.news.y;
+  uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // entries that are new
+  uint vertex = before; // its number in the group
+  if (((news >> (i & 31u)) & 1u) == 0u)
+    vertex = cbvhMeshBits(block, group.repeats + (i - before)*group.repeatBits, group.repeatBits);
+
+  uint owner = group.g, number = cbvhBitsBelow(group.owns, vertex); // of those that belong to the owner
+  if (((group.owns >> vertex) & 1u) == 0u) {
+    number = cbvhMeshBits(block, group.others + (vertex - number)*group.otherBits, group.otherBits);
+    while (owner > 0u && number < cbvhMeshGroups[owner].y >> 16) owner--;
+    number -= cbvhMeshGroups[owner].y >> 16;
+  }
+  uvec4 place = cbvhMeshGroups[owner];
+  uint bits = cbvhByteOf(place.w, 0) + cbvhByteOf(place.w, 1) + cbvhByteOf(place.w, 2);
+  uint bit = block.verticesBegin + (place.x >> 16) + number*bits;
+  uint coordinates[3];
+  for (int k = 0; k < 3; k++) {
+    uint field = cbvhByteOf(place.w, k);
+    coordinates[k] = cbvhMeshBits(block, bit, field)
+      + (cbvhByteOf(place.z, k) << meshBoxShift(block.spacings, block.form, uint(k)));
+    bit += field;
+  }
+  if (cbvhIsMeshSheared(block.form)) {
+    int m = int(meshShearedAxis(block.form));
+    coordinates[m] -= uint(meshShear(block.form, int(coordinates[axisAfter(m, 1)]), int(coordinates[axisAfter(m, 2)])));
+  }
+  vec3 at;
+  for (int k = 0; k < 3; k++) at[k] = cbvhMeshPosition(block, k, coordinates[k]);
+  return at;
+}
+
+/* --- triangles -------------------------------------------------------------------------- */
+
+/* Returns the triangles of a group that may have the ray's line in them, as a mask. The order of corners does not
+ * matter here. */
+uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear)
+{
+  uint mask = 0u, t = 0u;
+  uint missing = 3u; // entries until triangle t is complete
+  vec2 a = vec2(0.0), b = vec2(0.0), c = vec2(0.0);
+  [[dont_unroll]] for (uint i = 0u; i < group.stream; i++)
+  {
+    if (((group.fans >> t) & 1u) == 0u) a = b;
+    b = c;
+    c = cbvhSheared(shear, ray.org, cbvhStreamVertex(block, group, i));
+    missing--;
+    if (missing == 0u) {
+      if (isInside(cbvhSide(b, c), cbvhSide(c, a), cbvhSide(a, b))) mask |= 1u << t;
+      t++;
+      missing = ((group.restarts >> (t & 31u)) & 1u) != 0u ? 3u : 1u;
+    }
+  }
+  return mask;
+}
+
+/* Number of triangle t of group g, as of primitiveOfMesh. */
+uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
+{
+  uint baseBits = baseNumberBits(block.counts), bits = groupNumberBits(cbvhMeshRecord(block, g));
+  uint first = block.numbersBegin + (cbvhMeshGroups[g].y & 65535u);
+  return block.primID + cbvhMeshBits(block, first, baseBits)
+    + cbvhMeshBits(block, first + baseBits + t*bits, bits);
+}
+
+/* Triangle t of a group; true if it is hit. */
+bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear, uint t,
+                          inout CbvhHit hit, inout CbvhVertNearest nearest)
+{
+  StripTriangle entries = stripTriangle(group.restarts, group.fans, cbvhMeshBits(block, group.turns + 2u*t, 2u), t);
+  vec3 a = vec3(0.0), b = vec3(0.0), c = vec3(0.0);
+  [[dont_unroll]] for (int i = 0; i < 3; i++) {
+    a = b;
+    b = c;
+    c = cbvhStreamVertex(block, group, i == 0 ? entries.v0 : i == 1 ? entries.v1 : entries.v2);
+  }
+  TriangleName name = TriangleName(block.geomID, block.primID, CVERT_AT(MeshHeader, block.at).bytes, 32u*group.g + t);
+  CbvhVertHit at;
+  if (!cbvhMeetsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
+  uint number = cbvhMeshNumber(block, group.g, t);
+  float u = inUnit(at.sides.w1/at.sides.sum), v = inUnit(at.sides.w2/at.sides.sum);
+  if (isSecondOfQuad(block.form, number)) {
+    u = 1.0 - u;
+    v = 1.0 - v;
+  }
+  cbvhSetHit(hit, ray, at.t, u, v, at.Ng, primitiveOfMesh(block.form, number), block.geomID);
+  return true;
+}
+
+/* Returns the group of a mask, which is not 0, that the ray enters first. */
+uint cbvhFirstMeshGroup (uint open)
+{
+  uint first = uint(findLSB(open));
+  for (uint rest = open & (open - 1u); rest != 0u; rest &= rest - 1u) {
+    uint g = uint(findLSB(rest));
+    if (cbvhMeshEntries[g] < cbvhMeshEntries[first]) first = g;
+  }
+  return first;
+}
+
+/* True if something is hit nearer than hit.t, which is lowered. Loops have one way out, as in vert_block.glsl. */
+bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
+                    inout CbvhVertNearest nearest)
+{
+  if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
+  CbvhMeshBlock block = cbvhReadMeshBlock(at);
+  CbvhShear shear = cbvhShear(ray.dir);
+  uint open = cbvhFindMeshGroups(block, ray, hit.t);
+  bool found = false;
+  while (open != 0u)
+  {
+    uint g = cbvhFirstMeshGroup(open);
+    open &= ~(1u << g);
+    if (cbvhMeshEntries[g] <= hit.t)
+    {
+      CbvhMeshGroup group = cbvhMeshGroup(block, g);
+      uint triangles = cbvhMeshTriangles(block, group, ray, shear);
+      while (triangles != 0u)
+      {
+        uint t = uint(findLSB(triangles));
+        triangles &= triangles - 1u;
+        if (cbvhHitMeshTriangle(block, group, ray, shear, t, hit, nearest)) {
+          found = true;
+          if (anyHit) triangles = open = 0u;
+        }
+      }
+    }
+    else open = 0u; // others begin behind the hit, too
+  }
+  return found;
+}
+
+#endif

@@ -1,0 +1,102 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* A ray and a triangle of cVERT, by the rule of kernels/cvert/rule/rule.h, and the ray's nearest hit in such
+ * triangles. */
+
+#ifndef CBVH_VERT_TRIANGLE_GLSL
+#define CBVH_VERT_TRIANGLE_GLSL
+
+#include "ray.glsl"
+#include "../../cvert/rule/rule.h"
+
+/* The ray sheared to the z axis: kz is the axis of the direction's largest component. */
+struct CbvhShear
+{
+  int kz;
+  float sx, sy;
+};
+
+/* components along kx, ky and kz */
+vec3 cbvhTurn (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
+
+CbvhShear cbvhShear (vec3 dir)
+{
+  vec3 a = abs(dir);
+  CbvhShear shear;
+  shear.kz = largestAxis(a.x, a.y, a.z);
+  vec3 d = cbvhTurn(shear.kz, dir);
+  float sz = 1.0/d.z;
+  shear.sx = d.x*sz;
+  shear.sy = d.y*sz;
+  return shear;
+}
+
+vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
+{
+  precise vec3 r = cbvhTurn(shear.kz, vertex - org);
+  precise vec2 products = vec2(shear.sx*r.z, shear.sy*r.z);
+  precise vec2 at = r.xy - products;
+  return at;
+}
+
+float cbvhSide (vec2 a, vec2 b) { return edgeSide(a.x, a.y, b.x, b.y); }
+
+WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
+{
+  WideTriangle triangle;
+  for (int k = 0; k < 3; k++) {
+    triangle.at[k][0] = Wide(a[k]);
+    triangle.at[k][1] = Wide(b[k]);
+    triangle.at[k][2] = Wide(c[k]);
+  }
+  return triangle;
+}
+
+/* The triangle of a ray's nearest hit, if that is one of cVERT: of hits at the same distance one counts, by its
+ * name. */
+struct CbvhVertNearest
+{
+  bool isSet;
+  uint instID;
+  float t;
+  TriangleName name;
+};
+
+CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
+
+/* A hit in a triangle. */
+struct CbvhVertHit
+{
+  float t;
+  TriangleSides sides;
+  vec3 Ng;
+};
+
+/* Returns true if a ray hits a triangle nearer than tfar, the distance of its hit so far, or as near as `nearest` and
+ * before it in the order of names. Sets `nearest` then. */
+bool cbvhMeetsTriangle (CbvhTravel ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleName name, float tfar,
+                        inout CbvhVertNearest nearest, out CbvhVertHit at)
+{
+  vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
+  at.sides = triangleSides(A.x, A.y, B.x, B.y, C.x, C.y);
+  if (!areCertain(at.sides) && !contains(A.x, A.y, B.x, B.y, C.x, C.y)) return false;
+
+  WideTriangle triangle = cbvhWideTriangle(a, b, c);
+  WideNormal normal = normalOf(triangle);
+  int kz = shear.kz;
+  Wide org[3], dir[3];
+  for (int k = 0; k < 3; k++) { org[k] = Wide(ray.org[k]); dir[k] = Wide(ray.dir[k]); }
+  TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
+  Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
+  uint place = placeOfHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
+  if (place == hitIsOutside || (place == hitIsTied && !comesBefore(name, nearest.name))) return false;
+
+  at.t = float(exact);
+  at.Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);
+  if (at.Ng == vec3(0.0)) at.Ng = -ray.dir;
+  nearest = CbvhVertNearest(true, ray.instID, at.t, name);
+  return true;
+}
+
+#endif

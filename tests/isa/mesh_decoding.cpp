@@ -1,0 +1,158 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* The traversal's decoder of mesh blocks against the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all
+ * groups, to the last bit, and boxes that contain the triangles. Compiled once for every ISA, outside of the library.
+ * */
+
+#include "kernels/cvert/encoder/mesh_encoder.h"
+#include "kernels/cvert/decoder/decoded_mesh.h"
+#include "kernels/cbvh/vert/mesh_decoder.h"
+#include "kernels/cbvh/vert/triangles.h"
+#include "support/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+// for isa_check.cpp
+extern const char* const programIsa;
+const char* const programIsa = TEST_ISA;
+
+namespace cbvh::test {
+namespace {
+
+using namespace embree::cbvh;
+
+// Triangles of neighbors in a wavy sheet, or of any vertices. exponent: of a lattice, or below -1000
+std::vector<MeshTriangle> randomTriangles(Random& random, int exponent, double far, bool isSheet)
+{
+  const uint32_t size = 16;
+  float points[(size + 1)*(size + 1)][3];
+  double axis[3][3], origin[3];
+  for (int k = 0; k < 3; k++) {
+    origin[k] = far*random.uniform(-1, 1);
+    for (auto& a : axis) a[k] = random.uniform(-1, 1);
+  }
+  for (uint32_t i = 0; i < (size + 1)*(size + 1); i++)
+    for (int k = 0; k < 3; k++) {
+      const double u = i % (size + 1) + random.uniform(-0.3, 0.3), v = double(i/(size + 1));
+      const double x = origin[k] + u*axis[0][k] + v*axis[1][k] + 0.1*random.normal()*axis[2][k];
+      points[i][k] = exponent > -1000 ? float(std::ldexp(std::floor(std::ldexp(x, -exponent)), exponent)) : float(x);
+    }
+  std::vector<MeshTriangle> triangles;
+  for (uint32_t n = 1 + random.below(256), first = random.bits(); triangles.size() < n;) {
+    uint32_t v[3];
+    const uint32_t x = random.below(size), y = uint32_t(triangles.size())/size;
+    for (uint32_t& i : v)
+      i = isSheet ? (y + random.below(2))*(size + 1) + x + random.below(2) : random.below((size + 1)*(size + 1));
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+    MeshTriangle t;
+    for (int c = 0; c < 3; c++) std::copy_n(points[v[c]], 3, t.corners[c]);
+    if (std::equal(t.corners[0], t.corners[1], t.corners[1]) || std::equal(t.corners[1], t.corners[2], t.corners[2])
+      || std::equal(t.corners[2], t.corners[2] + 3, t.corners[0])) continue;
+    t.number = random.chance(0.05) ? random.bits() : first + uint32_t(triangles.size());
+    triangles.push_back(t);
+  }
+  return triangles;
+}
+
+TEST(MeshDecoding, GroupsEqualTheScalarDecoder)
+{
+  Random random(96);
+  auto encoder = std::make_unique<MeshEncoder>();
+  std::vector<uint64_t> memory(MeshEncoder::maxBytes/8 + 4);
+  MeshStatistics statistics;
+  for (int i = 0; i < 3000; i++) {
+    const auto triangles = randomTriangles(random, i % 3 ? -int(random.below(14)) : -1001,
+      std::vector<double>{0, 10, 1e4, 1e6}[random.below(4)], i % 4 != 0);
+    std::vector<uint32_t> ends;
+    const uint32_t count = uint32_t(triangles.size()), groupSize = std::vector<uint32_t>{3, 16, 32}[random.below(3)];
+    for (uint32_t end = groupSize; ends.empty() || ends.back() < count; end += groupSize)
+      ends.push_back(std::min(end, count));
+    uint32_t stored;
+    uint8_t* const bytes = (uint8_t*)memory.data();
+    std::fill(memory.begin(), memory.end(), ~uint64_t(0));
+    encoder->encode(triangles.data(), ends.data(), uint32_t(ends.size()), 3, bytes, stored, statistics);
+    const MeshHeader* const block = (const MeshHeader*)bytes;
+    const MeshView view(block);
+    const embree::isa::cbvh::MeshDecoder decoder(block);
+    auto boxes = std::make_unique<MeshBoxes>();
+    decoder.decode(*boxes);
+    ASSERT_EQ(boxes->lanes, (1u << view.groups) - 1);
+    for (uint32_t g = 0; g < view.groups; g++) {
+      SCOPED_TRACE(testing::Message() << "block " << i << ", group " << g);
+      const DecodedMeshGroup expected(view, g);
+      MeshTriangles found;
+      decoder.triangles(*boxes, g, found);
+      ASSERT_EQ(found.numVertices, expected.numVertices);
+      ASSERT_EQ(found.lanes, 0xFFFFFFFFu >> (32 - expected.numTriangles));
+      for (uint32_t t = 0; t < expected.numTriangles; t++) {
+        ASSERT_EQ(decoder.number(*boxes, g, t), expected.numbers[t]);
+        for (int c = 0; c < 3; c++) {
+          double sheared = 0;
+          for (int k = 0; k < 3; k++) {
+            const float x = expected.corners[c][k][t];
+            ASSERT_EQ(found.at[k][found.corners[c][t]], x) << "triangle " << t << ", corner " << c << ", axis " << k;
+            ASSERT_LE(std::fabs(double(x) - boxes->origin[k]), boxes->extent[k]*(1 + 1e-6));
+            sheared += (double(x) - boxes->origin[k])*boxes->shear[k];
+            if (k == boxes->axis) continue;
+            ASSERT_LE(boxes->planes[k].at[0][g], x);
+            ASSERT_GE(boxes->planes[k].at[1][g], x);
+          }
+          if (boxes->axis == 3) continue;
+          ASSERT_LE(boxes->planes[boxes->axis].at[0][g], sheared);
+          ASSERT_GE(boxes->planes[boxes->axis].at[1][g], sheared);
+        }
+      }
+    }
+  }
+  EXPECT_GT(statistics.rankAxes, 100u);
+  EXPECT_GT(statistics.shearedBlocks, 100u);
+  EXPECT_GT(statistics.restarts, 100u);
+}
+
+// Triangles of any vertices, and rays through a vertex, or the middle of two: what contains the ray is found.
+TEST(MeshTriangles, WhatHasTheRayInItIsFound)
+{
+  using namespace embree::isa::cbvh;
+  using embree::Vec3fa;
+  Random random(97);
+  size_t found = 0, onEdges = 0;
+  for (int i = 0; i < 4000; i++) {
+    MeshTriangles group;
+    std::memset((void*)&group, random.below(256), sizeof(group));
+    group.numVertices = 3 + random.below(29);
+    const uint32_t count = 1 + random.below(32);
+    group.lanes = 0xFFFFFFFFu >> (32 - count);
+    for (auto& axis : group.at)
+      for (uint32_t v = 0; v < group.numVertices; v++) axis[v] = float(random.below(i % 2 ? 9 : 4096))/128;
+    for (auto& corner : group.corners)
+      for (uint32_t t = 0; t < count; t++) corner[t] = uint8_t(random.below(group.numVertices));
+    const uint32_t a = random.below(group.numVertices), b = random.below(group.numVertices);
+    float org[3], dir[3];
+    for (int k = 0; k < 3; k++) {
+      org[k] = float(random.below(64))/64 - (k == 2 ? 4 : 0);
+      dir[k] = 0.5f*(group.at[k][a] + group.at[k][b]) - org[k];
+    }
+    VertRay ray;
+    ray.set(embree::Ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY));
+    const GroupTriangles triangles(ray, group);
+    ASSERT_EQ(triangles.mask & ~group.lanes, 0u);
+    for (uint32_t t = 0; t < count; t++) {
+      const VertTriangle triangle(group, t);
+      const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(triangle.sides(ray));
+      if (isInside) { ASSERT_TRUE(triangles.mask >> t & 1) << "case " << i << ", triangle " << t; }
+      else { ASSERT_FALSE((triangles.mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
+      found += isInside;
+      onEdges += isInside && !isCertain;
+    }
+  }
+  EXPECT_GT(found, 5000u);
+  EXPECT_GT(onEdges, 50u);
+}
+
+} // namespace
+} // namespace cbvh::test

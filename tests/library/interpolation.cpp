@@ -1,0 +1,284 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Interpolation on faces that have no surface: of fewer than 3 or more than 16 corners, at vertices of too many faces,
+ * and holes. Embree's patches have no room for the first two: such a face is an error. */
+
+#include "support/scene.h"
+
+#include <gtest/gtest.h>
+
+namespace cbvh::test {
+namespace {
+
+enum class On { Vertices, Attribute, OtherTopology };
+
+struct Values
+{
+  float values[6][3];
+  bool operator==(const Values& other) const { return std::memcmp(values, other.values, sizeof(values)) == 0; }
+  bool isFinite() const {
+    return std::all_of(&values[0][0], &values[0][0] + 18, [](float f) { return std::isfinite(f); });
+  }
+};
+
+const float untouched = 12345;
+
+// P and its derivatives within a face, or within the first sub-patch of one that is no quadrilateral.
+Values interpolate(RTCGeometry geometry, unsigned face, On on)
+{
+  Values out;
+  std::fill_n(&out.values[0][0], 18, untouched);
+  RTCInterpolateArguments args = {};
+  args.geometry = geometry;
+  args.primID = face;
+  args.u = 0.8f;
+  args.v = 0.9f;
+  args.bufferType = on == On::Vertices ? RTC_BUFFER_TYPE_VERTEX : RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
+  args.bufferSlot = on == On::OtherTopology;
+  args.P = out.values[0];
+  args.dPdu = out.values[1];
+  args.dPdv = out.values[2];
+  args.ddPdudu = out.values[3];
+  args.ddPdvdv = out.values[4];
+  args.ddPdudv = out.values[5];
+  args.valueCount = 3;
+  rtcInterpolate(&args);
+  return out;
+}
+
+// The same by rtcInterpolateN, in lane 2 of 4. The others are not active.
+Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = true)
+{
+  alignas(16) int valid[4] = {0, 0, isActive ? -1 : 0, 0};
+  alignas(16) unsigned faces[4] = {face, face, face, face};
+  alignas(16) float u[4] = {0.8f, 0.8f, 0.8f, 0.8f}, v[4] = {0.9f, 0.9f, 0.9f, 0.9f};
+  float values[6][3][4];
+  std::fill_n(&values[0][0][0], 72, untouched);
+  RTCInterpolateNArguments args = {};
+  args.geometry = geometry;
+  args.valid = valid;
+  args.primIDs = faces;
+  args.u = u;
+  args.v = v;
+  args.N = 4;
+  args.bufferType = on == On::Vertices ? RTC_BUFFER_TYPE_VERTEX : RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
+  args.bufferSlot = on == On::OtherTopology;
+  args.P = &values[0][0][0];
+  args.dPdu = &values[1][0][0];
+  args.dPdv = &values[2][0][0];
+  args.ddPdudu = &values[3][0][0];
+  args.ddPdvdv = &values[4][0][0];
+  args.ddPdudv = &values[5][0][0];
+  args.valueCount = 3;
+  rtcInterpolateN(&args);
+  Values out;
+  for (int i = 0; i < 6; i++)
+    for (int k = 0; k < 3; k++) out.values[i][k] = values[i][k][2];
+  return out;
+}
+
+// Vertices are attribute 0 as well. `others`, in a topology of their own, are attribute 1.
+RTCGeometry newGeometry(RTCDevice device, const Cage& cage, const Cage* others,
+                        RTCCompression compression = RTC_COMPRESSION_NONE, bool releases = false)
+{
+  SurfaceSettings settings;
+  settings.rate = 3;
+  RTCGeometry geometry = newSurface(device, cage, settings);
+  rtcSetGeometryVertexAttributeCount(geometry, others ? 2 : 1);
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, RTC_FORMAT_FLOAT3, cage.positions);
+  if (others) {
+    rtcSetGeometryTopologyCount(geometry, 2);
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1, RTC_FORMAT_FLOAT3, others->positions);
+    setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 1, RTC_FORMAT_UINT, others->indices);
+    rtcSetGeometryVertexAttributeTopology(geometry, 1, 1);
+  }
+  RTCCompressionArguments args;
+  rtcInitCompressionArguments(&args);
+  args.compression = compression;
+  args.flags = releases ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : RTC_COMPRESSION_FLAG_NONE;
+  rtcSetGeometryCompression(geometry, &args);
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+// Of each cage uncompressed, compressed, and compressed with its input released.
+template<typename Check>
+void forEachForm(const Cage& cage, const Cage* others, const Check& check)
+{
+  for (int form = 0; form < 3; form++) {
+    SCOPED_TRACE(form == 0 ? "uncompressed" : form == 1 ? "compressed" : "released");
+    Device device;
+    const RTCCompression compression = form == 0 ? RTC_COMPRESSION_NONE : RTC_COMPRESSION_VERT;
+    RTCGeometry geometry = newGeometry(device, cage, others, compression, form == 2);
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    std::vector<On> buffers = {On::Attribute};
+    if (form != 2) buffers.push_back(On::Vertices);
+    if (others) buffers.push_back(On::OtherTopology);
+    for (On on : buffers) check(device, geometry, on);
+    rtcReleaseGeometry(geometry);
+  }
+}
+
+void expectRefused(Device& device, RTCGeometry geometry, unsigned face, On on, const std::string& why)
+{
+  SCOPED_TRACE(testing::Message() << "face " << face << ", buffer " << int(on));
+  Values none;
+  std::fill_n(&none.values[0][0], 18, untouched);
+  for (bool inLanes : {false, true}) {
+    EXPECT_TRUE((inLanes ? interpolateN(geometry, face, on) : interpolate(geometry, face, on)) == none);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(device.message, "face " + std::to_string(face) + " cannot be interpolated: " + why);
+  }
+  EXPECT_TRUE(interpolateN(geometry, face, on, false) == none);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "no lane is active: " << device.message;
+}
+
+Values expectFinite(Device& device, RTCGeometry geometry, unsigned face, On on)
+{
+  SCOPED_TRACE(testing::Message() << "face " << face << ", buffer " << int(on));
+  const Values one = interpolate(geometry, face, on), lane = interpolateN(geometry, face, on);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_TRUE(one.isFinite() && lane.isFinite());
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) EXPECT_NEAR(one.values[i][k], lane.values[i][k], 1e-3f);
+  return one;
+}
+
+const char* const outOfBounds =
+  "it, or a face at its vertices, has fewer than 3 or more than 16 vertices, or a vertex has more than 64 faces";
+
+TEST(Interpolation, OfFacesThatPatchesCannotHoldIsAnError)
+{
+  const auto fan = [](unsigned quads, unsigned corners) { // around a vertex of the border: quads, and one other face
+    Cage cage;
+    cage.positions.push_back({0, 0, 0});
+    const auto add = [&](double angle, double radius) {
+      cage.positions.push_back({float(radius*std::cos(angle)), float(radius*std::sin(angle)), 0});
+      return unsigned(cage.positions.size() - 1);
+    };
+    unsigned spoke = add(0, 1);
+    for (unsigned f = 0; f <= quads; f++) {
+      const unsigned size = f == quads ? corners : 4;
+      cage.faces.push_back(size);
+      cage.indices.insert(cage.indices.end(), {0, spoke});
+      for (unsigned i = 1; i + 2 < size; i++) cage.indices.push_back(add((f + i/double(size - 2))*5/(quads + 1), 1.1));
+      cage.indices.push_back(spoke = add(5.0*(f + 1)/(quads + 1), 1));
+    }
+    return cage;
+  };
+  struct Case { const char* name; Cage cage; bool isRefused; } cases[] = {
+    {"15 corners", prismCage(15), false}, {"17 corners", prismCage(17), true}, {"40 corners", prismCage(40), true},
+    {"200 corners", prismCage(200), true}, {"64 faces", trapezohedronCage(64), false},
+    {"65 faces", trapezohedronCage(65), true}, {"300 faces", trapezohedronCage(300), true},
+    {"the longest ring", fan(62, 5), false}, {"a ring too long by one", fan(62, 6), true},
+    {"64 with the border", fan(63, 4), true}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    forEachForm(c.cage, nullptr, [&](Device& device, RTCGeometry geometry, On on) {
+      const unsigned numFaces = unsigned(c.cage.faces.size());
+      for (unsigned f = 0; f < numFaces; f += 1 + numFaces/20)
+        if (c.isRefused) expectRefused(device, geometry, f, on, outOfBounds);
+        else expectFinite(device, geometry, f, on);
+      expectRefused(device, geometry, numFaces, on, "the geometry has " + std::to_string(numFaces) + " faces");
+    });
+  }
+}
+
+// What a surface has none of may be too much for an attribute of it.
+TEST(Interpolation, HasTheLimitsOfEachTopology)
+{
+  const Cage poles = trapezohedronCage(65), single = quadCage();
+  Cage loose;
+  for (unsigned f = 0; f < poles.faces.size(); f++) {
+    for (Vec p : single.positions) { p[2] = float(f); loose.positions.push_back(p); }
+    loose.addFace({4*f, 4*f + 1, 4*f + 2, 4*f + 3});
+  }
+  forEachForm(loose, &poles, [&](Device& device, RTCGeometry geometry, On on) {
+    for (unsigned f = 0; f < poles.faces.size(); f += 13)
+      if (on == On::OtherTopology) expectRefused(device, geometry, f, on, outOfBounds);
+      else expectFinite(device, geometry, f, on);
+  });
+}
+
+// Faces of 0, 1 and 2 corners between those of a cube, and at its end.
+TEST(Interpolation, FacesOfFewCornersChangeNothing)
+{
+  const Cage cube = cubeCage();
+  for (const std::vector<unsigned>& few : {std::vector<unsigned>{0}, {1}, {2}, {1, 1}, {0, 1, 2, 1, 0}}) {
+    Cage cage;
+    cage.positions = cube.positions;
+    const unsigned own = unsigned(cage.positions.size()); // vertices that only they have, or one of the cube's
+    cage.positions.insert(cage.positions.end(), {{3, 0, 0}, {4, 0, 0}});
+    std::vector<unsigned> sound, without;
+    const auto addFew = [&](unsigned first) {
+      for (unsigned corners : few) {
+        without.push_back(unsigned(cage.faces.size()));
+        cage.faces.push_back(corners);
+        for (unsigned i = 0; i < corners; i++) cage.indices.push_back(first + i);
+      }
+    };
+    for (unsigned f = 0; f < 6; f++) {
+      addFew(own);
+      sound.push_back(unsigned(cage.faces.size()));
+      cage.faces.push_back(4);
+      cage.indices.insert(cage.indices.end(), &cube.indices[4*f], &cube.indices[4*f] + 4);
+    }
+    addFew(own);
+    cage.faces.push_back(1);
+    cage.indices.push_back(0); // at a vertex of the cube
+    without.push_back(unsigned(cage.faces.size() - 1));
+    Device device;
+    RTCGeometry alone = newGeometry(device, cube, nullptr);
+    forEachForm(cage, nullptr, [&](Device& other, RTCGeometry geometry, On on) {
+      for (unsigned f : without) expectRefused(other, geometry, f, on, outOfBounds);
+      for (unsigned f = 0; f < 6; f++) {
+        const Values expected = interpolate(alone, f, On::Vertices);
+        EXPECT_TRUE(expectFinite(other, geometry, sound[f], on) == expected) << "face " << f;
+      }
+    });
+    rtcReleaseGeometry(alone);
+
+    SurfaceSettings settings;
+    settings.rate = 8;
+    for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
+      SCOPED_TRACE(kindName(compression));
+      settings.compression = compression;
+      const SurfaceScene expected(device, cube, settings), found(device, cage, settings);
+      Random random(8);
+      size_t hits = 0;
+      for (const RTCRayHit& ray : raysAt(random, 200)) {
+        const RTCRayHit a = intersect(expected, ray), b = intersect(found, ray);
+        ASSERT_EQ(a.ray.tfar, b.ray.tfar);
+        ASSERT_EQ(isHit(a) ? sound[a.hit.primID] : RTC_INVALID_GEOMETRY_ID, b.hit.primID);
+        hits += isHit(a);
+      }
+      EXPECT_GT(hits, 50u);
+    }
+  }
+}
+
+// A hole is interpolated as a surface of that face alone.
+TEST(Interpolation, OfHolesIsThatOfTheFaceAlone)
+{
+  for (const Cage& whole : {cubeCage(), prismCage(3), prismCage(5), sheetCage(3)})
+    for (unsigned hole : {0u, 3u}) {
+      SCOPED_TRACE(testing::Message() << whole.faces.size() << " faces, hole " << hole);
+      Cage cage = whole, alone;
+      cage.holes = {hole};
+      alone.positions = whole.positions;
+      const unsigned* first = whole.indices.data();
+      for (unsigned f = 0; f < hole; f++) first += whole.faces[f];
+      alone.faces = {whole.faces[hole]};
+      alone.indices.assign(first, first + whole.faces[hole]);
+      Device device;
+      RTCGeometry expected = newGeometry(device, alone, nullptr);
+      forEachForm(cage, nullptr, [&](Device& other, RTCGeometry geometry, On on) {
+        EXPECT_TRUE(expectFinite(other, geometry, hole, on) == interpolate(expected, 0, On::Vertices));
+      });
+      rtcReleaseGeometry(expected);
+    }
+}
+
+} // namespace
+} // namespace cbvh::test

@@ -1,0 +1,135 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Meshes that lie in no grid are stored in mesh blocks, and hits are as Embree's own kernels have them. */
+
+#include "support/closed.h"
+#include "support/filtered_geometry.h"
+#include "support/irregular_mesh.h"
+#include "support/memory.h"
+#include "support/same_hits.h"
+
+namespace cbvh::test {
+namespace {
+
+const double lattice = 0x1p-10;
+const double slack = 1e-3; // of parameters: a triangle is small
+
+class LooseMeshes : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Isas, LooseMeshes, testing::Values(TEST_ISAS), nameOfIsa);
+
+void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& random)
+{
+  const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  ASSERT_GE(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
+  ASSERT_GE(stats.numLooseQuads, stats.numQuads/8);
+  ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+  const std::vector<RTCRayHit> rays = raysAt(random, mesh, 1003);
+  for (QueryForm form : allQueryForms) {
+    SCOPED_TRACE(nameOf(form));
+    const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
+    expectSameHits(expected, closestHits(scene, rays, form), slack);
+    const std::vector<RTCRayHit> any = anyHits(scene, rays, form);
+    for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(expected[i])) << "ray " << i;
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST_P(LooseMeshes, HitsAreEmbrees)
+{
+  for (const char* error : {"", ",cbvh_max_error=0"}) {
+    Device device((GetParam() + std::string(error)).c_str());
+    if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+    Random random(151);
+    for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
+      SCOPED_TRACE(shape.name + error);
+      expectEmbreesHits(device, shape.mesh, random);
+      if (HasFatalFailure()) return;
+    }
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+}
+
+TEST_P(LooseMeshes, MasksFiltersAndInstances)
+{
+  Device device(GetParam());
+  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  Random random(152);
+  for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
+    SCOPED_TRACE(shape.name);
+    const DicedMesh& mesh = shape.mesh;
+    Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
+    for (int i = 0; i < 2; i++) {
+      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE);
+      rtcSetGeometryMask(geometry, 2);
+      attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}});
+    }
+    std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
+    for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = i % 5 ? 3 : 1;
+    for (QueryForm form : allQueryForms) {
+      SCOPED_TRACE(nameOf(form));
+      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form),
+        anyOfEmbree = anyHits(scenes[0], rays, form);
+      expectSameHits(expected, closestHits(scenes[1], rays, form), slack);
+      expectSameHits(closestHits(tops[0], rays, form), closestHits(tops[1], rays, form), slack);
+      for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar, anyOfEmbree[i].ray.tfar) << "ray " << i;
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+}
+
+// Rays at edges and vertices from inside of a closed surface, at any lattice, whether it is welded or not.
+TEST_P(LooseMeshes, AreClosed)
+{
+  for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.05"}) {
+    Device device((GetParam() + std::string(error)).c_str());
+    if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+    Random random(153);
+    const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
+    const DicedMesh triangles = partlyIrregular(ball, random, true), quads = partlyIrregular(ball, random, false);
+    for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random), triangles, quads,
+      unwelded(triangles), unwelded(quads)}) {
+      SCOPED_TRACE(std::string(error) + (mesh.isOfTriangles() ? ", triangles" : ", quads"));
+      const MeshScene scene(device, mesh);
+      ASSERT_GT(statisticsOf(scene).numLooseQuads, 1500u);
+      std::vector<RTCRayHit> rays;
+      for (unsigned i = 0; i < 20000; i++) {
+        const unsigned* v = mesh.isOfTriangles() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
+          : mesh.quads[random.below(unsigned(mesh.size()))].data();
+        const unsigned n = mesh.isOfTriangles() ? 3 : 4, k = random.below(n);
+        rays.push_back(rayFromMiddle(random, mesh.vertices[v[k]], mesh.vertices[v[(k + 1) % n]]));
+      }
+      expectNoneMisses(scene, rays);
+    }
+  }
+}
+
+TEST(LooseMeshesOfFewBytes, TakeSixToSevenPerTriangle)
+{
+  Memory memory;
+  Device device;
+  rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+  Random random(154);
+  const DicedMesh quads = jittered(meshOf(dicedSheet(1, 200), QuadOrder::Rows, random), random, 0.002),
+    mesh = irregularTriangles(quads, random, false);
+  Scene scene(device);
+  const ssize_t empty = memory.live;
+  RTCGeometry input = newMesh(device, mesh, RTC_COMPRESSION_NONE);
+  const ssize_t inputBytes = memory.live - empty;
+  rtcReleaseGeometry(input);
+  attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+  rtcCommitScene(scene);
+  const double bytes = double(memory.live - empty - inputBytes)/double(mesh.size());
+  const RTCCompressionStatistics stats = statisticsOf(scene);
+  const auto each = [&](size_t n) { return double(n)/double(mesh.size()); };
+  std::printf("%.2f bytes per triangle (%.2f tree, %.2f headers, %.2f boxes, %.2f the rest)\n", bytes,
+    each(stats.topLevelBytes), each(stats.frameBytes), each(stats.nodeBytes), each(stats.leafBytes));
+  EXPECT_LE(each(stats.topLevelBytes + stats.frameBytes + stats.nodeBytes + stats.leafBytes), 6.7);
+  EXPECT_LE(bytes, 7.2); // with what the allocator leaves empty
+}
+
+} // namespace
+} // namespace cbvh::test

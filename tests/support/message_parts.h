@@ -1,0 +1,28 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace cbvh::test {
+
+/* Whether the message contains all parts, in this order and without overlap. Tests compare the place and the values that a
+ * message names; its wording may change. */
+inline testing::AssertionResult containsInOrder(const std::string& message, const std::vector<std::string>& parts)
+{
+  size_t at = 0;
+  for (const std::string& part : parts)
+  {
+    const size_t found = message.find(part, at);
+    if (found == std::string::npos)
+      return testing::AssertionFailure() << "no '" << part << "' at or after character " << at << " of: " << message;
+    at = found + part.size();
+  }
+  return testing::AssertionSuccess();
+}
+
+} // namespace cbvh::test
