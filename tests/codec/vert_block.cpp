@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks of cVERT lose nothing: random vertices on random lattices, of every size of block, are
- * the same floats after encoding and scalar decoding, and boxes contain their groups in the
- * floats of the traversal. */
+/* cVERT blocks are lossless: random vertices on random lattices, in blocks of all sizes, are the same floats after
+ * encoding and scalar decoding, and boxes contain their groups in the float arithmetic of traversal. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/block_encoder.h"
@@ -25,7 +24,7 @@ using namespace cvert;
 
 constexpr uint32_t seed = 71;
 
-// A block's room; memory behind it is not the encoder's.
+// Memory for a block. The encoder must not write after it.
 struct Encoded
 {
   alignas(16) uint8_t bytes[VertEncoder::maxBytes];
@@ -36,13 +35,13 @@ struct Encoded
   const VertHeader* block() const { return (const VertHeader*)bytes; }
 };
 
-// A block that is all of its patch.
+// A block that is a whole patch.
 VertPlacement whole(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)}; }
 
-// The same with edges behind its header.
+// The same with edges after its header.
 VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)}; }
 
-// A sheet of that many quads on a lattice: a plane, a bend and noise in steps of the lattice.
+// A sheet of quads on a lattice: a plane, a bend and noise in lattice spacings.
 struct Sheet
 {
   uint32_t quadsX, quadsY;
@@ -62,7 +61,7 @@ struct Sheet
       for (uint32_t x = 0; x <= quadsX; x++) {
         const double h = roughness*random.normal() + 0.02*(double(x)*x - double(y)*x);
         std::array<float, 3> v;
-        // 40 is not along a normal any more: residuals of all axes are large
+        // 40 is not along a normal: residuals of all axes are large
         const double sideways = roughness == 40 ? 1000 : 0;
         for (int k = 0; k < 3; k++)
           v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + (sideways > 0 ? sideways*random.normal() : h*axis[2][k])))*spacing);
@@ -76,7 +75,7 @@ struct Sheet
   }
 };
 
-// From the block's origin, exactly.
+// Relative to the block's origin; exact.
 float shearedCoordinate(const VertHeader* block, const float* p)
 {
   const int m = shearedAxis(block->boxForm), a = (m + 1) % 3, b = (m + 2) % 3;
@@ -88,7 +87,7 @@ float spacingOf(const VertHeader* block, int axis) { return vertSpacing(block->w
 
 bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
 
-TEST(VertBlock, VerticesAreTheSameFloats)
+TEST(VertBlock, VerticesRoundTrip)
 {
   Random random(seed);
   auto encoder = std::make_unique<VertEncoder>();
@@ -108,7 +107,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
     (encoded.statistics.raw ? raw : packed)++;
     byAxis += !encoded.statistics.raw && isByAxis(encoded.block()->word);
     if (!encoded.statistics.raw) {
-      ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
+      ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "unused bytes";
     }
   }
   EXPECT_GT(packed, 3000u);
@@ -116,7 +115,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
   EXPECT_GT(byAxis, 300u);
 }
 
-TEST(VertBlock, AFlatPartTakesNoFields)
+TEST(VertBlock, FlatPartHasNoFields)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (uint32_t y = 0; y <= 16; y++)
@@ -159,20 +158,20 @@ TEST(VertBlock, BoxesContainTheirGroups)
             ASSERT_GE(upper[k], v) << "sheet " << i << ", group " << g;
             least = std::min(least, v); greatest = std::max(greatest, v);
           }
-        if (encoded.statistics.raw) { // exact
+        if (encoded.statistics.raw) { // must be exact
           ASSERT_EQ(lower[k], least) << "sheet " << i << ", group " << g;
           ASSERT_EQ(upper[k], greatest) << "sheet " << i << ", group " << g;
           continue;
         }
         const float spacing = spacingOf(encoded.block(), k), step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
-        // margins are whole coordinates, sheared ones sixteenths
+        // margins are whole coordinates; sheared ones are multiples of a sixteenth
         const float most = isSheared ? step + spacing : step;
         loose += (least - lower[k] >= most) + (upper[k] - greatest >= most);
       }
     }
   }
-  EXPECT_EQ(loose, 0u) << "of " << planes << " planes are more than a step off";
+  EXPECT_EQ(loose, 0u) << "of " << planes << " planes are off by more than a step";
   EXPECT_GT(sheared, 1000u);
 }
 
@@ -204,14 +203,15 @@ TEST(VertBlock, ReachContainsTheBlock)
       const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step, lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
       ASSERT_LE(lower, least[k]);
       ASSERT_GE(upper, greatest[k]);
-      loose += upper - greatest[k] > 1.0625f*step || least[k] - lower > 1.0625f*step; // sheared coordinates are sixteenths
+      // sheared coordinates are multiples of a sixteenth
+      loose += upper - greatest[k] > 1.0625f*step || least[k] - lower > 1.0625f*step;
     }
   }
   EXPECT_GT(blocks, 1000u);
   EXPECT_EQ(loose, 0u);
 }
 
-TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
+TEST(VertBlock, NonFiniteVerticesAreRawAndNaN)
 {
   Random random(seed + 2);
   auto encoder = std::make_unique<VertEncoder>();
@@ -227,10 +227,11 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
     for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
   }
   for (auto& v : encoder->vertices) v[0] = NAN;
-  EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without a vertex";
+  EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without valid vertices";
 }
 
-// Sheets of floats on no lattice: somewhere, of any size, with other units on each axis, through zero or far from it, smooth or rough.
+// Sheets of floats that are not on a lattice: at any position, of any size, with different units per axis, through
+// zero or far from it, smooth or rough.
 void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, int i)
 {
   double unit[3], place[3], axis[2][3];
@@ -247,7 +248,7 @@ void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint3
         encoder.vertices[y*(quadsX + 1) + x][k] = float(unit[k]*(place[k] + x*axis[0][k] + y*axis[1][k] + 1e-3*(double(x)*x - y*x) + roughness*random.normal()));
 }
 
-TEST(VertBlock, AnyFloatsAreTheSame)
+TEST(VertBlock, AnyFloatsRoundTrip)
 {
   Random random(seed + 3);
   auto encoder = std::make_unique<VertEncoder>();
@@ -260,16 +261,16 @@ TEST(VertBlock, AnyFloatsAreTheSame)
     const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(quadsX, quadsY) : whole(quadsX, quadsY));
     const VertHeader* const block = encoded.block();
     ASSERT_EQ(validateVert(block, encoded.size).message(), "") << "sheet " << i;
-    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u) << "more than a raw block has";
+    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u) << "larger than a raw block";
     const auto decoded = std::make_unique<DecodedBlock>(block);
     for (size_t v = 0; v < given.size(); v++)
       for (int k = 0; k < 3; k++) ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
     raw += encoded.statistics.raw;
     withRemainders += hasRemainders(block->boxForm);
     if (encoded.statistics.raw) continue;
-    ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
+    ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "unused bytes";
     sheared += shearSlope(block->boxForm, 1) != 0;
-    // boxes and bounds, in long double, of what is stored
+    // boxes and bounds of the stored vertices, in long double
     const int m = shearedAxis(block->boxForm);
     auto coordinate = [&](const float* p, int k) {
       if (k != m) return (long double)p[k];
@@ -302,11 +303,11 @@ TEST(VertBlock, AnyFloatsAreTheSame)
   EXPECT_GT(sheared, 500u);
 }
 
-TEST(VertBlock, ASheetOfFloatsTakesFewerBytesThanFloats)
+TEST(VertBlock, SheetOfFloatsIsSmallerThanFloats)
 {
   Random random(seed + 4);
   auto encoder = std::make_unique<VertEncoder>();
-  // heights with all bits over a plane whose vertices are whole numbers, far away: as a terrain has them
+  // heights that use all bits, over a plane whose vertices are integers far from the origin, as in terrains
   for (uint32_t y = 0; y <= 16; y++)
     for (uint32_t x = 0; x <= 16; x++) {
       float* v = encoder->vertices[17*y + x];
@@ -319,7 +320,7 @@ TEST(VertBlock, ASheetOfFloatsTakesFewerBytesThanFloats)
   EXPECT_LE(spacingOf(block, 2), std::ldexp(1.0f, -9));
 }
 
-TEST(VertBlock, AStrayVertexIsRawAlone)
+TEST(VertBlock, OnlyTheBlockOfAStrayVertexIsRaw)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (float stray : {1e6f, 1e12f, 1e18f}) {
@@ -350,7 +351,7 @@ TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
   }
 }
 
-TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
+TEST(VertBlock, EncoderWritesAnnotatedBlock)
 {
   const std::vector<int> annotated = annotatedBytes(FORMATS "/block_example.md");
   auto encoder = std::make_unique<VertEncoder>();
@@ -366,7 +367,7 @@ TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
   EXPECT_EQ(std::vector<int>(encoded.bytes, encoded.bytes + encoded.size), annotated);
 }
 
-TEST(VertCell, FieldsOfVerticesAreAllButTheCorners)
+TEST(VertCell, AllVerticesExceptForCornersHaveFields)
 {
   std::vector<int> seen(cellFields, 0);
   for (int j = 0; j < 5; j++)
@@ -394,14 +395,14 @@ TEST(VertCell, PredictionsAreBilinearAndInterpolateCorners)
   }
 }
 
-TEST(VertCell, SlopesAreSixteenthsRoundedToTheNearest)
+TEST(VertCell, SlopesAreRoundedToSixteenths)
 {
   for (int slope = -maxSlope; slope <= maxSlope; slope++)
     for (int main = -300; main <= 300; main++) EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
 }
 
-// The spacing asked for or a finer one, wherever.
-TEST(WorldLattice, ExponentsAreThoseAskedFor)
+// The requested spacing or a finer one, at any position.
+TEST(WorldLattice, ExponentsMatchRequestedSpacing)
 {
   EXPECT_EQ(latticeExponent(0.25), -2);
   EXPECT_EQ(latticeExponent(0.3), -2);
@@ -410,8 +411,8 @@ TEST(WorldLattice, ExponentsAreThoseAskedFor)
   EXPECT_EQ(latticeExponent(1e38), maxLatticeExponent);
 }
 
-// In long double, whose multiples of the spacing are exact.
-TEST(WorldLattice, MovesByHalfASpacingAtMostWhereverAVertexIs)
+// Computed in long double, which represents multiples of the spacing exactly.
+TEST(WorldLattice, VerticesMoveByAtMostHalfASpacing)
 {
   Random random(seed + 6);
   for (int i = 0; i < 200000; i++) {
@@ -428,13 +429,13 @@ TEST(WorldLattice, MovesByHalfASpacingAtMostWhereverAVertexIs)
   }
 }
 
-TEST(WorldLattice, ExactVerticesStay)
+TEST(WorldLattice, ExactVerticesDoNotMove)
 {
   for (float x : {0.1f, 1e-30f, -3e-38f, 1e30f, INFINITY}) EXPECT_EQ(WorldLattice(exactLattice).snap(x), x);
 }
 
-// As stitch() of upstream's tessellation.h, whose vertices GRID's are.
-TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
+// The same as stitch() of upstream's tessellation.h, which determines GRID's vertices.
+TEST(VertParameters, StitchedVerticesMatchEmbree)
 {
   for (uint32_t quads = 1; quads <= 256; quads += quads < 20 ? 1 : 17)
     for (uint32_t rate = 1; rate <= quads; rate++) {
@@ -448,7 +449,7 @@ TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
     }
 }
 
-TEST(VertHeader, FieldsOfPlaceAndEdgesAreApart)
+TEST(VertHeader, FieldsOfPlaceAndEdgesDoNotOverlap)
 {
   Random random(seed + 5);
   for (int n = 0; n < 1000; n++) {

@@ -1,12 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Checksums of blocks of cVERT: a change of the format or of the encoder is seen, and therefore deliberate. After
- * one that is meant, the test prints the new table.
+/* Checksums of cVERT blocks, which detect unintended changes of the format and of the encoder. After an intended
+ * change, the test prints the new table.
  *
- * The vertices are integers times a power of two, which the test makes itself, so they are the same floats on
- * every machine, and so are the bytes: whatever processor and instruction set, nothing is skipped. block_bytes.cpp
- * has the kinds with frames, whose vertices Embree evaluates. */
+ * The vertices are integers times a power of two, computed by the test. They are the same floats on every machine, and
+ * so are the bytes: nothing is skipped. block_bytes.cpp tests the kinds with frames, whose vertices Embree evaluates.
+ * */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 
@@ -22,7 +22,7 @@ namespace {
 
 using namespace cvert;
 
-// Knuth's MMIX generator, its upper bits.
+// Knuth's MMIX generator; returns its upper bits.
 class Integers
 {
 public:
@@ -37,7 +37,7 @@ private:
   uint64_t state;
 };
 
-// A sheet in steps of its lattice.
+// A sheet in lattice spacings.
 struct Sheet
 {
   const char* name;
@@ -47,11 +47,12 @@ struct Sheet
   int alongU[3], alongV[3];
   int bend[3];           // of x^2 - xy, in 1/8
   int noise[3];
-  int hole;              // vertex that is not finite, or -1
+  int hole;              // index of a vertex that is not finite, or -1
   uint64_t checksum;
 };
 
-// Slopes of words and boxes; fields of 0, of up to 32 and of more bits; blocks of every form of their last groups; raw ones.
+// Slopes of words and boxes; fields of 0 bits, of up to 32 bits and of more; all forms of incomplete groups; raw
+// blocks.
 const Sheet sheets[] = {
   {"plane",                  16, 16,   0, {0, 0, 0},              {32, 0, 16},  {0, 32, -48},  {0, 0, 0},  {0, 0, 0},         -1, 0x2ba85372be8a0c4f},
   {"bend along z",           16, 16,  -9, {-5000, 70000, 12},     {40, 3, -2},  {-5, 37, 4},   {0, 0, 6},  {0, 0, 0},         -1, 0xbc44158cf000b493},
@@ -82,7 +83,7 @@ void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
     }
 }
 
-// Inside of a patch; every sheet of an odd width has edges.
+// Inside a patch; sheets with an odd width have edges.
 VertPlacement placementOf(const Sheet& sheet)
 {
   const uint32_t region = vertRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = vertPatch(100, 50);
@@ -97,7 +98,7 @@ uint64_t checksum(const uint8_t* data, size_t bytes)
   return value;
 }
 
-TEST(VertBytes, AreThoseThatWerePinned)
+TEST(VertBytes, MatchPinnedChecksums)
 {
   const auto encoder = std::make_unique<VertEncoder>();
   struct Room { alignas(16) uint8_t bytes[VertEncoder::maxBytes]; };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// What all fuzz targets share; it needs no library.
+// Helpers of all fuzz targets. They do not require a library.
 
 #include <cstdio>
 #include <cstdlib>
@@ -25,14 +25,14 @@ int readArguments(int argc, char** argv, const WriteSeeds& writeSeeds)
   return 0;
 }
 
-// Writes a file of a corpus.
+// Writes a file of the corpus.
 inline void writeSeed(const std::string& path, const std::string& bytes)
 {
   FILE* file = std::fopen(path.c_str(), "wb");
   REQUIRE(file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fclose(file) == 0);
 }
 
-// Memory of exactly that many bytes, so that any access beyond them is seen.
+// Memory of exactly this size, so that sanitizers detect accesses beyond its end.
 class ExactMemory
 {
 public:

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Lines on stderr about commits: what is compressed, what is not and why, and how much memory it takes. */
+/* Lines on stderr about commits: compressed geometries, geometries that are not compressed with the reason, and memory.
+ * */
 
 #include "support/environment.h"
 #include "support/irregular_mesh.h"
@@ -14,7 +15,7 @@
 namespace cbvh::test {
 namespace {
 
-// The line that a commit writes on stderr.
+// Returns the line that a commit writes to stderr.
 std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
 {
   testing::internal::CaptureStdout();
@@ -28,12 +29,12 @@ std::string commitLineOf(const std::string& config, const std::function<void(RTC
   }
   const std::string text = testing::internal::GetCapturedStderr();
   EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos) << "programs write pictures there";
-  const size_t begin = text.rfind("compression: "); // the commit of a scene comes last
+  const size_t begin = text.rfind("compression: "); // the commit of the scene comes last
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
 
-// Every type of geometry, still and moving, beside what Embree takes for it.
-TEST(CommitLine, ComparesWithEmbreesOwnKernelOfTheSameType)
+// Every type of geometry, static and moving, with Embree's memory for the same type.
+TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
 {
   Random random(1);
   for (unsigned timeSteps : {1u, 2u, 3u, 5u}) {
@@ -73,8 +74,8 @@ TEST(CommitLine, ComparesWithEmbreesOwnKernelOfTheSameType)
   }
 }
 
-// What is not compressed is named with its reason, whatever its type.
-TEST(CommitLine, NamesWhatIsNotCompressedAndWhy)
+// Geometries that are not compressed are listed with the reason, for all types.
+TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
 {
   const std::string line = commitLineOf("", [](RTCDevice device, RTCScene scene) {
     Random random(1);
@@ -97,8 +98,8 @@ TEST(CommitLine, NamesWhatIsNotCompressedAndWhy)
     EXPECT_NE(line.find(part), std::string::npos) << line;
 }
 
-// A line on each commit: what was compressed, what GRID would use, what was left to it and why.
-TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
+// One line per commit: compressed geometries, GRID's memory, and geometries left to GRID with the reason.
+TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
 {
   const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings, const Cage& cage = cubeCage()) {
     std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
@@ -119,7 +120,7 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
     const std::string line = lineOf(environment, "", settings);
     EXPECT_NE(line.find("1 subdivision surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
     EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
-    /* what GRID would take is what GRID takes, but for the allocator's rounding */
+    /* the estimated memory of GRID matches its actual memory, except for the allocator's rounding */
     Memory memory;
     Device grid("subdiv_accel=bvh4.grid.eager");
     rtcSetDeviceMemoryMonitorFunction(grid, Memory::monitor, &memory);
@@ -140,7 +141,7 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
   settings.edgeRates[0] = 300;
   const std::string line = lineOf("voxel,verbose", "", settings);
   EXPECT_NE(line.find("not compressed: 2400 quads with too high edge rates"), std::string::npos) << line;
-  /* a needle has no good frame: GRID traces it, or where its sides have different rates, cGRID */
+  /* a needle has no usable frame: it is left to GRID, or to cGRID if its sides have different rates */
   Cage needle = quadCage();
   for (Vec& p : needle.positions) p[1] *= 0x1p-20f;
   settings.edgeRates.assign(4, 8);
@@ -151,7 +152,7 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
 }
 
-// A lattice as coarse as the quads is reported once, even if nobody asked for lines about commits.
+// A lattice that is as coarse as the quads is reported once, even if lines about commits are off.
 TEST(CoarseLattice, IsReportedOnce)
 {
   Random random(2);

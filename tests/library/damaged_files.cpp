@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files of compressed geometry that are not what they should be, and disks that take none. */
+/* Damaged files of compressed geometry, and disks that reject writes. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "support/child_process.h"
@@ -37,10 +37,10 @@ protected:
     EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
     EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
-    EXPECT_NE(device.message.find(path), std::string::npos) << "the file is not named: " << device.message;
+    EXPECT_NE(device.message.find(path), std::string::npos) << "the message does not name the file: " << device.message;
   }
 
-  // Forgets the errors that there were.
+  // Clears earlier errors.
   void loadInto(RTCScene scene)
   {
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
@@ -56,7 +56,7 @@ protected:
   std::string sound;
 };
 
-TEST_F(DamagedFiles, AreRefusedWithTheReason)
+TEST_F(DamagedFiles, AreRejectedWithTheReason)
 {
   expectRefused("", "only 0 bytes");
   expectRefused("mesh", "only 4 bytes");
@@ -72,7 +72,7 @@ TEST_F(DamagedFiles, AreRefusedWithTheReason)
   EXPECT_NE(device.message.find("is a folder: expected a regular file"), std::string::npos) << device.message;
 }
 
-TEST_F(DamagedFiles, OfOtherVersionsAreRefused)
+TEST_F(DamagedFiles, OtherVersionsAreRejected)
 {
   FileBytes file(sound);
   const auto with = [&](auto member, uint32_t value) {
@@ -90,7 +90,7 @@ TEST_F(DamagedFiles, OfOtherVersionsAreRefused)
   expectRefused(with(&Header::byteOrder, __builtin_bswap32(file.header().byteOrder)), "byte order");
 }
 
-TEST_F(DamagedFiles, AnyAlteredByteIsFound)
+TEST_F(DamagedFiles, AnyModifiedByteIsDetected)
 {
   Random random(21);
   FileBytes file(sound);
@@ -114,7 +114,7 @@ TEST_F(DamagedFiles, AnyAlteredByteIsFound)
   alter(record.blocks, record.blocks + record.blockBytes, 100, false);
 }
 
-TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
+TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
 {
   Random random(5);
   const std::vector<RTCRayHit> rays = raysAt(random, 400);
@@ -129,7 +129,7 @@ TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
   const std::vector<RTCRayHit> before = trace();
   FileBytes file(sound);
   const auto& record = file.record(0);
-  // primitive 3 of the cube becomes one that it does not have
+  // replaces primitive 3 of the cube by a primitive that does not exist
   size_t altered = 0;
   for (uint64_t i = 0; i < record.treeBytes; i += 8) {
     uint64_t child;
@@ -155,13 +155,13 @@ TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
   EXPECT_GT(others, 100u);
 }
 
-// A page of zeros, as of a disk that lost it: its blocks are no surface, and say so, whatever traces them.
-TEST_F(DamagedFiles, APageOfZerosIsReported)
+// A page of zeros, as left by a failed disk: its blocks are invalid and reported by any query.
+TEST_F(DamagedFiles, PageOfZerosIsReported)
 {
   Random random(6);
   const std::vector<RTCRayHit> rays = raysAt(random, 3000);
   for (const Saveable& saveable : allSaveable()) {
-    if (saveable.moves) continue; // checked when the file is opened
+    if (saveable.moves) continue; // validated when the file is opened
     RTCGeometry geometry = saveable.make(device);
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
@@ -184,8 +184,8 @@ TEST_F(DamagedFiles, APageOfZerosIsReported)
   }
 }
 
-// Parameters of hits come from where the patch lies in its face.
-TEST_F(DamagedFiles, ABlockOutsideOfItsFaceIsLeftOut)
+// Parameters of hits depend on the position of the patch in its face.
+TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
 {
   Random random(7);
   const std::vector<RTCRayHit> rays = raysAt(random, 2000);
@@ -213,7 +213,7 @@ TEST_F(DamagedFiles, ABlockOutsideOfItsFaceIsLeftOut)
     }
 }
 
-TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
+TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
 {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;
   const std::vector<Saveable> all = allSaveable();
@@ -232,7 +232,7 @@ TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
       withErrors += trial.isLoaded && trial.errors;
     }
   }
-  // each is met, or the test says little
+  // each of them is hit, otherwise the test is not meaningful
   EXPECT_GT(loaded, all.size());
   EXPECT_GT(refused, all.size());
   EXPECT_GT(hits, 1000u);
@@ -241,9 +241,9 @@ TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
 
 // --- disks -------------------------------------------------------------------------------------------
 
-TEST_F(DamagedFiles, AFullDiskLeavesTheOldFile)
+TEST_F(DamagedFiles, FullDiskLeavesTheOldFile)
 {
-  const std::string old = "what was there before";
+  const std::string old = "previous contents";
   for (size_t limit : {0ul, 100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
     SCOPED_TRACE(limit);
     writeBytes(path, sound);
@@ -259,17 +259,17 @@ TEST_F(DamagedFiles, AFullDiskLeavesTheOldFile)
     });
     EXPECT_EQ(status, 0);
     EXPECT_EQ(bytesOf(folder/"other"), old);
-    EXPECT_EQ(folder.names().size(), 2u) << "something is left";
+    EXPECT_EQ(folder.names().size(), 2u) << "a temporary file was left";
     rtcReleaseGeometry(geometry);
   }
 }
 
-TEST_F(DamagedFiles, AKillWhileSavingLeavesTheOldFile)
+TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
-  const std::string old = "what was there before";
-  // once at each size that is written
+  const std::string old = "previous contents";
+  // killed once at each size that is written
   size_t killed = 0;
   for (size_t limit : {100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
     writeBytes(folder/"other", old);
@@ -282,14 +282,14 @@ TEST_F(DamagedFiles, AKillWhileSavingLeavesTheOldFile)
     EXPECT_EQ(bytesOf(folder/"other"), old);
   }
   EXPECT_EQ(killed, 4u);
-  // and what is left is in nobody's way, and goes
+  // remaining temporary files do not disturb, and are removed
   EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) << device.message;
   EXPECT_EQ(folder.names().size(), 2u);
   EXPECT_EQ(bytesOf(folder/"other"), sound);
   rtcReleaseGeometry(geometry);
 }
 
-TEST_F(DamagedFiles, FoldersThatTakeNoFileAreNamed)
+TEST_F(DamagedFiles, UnwritableFoldersAreReported)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
@@ -299,7 +299,7 @@ TEST_F(DamagedFiles, FoldersThatTakeNoFileAreNamed)
     EXPECT_NE(device.message.find(to), std::string::npos) << device.message;
   }
   EXPECT_EQ(folder.names().size(), 1u);
-  if (geteuid() != 0) { // whom permissions stop
+  if (geteuid() != 0) { // permissions do not apply to root
     chmod(folder.path.c_str(), 0555);
     EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, path.c_str()));
     EXPECT_NE(device.message.find("Permission denied"), std::string::npos) << device.message;
@@ -309,10 +309,10 @@ TEST_F(DamagedFiles, FoldersThatTakeNoFileAreNamed)
   rtcReleaseGeometry(geometry);
 }
 
-TEST_F(DamagedFiles, AFileThatOnlyMayBeReadIsOpenedAndKeepsItsMode)
+TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
 {
   chmod(path.c_str(), 0440);
-  // a second geometry of it writes into pages of its own
+  // a second geometry writes to its own pages
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()), second = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   ASSERT_NE(second, nullptr) << device.message;
@@ -328,8 +328,8 @@ TEST_F(DamagedFiles, AFileThatOnlyMayBeReadIsOpenedAndKeepsItsMode)
   rtcReleaseGeometry(second);
 }
 
-// The first block that is read is in one of the halves: damage to the other one is found after clusters.
-TEST_F(DamagedFiles, AClusterReportHasTheSumsOfWhatCameBeforeTheDamage)
+// The first block that is read is in one of the halves: damage of the other half is detected after some clusters.
+TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
 {
   const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {
     RTCCompressedClusterReport& sums = *(RTCCompressedClusterReport*)ptr;
@@ -360,7 +360,7 @@ TEST_F(DamagedFiles, AClusterReportHasTheSumsOfWhatCameBeforeTheDamage)
   EXPECT_GT(most, 0u);
 }
 
-TEST_F(DamagedFiles, AWriterThatIsReleasedLeavesNothing)
+TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());

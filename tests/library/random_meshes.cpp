@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes of quads and triangles that are regular in part, and wrong somewhere: each primitive that Embree would trace is stored once,
- * with its own vertices. Memory is of exactly the size that the API asks for, so that sanitizers see what is read beside it.
+/* Partly regular meshes of quads and triangles with errors: each primitive that Embree traces must be stored exactly
+ * once, with its own vertices. Memory has exactly the size that the API requires, so that sanitizers detect reads out
+ * of bounds.
  *
- *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for longer */
+ *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for a longer run */
 
 #include "support/diced_mesh.h"
 #include "support/random_rounds.h"
@@ -18,7 +19,7 @@
 namespace cbvh::test {
 namespace {
 
-// Sheets that are welded to each other or not, cut, turned, twisted and shuffled.
+// Sheets that may be welded, cut, rotated, twisted and shuffled.
 DicedMesh randomMesh(Random& random)
 {
   DicedMesh mesh;
@@ -38,7 +39,7 @@ DicedMesh randomMesh(Random& random)
         if (random.chance(0.005)) q[random.below(4)] = random.below(unsigned(mesh.vertices.size()));
         if (random.chance(0.002)) q[random.below(4)] = random.chance(0.5) ? random.bits() : unsigned(mesh.vertices.size());
         if (!random.chance(0.01)) mesh.quads.push_back(q);
-        if (random.chance(0.003)) mesh.quads.push_back(q); // twice
+        if (random.chance(0.003)) mesh.quads.push_back(q); // a duplicate
       }
   }
   const auto shuffle = [&](auto& faces) {
@@ -59,7 +60,7 @@ DicedMesh randomMesh(Random& random)
   return mesh;
 }
 
-// A buffer of a stride, with the 4 bytes behind its last vertex that Embree may read.
+// A buffer with a stride, including the 4 bytes after its last vertex, which Embree may read.
 struct Strided
 {
   size_t stride;
@@ -72,7 +73,7 @@ struct Strided
   }
 };
 
-TEST(RandomMeshes, StoreEachPrimitiveOnce)
+TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
 {
   Random random(141);
   const size_t rounds = randomRounds(150);
@@ -93,13 +94,13 @@ TEST(RandomMeshes, StoreEachPrimitiveOnce)
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     for (int i = 0; i < 20; i++) intersect(scene, rayAt(random, meshOf(dicedSheet(1, 4), QuadOrder::Rows, random)));
     const RTCCompressionStatistics stats = statisticsOf(scene);
-    if (stats.numQuads == 0) continue; // better left to Embree
+    if (stats.numQuads == 0) continue; // left to Embree because that needs less memory
 
     const unsigned corners = mesh.isOfTriangles() ? 3 : 4;
     const auto indexOf = [&](size_t i) { return mesh.isOfTriangles() ? mesh.triangles[i].data() : mesh.quads[i].data(); };
     const auto isValid = [&](const unsigned* v) { return std::all_of(v, v + corners, [&](unsigned k) { return k < mesh.vertices.size(); }); };
     const auto isFinite = [&](unsigned k) { return std::isfinite(mesh.vertices[k][0] + mesh.vertices[k][1] + mesh.vertices[k][2]); };
-    // the triangle at u = v, which mesh blocks leave out if it has no area
+    // the triangle with u = v, which mesh blocks leave out if it has no area
     const unsigned halves[2][3] = {{0, 1, corners == 3 ? 2u : 3u}, {2, 3, 1}};
     const auto hasArea = [&](const unsigned* v, float u) {
       const unsigned* half = halves[u > 0.5f];

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compressed surfaces out again: the triangle of a hit, and all of a surface. */
+/* Reading the triangles of compressed surfaces: the triangle of a hit, and all triangles. */
 
 #include "support/diced.h"
 #include "support/edge_rates.h"
@@ -20,7 +20,7 @@ namespace {
 
 using Triangle = std::array<Vec, 3>;
 
-// As handed out, part by part.
+// Collects all parts.
 struct AllParts
 {
   std::map<unsigned, std::set<Triangle>> triangles; // by primID
@@ -46,7 +46,7 @@ struct AllParts
   }
 };
 
-// The triangles of hits contain the hits, have their normals and parameters, and are among those that are handed out.
+// The triangles of hits contain the hits, have their normals and parameters, and are among all triangles.
 void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vector<RTCRayHit>& rays)
 {
   const AllParts all(geometry);
@@ -81,7 +81,8 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
     ASSERT_GT(gn*gn, 0.9999*nn*gg) << "Ng";
     double w1 = 0, w2 = 0, off = 0;
     for (int k = 0; k < 3; k++) { w1 += cross(s, e2, k)*n[k]/nn; w2 += cross(e1, s, k)*n[k]/nn; off += s[k]*n[k]; }
-    if (std::fabs(dn) < 0.05*std::sqrt(nn)*std::sqrt(double(direction[0])*direction[0] + double(direction[1])*direction[1] + double(direction[2])*direction[2])) continue; // grazes
+    // a grazing ray
+    if (std::fabs(dn) < 0.05*std::sqrt(nn)*std::sqrt(double(direction[0])*direction[0] + double(direction[1])*direction[1] + double(direction[2])*direction[2])) continue;
     ASSERT_GT(std::min({w1, w2, 1 - w1 - w2}), -0.02);
     ASSERT_LT(std::fabs(off)/std::sqrt(nn), 1e-5*std::max(1.0f, r.ray.tfar));
     ASSERT_NEAR(t.u[0] + w1*(t.u[1] - t.u[0]) + w2*(t.u[2] - t.u[0]), r.hit.u, 1e-3);
@@ -90,7 +91,7 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
   EXPECT_GT(hits, rays.size()/4);
 }
 
-TEST(StoredTriangles, OfCagesAreThoseThatRaysHit)
+TEST(StoredTriangles, CagesMatchHitTriangles)
 {
   Device device;
   Random random(111);
@@ -117,7 +118,7 @@ TEST(StoredTriangles, OfCagesAreThoseThatRaysHit)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(StoredTriangles, OfGridsAreThoseThatRaysHit)
+TEST(StoredTriangles, GridsMatchHitTriangles)
 {
   Device device;
   Random random(112);
@@ -138,7 +139,7 @@ TEST(StoredTriangles, OfGridsAreThoseThatRaysHit)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(StoredTriangles, ManyThreadsLookThemUp)
+TEST(StoredTriangles, ManyThreadsReadThem)
 {
   Device device;
   Scene scene(device);
@@ -157,7 +158,7 @@ TEST(StoredTriangles, ManyThreadsLookThemUp)
   EXPECT_EQ(found, 8*diced.grids.size());
 }
 
-TEST(StoredTriangles, WhatHasNoneIsAnError)
+TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
 {
   Device device;
   RTCCompressedTriangle t;

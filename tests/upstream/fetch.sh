@@ -2,9 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# kernels/upstream/fetch.sh finds the pinned source package on machines of the pinned release and of others, whether
-# their sources are written in one line or as deb822, and says in its last line why it finds none. A mirror in a folder
-# takes the place of the machine's, so that no network is needed.
+# Checks that kernels/upstream/fetch.sh finds the pinned source package on machines of the pinned release and of
+# others, with sources in one line or as deb822, and prints the reason in its last line if it finds none. A mirror in
+# a folder replaces the machine's, so that no network is needed.
 #
 #   fetch.sh FETCH-SCRIPT
 set -eu
@@ -15,7 +15,8 @@ trap 'rm -rf "$work"' EXIT
 chmod 755 "$work"
 fail() { echo "FAILED: $*" >&2; exit 1; }
 
-# suite MIRROR SUITE ORIGIN [VERSION]: with an index of one program, and of the source package `thing` of that version
+# suite MIRROR SUITE ORIGIN [VERSION]: creates an index of one program, and of the source package `thing` in this
+# version
 suite() {
   folder=$work/$1/dists/$2
   mkdir -p "$folder/main/binary-all" "$folder/main/source" "$work/$1/pool"
@@ -50,7 +51,7 @@ suite() {
   } > "$folder/Release"
 }
 
-# machine NAME: a folder of sources, and of apt's state, in place of the machine's
+# machine NAME: creates a folder of sources and of apt's state that replaces the machine's
 machine() {
   name=$1
   mkdir -p "$work/$name/sources" "$work/$name/state/lists/partial" "$work/$name/cache/archives/partial"
@@ -64,7 +65,7 @@ CONF
 }
 line() { echo "deb [trusted=yes] file:$work/$1/ $2 main" >> "$work/$name/sources/one.list"; }
 
-# get: what fetch.sh does on the machine of that name
+# get: runs fetch.sh with the sources of the current machine
 get() {
   rm -rf "$work/got"
   mkdir "$work/got"
@@ -72,13 +73,13 @@ get() {
 }
 finds() {
   get || { cat "$work/log"; fail "$name: nothing was found"; }
-  [ "$(cat "$work/got/thing_3.1+dfsg.orig.tar.xz")" = "archive of $1" ] || fail "$name: not the archive of $1"
+  [ "$(cat "$work/got/thing_3.1+dfsg.orig.tar.xz")" = "archive of $1" ] || fail "$name: this is not the archive of $1"
   echo "$name: found"
 }
 refuses() {
   ! get || fail "$name: something was found"
   tail -n 1 "$work/log" | grep -q "$1" || { cat "$work/log"; fail "$name: the last line lacks: $1"; }
-  [ -z "$(ls "$work/got")" ] || fail "$name: left something behind"
+  [ -z "$(ls "$work/got")" ] || fail "$name: files were left"
   echo "$name: $(tail -n 1 "$work/log")"
 }
 
