@@ -55,7 +55,8 @@ trap print_summary EXIT
 # provide Debian's Embree, and installing Debian's would remove them.
 #   install_packages [LAST_LINE]    only the packages above this line of the file
 install_packages() {
-  command -v dpkg-query > /dev/null || { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
+  command -v dpkg-query > /dev/null ||
+    { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
     tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "

@@ -57,9 +57,11 @@ make_root() {
   # On Debian, apt knows a mirror. Its security updates are on another server.
   mirror=${DEBIAN_MIRROR:-$(apt-get indextargets --format '$(RELEASE) $(SITE)' 'Created-By: Packages' 'Origin: Debian' \
     'Component: main' | sed -n '/^[^ ]*-/!s/^[^ ]* //p' | sort -u | head -n 1)}
-  [ -n "$mirror" ] || { echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2; return 1; }
+  [ -n "$mirror" ] ||
+    { echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2; return 1; }
   rm -rf --one-file-system "$base.part"
-  debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" > "$roots/$distribution.log" ||
+  debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" > "$roots/$distribution.log" \
+    ||
     { tail "$roots/$distribution.log" >&2; return 1; }
   cp -L /etc/resolv.conf "$base.part/etc/"
   apt-config dump | grep -E '^Acquire::[a-z]+::Proxy' > "$base.part/etc/apt/apt.conf.d/90proxy" || true
@@ -72,8 +74,8 @@ inside() {
     base=$1; shift
     mount --rbind /proc "$base/proc"
     mount --rbind /dev "$base/dev"
-    exec chroot "$base" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
-      TERM="${TERM:-dumb}" DEBIAN_FRONTEND=noninteractive "$@"' sh "$base" "$@"
+    exec chroot "$base" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+      LANG=C.UTF-8 TERM="${TERM:-dumb}" DEBIAN_FRONTEND=noninteractive "$@"' sh "$base" "$@"
 }
 
 get_compiler() {

@@ -481,7 +481,9 @@ TEST(Beside, MovingMeshWithoutGridsIsAnError)
     const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
     ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
     if (n == 1) { ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText(); }
-    else context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "move and do not lie in grids");
+    else
+      context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION,
+                     "move and do not lie in grids");
   }
 }
 

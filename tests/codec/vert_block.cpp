@@ -36,10 +36,16 @@ struct Encoded
 };
 
 // A block that is a whole patch.
-VertPlacement whole(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)}; }
+VertPlacement whole(uint32_t quadsX, uint32_t quadsY)
+{
+  return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)};
+}
 
 // The same with edges after its header.
-VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)}; }
+VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY)
+{
+  return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)};
+}
 
 // A sheet of quads on a lattice: a plane, a bend and noise in lattice spacings.
 struct Sheet
@@ -64,7 +70,9 @@ struct Sheet
         // 40 is not along a normal: residuals of all axes are large
         const double sideways = roughness == 40 ? 1000 : 0;
         for (int k = 0; k < 3; k++)
-          v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + (sideways > 0 ? sideways*random.normal() : h*axis[2][k])))*spacing);
+          v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] +
+                                               (sideways > 0 ? sideways*random.normal() : h*axis[2][k])))*
+                       spacing);
         vertices.push_back(v);
       }
   }
@@ -93,16 +101,19 @@ TEST(VertBlock, VerticesRoundTrip)
   auto encoder = std::make_unique<VertEncoder>();
   size_t packed = 0, raw = 0, byAxis = 0;
   for (int i = 0; i < 4000; i++) {
-    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
+    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16),
+                      std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
     sheet.fill(*encoder);
-    const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY));
+    const Encoded encoded(*encoder,
+                          i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY));
     ASSERT_GT(encoded.size, sizeof(VertHeader));
     const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     ASSERT_EQ(decoded->quadsX, sheet.quadsX);
     ASSERT_EQ(decoded->quadsY, sheet.quadsY);
     for (size_t v = 0; v < sheet.vertices.size(); v++)
       for (int k = 0; k < 3; k++)
-        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
+        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k]))
+          << "sheet " << i << ", vertex " << v << ", axis " << k;
     ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxForm));
     (encoded.statistics.raw ? raw : packed)++;
     byAxis += !encoded.statistics.raw && isByAxis(encoded.block()->word);
@@ -153,7 +164,8 @@ TEST(VertBlock, BoxesContainTheirGroups)
         for (uint32_t y = y0; y <= std::min(y0 + groupQuads, sheet.quadsY); y++)
           for (uint32_t x = x0; x <= std::min(x0 + groupQuads, sheet.quadsX); x++) {
             if (hole && x + y == 0) continue;
-            const float v = isSheared ? shearedCoordinate(encoded.block(), decoded->vertex(x, y)) : decoded->vertex(x, y)[k];
+            const float v = isSheared ? shearedCoordinate(encoded.block(), decoded->vertex(x, y))
+                                      : decoded->vertex(x, y)[k];
             ASSERT_LE(lower[k], v) << "sheet " << i << ", group " << g;
             ASSERT_GE(upper[k], v) << "sheet " << i << ", group " << g;
             least = std::min(least, v); greatest = std::max(greatest, v);
@@ -163,7 +175,8 @@ TEST(VertBlock, BoxesContainTheirGroups)
           ASSERT_EQ(upper[k], greatest) << "sheet " << i << ", group " << g;
           continue;
         }
-        const float spacing = spacingOf(encoded.block(), k), step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
+        const float spacing = spacingOf(encoded.block(), k),
+                    step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
         // margins are whole coordinates; sheared ones are multiples of a sixteenth
         const float most = isSheared ? step + spacing : step;
@@ -193,14 +206,16 @@ TEST(VertBlock, ReachContainsTheBlock)
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
       const float* p = decoded->vertices[v];
-      const float x[3] = {p[(m + 1) % 3] - block->origin[(m + 1) % 3], p[(m + 2) % 3] - block->origin[(m + 2) % 3], shearedCoordinate(block, p)};
+      const float x[3] = {p[(m + 1) % 3] - block->origin[(m + 1) % 3], p[(m + 2) % 3] - block->origin[(m + 2) % 3],
+                          shearedCoordinate(block, p)};
       for (int k = 0; k < 3; k++) { least[k] = std::min(least[k], x[k]); greatest[k] = std::max(greatest[k], x[k]); }
     }
     ASSERT_EQ(least[0], 0);
     ASSERT_EQ(least[1], 0);
     for (int k = 0; k < 3; k++) {
       const float step = stepOn(k < 2 ? (m + 1 + k) % 3 : m);
-      const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step, lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
+      const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step,
+                  lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
       ASSERT_LE(lower, least[k]);
       ASSERT_GE(upper, greatest[k]);
       // sheared coordinates are multiples of a sixteenth
@@ -245,7 +260,9 @@ void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint3
   for (uint32_t y = 0; y <= quadsY; y++)
     for (uint32_t x = 0; x <= quadsX; x++)
       for (int k = 0; k < 3; k++)
-        encoder.vertices[y*(quadsX + 1) + x][k] = float(unit[k]*(place[k] + x*axis[0][k] + y*axis[1][k] + 1e-3*(double(x)*x - y*x) + roughness*random.normal()));
+        encoder.vertices[y*(quadsX + 1) + x][k] = float(
+          unit[k]*
+          (place[k] + x*axis[0][k] + y*axis[1][k] + 1e-3*(double(x)*x - y*x) + roughness*random.normal()));
 }
 
 TEST(VertBlock, AnyFloatsRoundTrip)
@@ -257,14 +274,18 @@ TEST(VertBlock, AnyFloatsRoundTrip)
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
     fillWithFloats(random, *encoder, quadsX, quadsY, i);
     std::vector<std::array<float, 3>> given;
-    for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++) given.push_back({encoder->vertices[v][0], encoder->vertices[v][1], encoder->vertices[v][2]});
+    for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++)
+      given.push_back({encoder->vertices[v][0], encoder->vertices[v][1], encoder->vertices[v][2]});
     const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(quadsX, quadsY) : whole(quadsX, quadsY));
     const VertHeader* const block = encoded.block();
     ASSERT_EQ(validateVert(block, encoded.size).message(), "") << "sheet " << i;
-    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u) << "larger than a raw block";
+    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u)
+      << "larger than a raw block";
     const auto decoded = std::make_unique<DecodedBlock>(block);
     for (size_t v = 0; v < given.size(); v++)
-      for (int k = 0; k < 3; k++) ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
+      for (int k = 0; k < 3; k++)
+        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k]))
+          << "sheet " << i << ", vertex " << v << ", axis " << k;
     raw += encoded.statistics.raw;
     withRemainders += hasRemainders(block->boxForm);
     if (encoded.statistics.raw) continue;
@@ -275,16 +296,19 @@ TEST(VertBlock, AnyFloatsRoundTrip)
     auto coordinate = [&](const float* p, int k) {
       if (k != m) return (long double)p[k];
       long double h = (long double)p[m] - block->origin[m];
-      for (int n : {1, 2}) h += shearSlope(block->boxForm, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
+      for (int n : {1, 2})
+        h += shearSlope(block->boxForm, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
       return h;
     };
     const VertLayout layout = vertLayout(block->region, block->boxForm);
-    const float extent = vertExtent(block->boxForm, block->reach, reachStep(block->boxForm), vertSpacing(block->word, block->corners));
+    const float extent = vertExtent(block->boxForm, block->reach, reachStep(block->boxForm),
+                                    vertSpacing(block->word, block->corners));
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
       decoded->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++)
-        for (float plane : {lower[k], upper[k]}) ASSERT_LE(std::fabs((long double)plane - (k == m ? 0 : block->origin[k])), extent) << "sheet " << i;
+        for (float plane : {lower[k], upper[k]})
+          ASSERT_LE(std::fabs((long double)plane - (k == m ? 0 : block->origin[k])), extent) << "sheet " << i;
       const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
       for (uint32_t y = y0; y <= std::min(y0 + groupQuads, quadsY); y++)
         for (uint32_t x = x0; x <= std::min(x0 + groupQuads, quadsX); x++)
@@ -292,9 +316,12 @@ TEST(VertBlock, AnyFloatsRoundTrip)
             ASSERT_LE(std::fabs((long double)decoded->vertex(x, y)[k] - block->origin[k]), extent) << "sheet " << i;
             const long double c = coordinate(decoded->vertex(x, y), k);
             ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
-            const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm), from = k == m ? c : c - block->origin[k];
+            const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm),
+                              from = k == m ? c : c - block->origin[k];
             const int of = k == m ? 3 : (k - m + 2) % 3;
-            ASSERT_TRUE((k == m ? step*reachOf(block->reach, 2) : 0) <= from && from <= step*reachOf(block->reach, of)) << "sheet " << i << ", axis " << k;
+            ASSERT_TRUE((k == m ? step*reachOf(block->reach, 2) : 0) <= from &&
+                        from <= step*reachOf(block->reach, of))
+              << "sheet " << i << ", axis " << k;
           }
     }
   }
@@ -311,7 +338,9 @@ TEST(VertBlock, SheetOfFloatsIsSmallerThanFloats)
   for (uint32_t y = 0; y <= 16; y++)
     for (uint32_t x = 0; x <= 16; x++) {
       float* v = encoder->vertices[17*y + x];
-      v[0] = float(2700000 + 2*x); v[1] = float(1180000 + 2*y); v[2] = float(431.7 + 0.4*x - 0.1*y + 0.01*random.normal());
+      v[0] = float(2700000 + 2*x);
+      v[1] = float(1180000 + 2*y);
+      v[2] = float(431.7 + 0.4*x - 0.1*y + 0.01*random.normal());
     }
   const Encoded encoded(*encoder, whole(16, 16));
   EXPECT_LT(encoded.size, 256*2.6);
@@ -325,7 +354,8 @@ TEST(VertBlock, OnlyTheBlockOfAStrayVertexIsRaw)
   auto encoder = std::make_unique<VertEncoder>();
   for (float stray : {1e6f, 1e12f, 1e18f}) {
     for (int v = 0; v < 17*17; v++)
-      for (int k = 0; k < 3; k++) encoder->vertices[v][k] = float((k == 0 ? v % 17 : k == 1 ? v/17 : (v*v) % 7) + 0.1*k)*0.01f;
+      for (int k = 0; k < 3; k++)
+        encoder->vertices[v][k] = float((k == 0 ? v % 17 : k == 1 ? v/17 : (v*v) % 7) + 0.1*k)*0.01f;
     encoder->vertices[100][1] = stray;
     const float beside = encoder->vertices[101][1];
     const Encoded encoded(*encoder, whole(16, 16));
@@ -398,7 +428,8 @@ TEST(VertCell, PredictionsAreBilinearAndInterpolateCorners)
 TEST(VertCell, SlopesAreRoundedToSixteenths)
 {
   for (int slope = -maxSlope; slope <= maxSlope; slope++)
-    for (int main = -300; main <= 300; main++) EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
+    for (int main = -300; main <= 300; main++)
+      EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
 }
 
 // The requested spacing or a finer one, at any position.
@@ -453,7 +484,8 @@ TEST(VertHeader, FieldsOfPlaceAndEdgesDoNotOverlap)
 {
   Random random(seed + 5);
   for (int n = 0; n < 1000; n++) {
-    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096), y = 16*random.below(4096), u = random.below(16), v = random.below(16);
+    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096),
+                   y = 16*random.below(4096), u = random.below(16), v = random.below(16);
     const uint32_t region = vertRegion(w, h, x, y);
     EXPECT_EQ(vertQuadsX(region), w); EXPECT_EQ(vertQuadsY(region), h);
     EXPECT_EQ(vertX(region), x); EXPECT_EQ(vertY(region), y);

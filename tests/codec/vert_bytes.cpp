@@ -54,18 +54,30 @@ struct Sheet
 // Slopes of words and boxes; fields of 0 bits, of up to 32 bits and of more; all forms of incomplete groups; raw
 // blocks.
 const Sheet sheets[] = {
-  {"plane",                  16, 16,   0, {0, 0, 0},              {32, 0, 16},  {0, 32, -48},  {0, 0, 0},  {0, 0, 0},         -1, 0x2ba85372be8a0c4f},
-  {"bend along z",           16, 16,  -9, {-5000, 70000, 12},     {40, 3, -2},  {-5, 37, 4},   {0, 0, 6},  {0, 0, 0},         -1, 0xbc44158cf000b493},
-  {"bend along all",         16, 16, -20, {4000000, -1, 3000000}, {30, 20, 10}, {-11, 29, 7},  {5, -3, 9}, {0, 0, 0},         -1, 0xf72724f6ebe2d85a},
-  {"noise of a step",        16, 16,   3, {100, 200, 300},        {36, 0, 0},   {0, 0, 36},    {0, 4, 0},  {1, 1, 1},         -1, 0x57003f48b5efab8b},
-  {"noise along the normal", 16, 16,  -4, {-77, 8, 9},            {36, 9, 0},   {0, 7, 36},    {0, 2, 0},  {2, 40, 1},        -1, 0x74741e1314148dd4},
-  {"axis by axis",           16, 16,  -7, {-9000, -9000, 0},      {40, 0, 0},   {0, 40, 0},    {0, 0, 0},  {900, 2000, 4000}, -1, 0xcf99265420553d65},
-  {"one quad",                1,  1, -11, {123456, -654321, 5},   {33, 1, 2},   {3, 35, -4},   {0, 0, 0},  {3, 3, 3},         -1, 0xe472c6f29742528f},
-  {"a row",                  16,  1,  -5, {0, 0, -400},           {31, 2, 17},  {0, 0, 40},    {1, 1, 1},  {2, 3, 1},         -1, 0x5b96558fdf6ec5e7},
-  {"three columns",           3, 16,   0, {1, 2, 3},              {10, 40, 5},  {50, -6, 1},   {3, 0, 8},  {4, 0, 12},        -1, 0x51c41a8555fc9d63},
-  {"7 x 13",                  7, 13,  30, {-31, 41, -59},         {26, 53, 58}, {97, -93, 23}, {8, 4, 6},  {2, 6, 4},         -1, 0x8086d475fac6b926},
-  {"raw: not finite",         9,  6,  -2, {-100, 0, 100},         {16, 0, 4},   {0, 16, 2},    {0, 0, 2},  {1, 1, 1},         17, 0x8bc8153960f9bd6d},
-  {"with remainders",        16,  4,  -8, {0, 0, 0},              {1100, 0, 0}, {0, 40, 9},    {0, 0, 1},  {5, 5, 5},         -1, 0x6ffcf07f9683d796},
+  {"plane",                  16, 16,   0, {0, 0, 0},
+   {32, 0, 16},  {0, 32, -48},  {0, 0, 0},  {0, 0, 0},         -1, 0x2ba85372be8a0c4f},
+  {"bend along z",           16, 16,  -9, {-5000, 70000, 12},
+   {40, 3, -2},  {-5, 37, 4},   {0, 0, 6},  {0, 0, 0},         -1, 0xbc44158cf000b493},
+  {"bend along all",         16, 16, -20, {4000000, -1, 3000000},
+   {30, 20, 10}, {-11, 29, 7},  {5, -3, 9}, {0, 0, 0},         -1, 0xf72724f6ebe2d85a},
+  {"noise of a step",        16, 16,   3, {100, 200, 300},
+   {36, 0, 0},   {0, 0, 36},    {0, 4, 0},  {1, 1, 1},         -1, 0x57003f48b5efab8b},
+  {"noise along the normal", 16, 16,  -4, {-77, 8, 9},
+   {36, 9, 0},   {0, 7, 36},    {0, 2, 0},  {2, 40, 1},        -1, 0x74741e1314148dd4},
+  {"axis by axis",           16, 16,  -7, {-9000, -9000, 0},
+   {40, 0, 0},   {0, 40, 0},    {0, 0, 0},  {900, 2000, 4000}, -1, 0xcf99265420553d65},
+  {"one quad",                1,  1, -11, {123456, -654321, 5},
+   {33, 1, 2},   {3, 35, -4},   {0, 0, 0},  {3, 3, 3},         -1, 0xe472c6f29742528f},
+  {"a row",                  16,  1,  -5, {0, 0, -400},
+   {31, 2, 17},  {0, 0, 40},    {1, 1, 1},  {2, 3, 1},         -1, 0x5b96558fdf6ec5e7},
+  {"three columns",           3, 16,   0, {1, 2, 3},
+   {10, 40, 5},  {50, -6, 1},   {3, 0, 8},  {4, 0, 12},        -1, 0x51c41a8555fc9d63},
+  {"7 x 13",                  7, 13,  30, {-31, 41, -59},
+   {26, 53, 58}, {97, -93, 23}, {8, 4, 6},  {2, 6, 4},         -1, 0x8086d475fac6b926},
+  {"raw: not finite",         9,  6,  -2, {-100, 0, 100},
+   {16, 0, 4},   {0, 16, 2},    {0, 0, 2},  {1, 1, 1},         17, 0x8bc8153960f9bd6d},
+  {"with remainders",        16,  4,  -8, {0, 0, 0},
+   {1100, 0, 0}, {0, 40, 9},    {0, 0, 1},  {5, 5, 5},         -1, 0x6ffcf07f9683d796},
 };
 
 void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
@@ -76,7 +88,8 @@ void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
       const uint32_t v = y*(sheet.quadsX + 1) + x;
       for (int k = 0; k < 3; k++) {
         const int i = int(x), j = int(y);
-        const int steps = sheet.origin[k] + i*sheet.alongU[k] + j*sheet.alongV[k] + (i*i - i*j)*sheet.bend[k]/8 + integers.within(sheet.noise[k]);
+        const int steps = sheet.origin[k] + i*sheet.alongU[k] + j*sheet.alongV[k] +
+                          (i*i - i*j)*sheet.bend[k]/8 + integers.within(sheet.noise[k]);
         encoder.vertices[v][k] = std::ldexp(float(steps), sheet.exponent); // 23 bits: exact
         if (int(v) == sheet.hole) encoder.vertices[v][k] = INFINITY;
       }
@@ -87,7 +100,8 @@ void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
 VertPlacement placementOf(const Sheet& sheet)
 {
   const uint32_t region = vertRegion(sheet.quadsX, sheet.quadsY, 32, 16), patch = vertPatch(100, 50);
-  return sheet.quadsX % 2 ? VertPlacement(region, patch, vertEdges(100, 7, 31, 50, 5, 1)) : VertPlacement(region, patch);
+  return sheet.quadsX % 2 ? VertPlacement(region, patch, vertEdges(100, 7, 31, 50, 5, 1))
+                          : VertPlacement(region, patch);
 }
 
 // FNV-1a

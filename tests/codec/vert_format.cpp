@@ -55,7 +55,8 @@ void expectConstants(const std::string& name, const std::vector<Constant>& const
   std::ostringstream table;
   table << "| constant | value |\n|:--|--:|\n";
   for (const Constant& constant : constants) table << "| " << constant.name << " | " << constant.value << " |\n";
-  EXPECT_NE(page(name).find("-->\n\n" + table.str() + "\n"), std::string::npos) << name << " must contain\n" << table.str();
+  EXPECT_NE(page(name).find("-->\n\n" + table.str() + "\n"), std::string::npos) << name << " must contain\n"
+                                                                                << table.str();
 }
 
 TEST(VertFormat, ConstantsMatchPages)
@@ -64,14 +65,19 @@ TEST(VertFormat, ConstantsMatchPages)
   EXPECT_EQ(maxVertGroups, (side/groupQuads)*(side/groupQuads));
   EXPECT_EQ(double(vertBlockQuads), side);
   EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
-  expectConstants("block.md", {
-    {"format version, `vertFormatVersion`", vertFormatVersion}, {"alignment of a block, bytes", blockAlignment},
-    {"bytes after a block that decoders may read", readBehindVert}, {"type of a block in the tree", VERT_BLOCK},
-    {"type of a moving block in the tree", MOVING_VERT_BLOCK}, {"quads along a side of a block, at most", side},
-    {"quads along a side of a group, at most", groupQuads}, {"bytes of the header", vertHeaderBytes},
-    {"bytes of edges or numbers", vertEdgesBytes}, {"bytes of the remainders' word", vertRemaindersBytes},
-    {"bits of a remainder along an axis, at most", maxRemainderBits}, {"bits of a coordinate", std::log2(double(maxExtent))},
-    {"bits of a field, above which it is stored in three parts", maxFieldBits}});
+  expectConstants("block.md", {{"format version, `vertFormatVersion`", vertFormatVersion},
+                               {"alignment of a block, bytes", blockAlignment},
+                               {"bytes after a block that decoders may read", readBehindVert},
+                               {"type of a block in the tree", VERT_BLOCK},
+                               {"type of a moving block in the tree", MOVING_VERT_BLOCK},
+                               {"quads along a side of a block, at most", side},
+                               {"quads along a side of a group, at most", groupQuads},
+                               {"bytes of the header", vertHeaderBytes},
+                               {"bytes of edges or numbers", vertEdgesBytes},
+                               {"bytes of the remainders' word", vertRemaindersBytes},
+                               {"bits of a remainder along an axis, at most", maxRemainderBits},
+                               {"bits of a coordinate", std::log2(double(maxExtent))},
+                               {"bits of a field, above which it is stored in three parts", maxFieldBits}});
   expectConstants("motion.md", {
     {"bytes of the motion section", vertMotionBytes}, {"bytes of the header of a step", vertStepBytes},
     {"time steps, at most", maxTimeSteps}});
@@ -81,11 +87,15 @@ TEST(VertFormat, ConstantsMatchPages)
   const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
   const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
   EXPECT_EQ(at.speed, 3);
-  expectConstants("rays.md", {
-    {"ulps by which boxes are widened, `slackUlps`", slackUlps}, {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
-    {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
-    {"median edge / default spacing", 1/spacingOfEdge}, {"median edge / default spacing, grids of an application", 1/spacingOfGridEdge}, {"median edge / default spacing, quads and triangles", 1/spacingOfMeshEdge}, {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
-    {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal}, {"quads along u or v, below which the default spacing shrinks", fullQuads}});
+  expectConstants("rays.md", {{"ulps by which boxes are widened, `slackUlps`", slackUlps},
+                              {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
+                              {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
+                              {"median edge / default spacing", 1/spacingOfEdge},
+                              {"median edge / default spacing, grids of an application", 1/spacingOfGridEdge},
+                              {"median edge / default spacing, quads and triangles", 1/spacingOfMeshEdge},
+                              {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
+                              {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal},
+                              {"quads along u or v, below which the default spacing shrinks", fullQuads}});
 }
 
 // The rule in accuracy.md for a median edge of 1. The numbers are those of the table in rays.md.
@@ -94,7 +104,8 @@ TEST(VertFormat, DefaultSpacingMatchesPage)
   const double ofEdge = spacingOfEdge, least = finestOfEdge, ofDiagonal = spacingOfDiagonal;
   const unsigned full = fullQuads;
   for (unsigned quads = 1; quads < full; quads++)
-    for (double size : {0.0, 1e9}) EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";
+    for (double size : {0.0, 1e9})
+      EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";
   for (unsigned quads : {full, 100u}) {
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 1e9), ofEdge);
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 0), least);
@@ -112,14 +123,17 @@ struct Row
 // Rows "| offset | type | `field` | meaning |" of a section.
 std::vector<Row> rowsOf(const std::string& name, const std::string& heading)
 {
-  const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8}, {"uint32[2]", 8}};
+  const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4},
+                                                 {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8},
+                                                 {"uint32[2]", 8}};
   const std::string all = page(name);
   const size_t begin = all.find("\n## " + heading + "\n"), end = all.find("\n## ", begin + 1);
   EXPECT_NE(begin, std::string::npos) << heading;
   const std::string part = all.substr(begin, end - begin);
   const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
   std::vector<Row> rows;
-  for (std::sregex_iterator i(part.begin(), part.end(), row), last; i != last; ++i) rows.push_back({size_t(std::stoul((*i)[1])), bytesOf.at((*i)[2]), (*i)[3]});
+  for (std::sregex_iterator i(part.begin(), part.end(), row), last; i != last; ++i)
+    rows.push_back({size_t(std::stoul((*i)[1])), bytesOf.at((*i)[2]), (*i)[3]});
   return rows;
 }
 
@@ -179,21 +193,34 @@ void expectFlag(const Bits& bits, bool (*isSet)(uint32_t))
 
 TEST(VertFormat, HeaderMatchesPage)
 {
-  expectRows(rowsOf("block.md", "Header"), {
-    {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"surface", offsetof(VertHeader, surface)},
-    {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, region)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
-    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}}, 0, vertHeaderBytes);
-  expectRows(rowsOf("block.md", "Edges"), {{"edges", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
-  expectRows(rowsOf("mesh_numbers.md", "When does a block have numbers?"), {{"numbers", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
+  expectRows(rowsOf("block.md", "Header"),
+             {{"origin", offsetof(VertHeader, origin)},
+              {"reach", offsetof(VertHeader, reach)},
+              {"surface", offsetof(VertHeader, surface)},
+              {"primID", offsetof(VertHeader, primID)},
+              {"region", offsetof(VertHeader, region)},
+              {"patchQuads", offsetof(VertHeader, patchQuads)},
+              {"corners", offsetof(VertHeader, corners)},
+              {"boxForm", offsetof(VertHeader, boxForm)},
+              {"word", offsetof(VertHeader, word)}},
+             0, vertHeaderBytes);
+  expectRows(rowsOf("block.md", "Edges"), {{"edges", vertHeaderBytes}}, vertHeaderBytes,
+             vertHeaderBytes + vertEdgesBytes);
+  expectRows(rowsOf("mesh_numbers.md", "When does a block have numbers?"), {{"numbers", vertHeaderBytes}},
+             vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
 }
 
 TEST(VertFormat, FieldsMatchPages)
 {
   expectFields(bitsOf("block.md", "`region`"), [](size_t field, uint32_t ones) {
-    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
+    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads,
+                      (field == 3)*ones*vertBlockQuads);
   });
-  expectFields(bitsOf("block.md", "`patchQuads`"), [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
-  expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
+  expectFields(bitsOf("block.md", "`patchQuads`"),
+               [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
+  expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) {
+    return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low;
+  });
   const std::vector<Bits> form = bitsOf("block.md", "`boxForm`");
   ASSERT_EQ(form.size(), 11u);
   for (int k = 0; k < 3; k++) EXPECT_EQ(marginShift(5u << form[size_t(k)].first, k), 5u);
@@ -222,7 +249,9 @@ TEST(VertFormat, FieldsMatchPages)
     auto spacing = [&](int k) { return bitsOfFloat(vertSpacing(0, corners).at[k]); };
     set(0);
     EXPECT_EQ(cornerCoordinate(corners[cornerPair(int(i/3), int(i % 3))], int(i/3), int(i % 3)), int(onesOf(value[0])));
-    EXPECT_EQ(spacing(1) | spacing(2) | versionOfCorners(corners[4], corners[5]) | reservedOfCorners(corners[4], corners[5]), 0u);
+    EXPECT_EQ(spacing(1) | spacing(2) | versionOfCorners(corners[4], corners[5]) |
+                reservedOfCorners(corners[4], corners[5]),
+              0u);
     set(1);
     EXPECT_EQ(spacing(2), i < 8 ? 1u << (23 + i) : 0u);
     EXPECT_EQ(spacing(1), 0u);
@@ -246,11 +275,22 @@ TEST(VertFormat, FieldsMatchPages)
 
 TEST(VertFormat, MotionMatchesPage)
 {
-  expectRows(rowsOf("motion.md", "The motion section"), {
-    {"begin", offsetof(VertMotion, begin)}, {"end", offsetof(VertMotion, end)}, {"numSteps", offsetof(VertMotion, numSteps)}, {"steps", offsetof(VertMotion, steps)}}, 0, vertMotionBytes);
-  expectRows(rowsOf("motion.md", "A later step"), {
-    {"origin", offsetof(VertStep, origin)}, {"boxForm", offsetof(VertStep, boxForm)}, {"word", offsetof(VertStep, word)}, {"corners", offsetof(VertStep, corners)},
-    {"turned", offsetof(VertStep, turned)}, {"turn", offsetof(VertStep, turn)}, {"reach", offsetof(VertStep, reach)}, {"endReach", offsetof(VertStep, endReach)}}, 0, vertStepBytes);
+  expectRows(rowsOf("motion.md", "The motion section"),
+             {{"begin", offsetof(VertMotion, begin)},
+              {"end", offsetof(VertMotion, end)},
+              {"numSteps", offsetof(VertMotion, numSteps)},
+              {"steps", offsetof(VertMotion, steps)}},
+             0, vertMotionBytes);
+  expectRows(rowsOf("motion.md", "A later step"),
+             {{"origin", offsetof(VertStep, origin)},
+              {"boxForm", offsetof(VertStep, boxForm)},
+              {"word", offsetof(VertStep, word)},
+              {"corners", offsetof(VertStep, corners)},
+              {"turned", offsetof(VertStep, turned)},
+              {"turn", offsetof(VertStep, turn)},
+              {"reach", offsetof(VertStep, reach)},
+              {"endReach", offsetof(VertStep, endReach)}},
+             0, vertStepBytes);
   const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
   ASSERT_EQ(form.size(), 6u);
   expectFlag(form[1], hasRemainders);
@@ -273,7 +313,8 @@ TEST(VertFormat, MotionMatchesPage)
   for (uint32_t q = 0; q <= 6; q++)
     for (int x = -50; x <= 50; x++) {
       const double sum = 91.0*x - 17*3.0 + 5*x*x;
-      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)), std::floor((sum + std::exp2(6.0 - q))/std::exp2(7.0 - q)));
+      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)),
+                std::floor((sum + std::exp2(6.0 - q))/std::exp2(7.0 - q)));
     }
   VertMotion motion = {0.25f, 0.75f, 5, 0};
   EXPECT_TRUE(isThere(motion, 0.25f) && isThere(motion, 0.75f) && !isThere(motion, 0.2f) && !isThere(motion, 0.8f));

@@ -152,7 +152,8 @@ TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
             a += weight[k]*(corners[k] & 1);
             b += weight[k]*(corners[k] >> 1);
           }
-          const FaceParameters found = parametersAtLowerEdge(vertPatch(quads[0], quads[1]), edges, x, y, isSecond, float(a), float(b));
+          const FaceParameters found = parametersAtLowerEdge(vertPatch(quads[0], quads[1]), edges, x, y, isSecond,
+                                                             float(a), float(b));
           EXPECT_NEAR(found.u, u, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
           EXPECT_NEAR(found.v, v, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
         }
@@ -164,7 +165,8 @@ TEST(VertRule, OrderOfTwoTrianglesIsTotal)
   const auto draw = [&] { return TriangleName{random.below(2), random.below(2), random.below(2), random.below(3)}; };
   for (int n = 0; n < 10000; n++) {
     const TriangleName a = draw(), b = draw(), c = draw();
-    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.region == b.region && a.triangle == b.triangle;
+    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.region == b.region &&
+                        a.triangle == b.triangle;
     EXPECT_EQ(comesBefore(a, b) + comesBefore(b, a), isSame ? 0 : 1);
     if (comesBefore(a, b) && comesBefore(b, c)) { EXPECT_TRUE(comesBefore(a, c)); }
     if (a.geomID < b.geomID) { EXPECT_TRUE(comesBefore(a, b)); }

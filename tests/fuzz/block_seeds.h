@@ -45,7 +45,8 @@ inline void writeBlockSeeds(const std::string& folder)
   int n = 0;
   for (uint32_t quads : {1u, 4u, 7u, 16u})
     for (bool isRawBlock : {false, true})
-      for (bool isRigid : {false, true}) writeMovingSeed(folder + "/moving" + std::to_string(n++), quads, isRawBlock, isRigid);
+      for (bool isRigid : {false, true})
+        writeMovingSeed(folder + "/moving" + std::to_string(n++), quads, isRawBlock, isRigid);
   for (uint32_t quads : {1u, 4u, 7u, 16u})
     for (bool isRawBlock : {false, true})
       for (bool hasEdges : {false, true}) {

@@ -41,7 +41,8 @@ bool isSound(const RayBytes& ray, const Block* block)
   for (int k = 0; k < 3; k++) distance = std::fmax(distance, std::fabs(double(ray.org[k]) - double(block->centre[k])));
   for (const auto& column : block->columns)
     for (float c : column) stretch = std::fmax(stretch, std::fabs(c));
-  return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
+  return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 &&
+         ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
 }
 
 // FRAME: as computed by fitBox (framed/frame_fit.h): the box is a bounded region of the world of at least the
@@ -63,7 +64,8 @@ bool isSound(const Block* block)
     Double3 corner;
     ok &= unproject(map, i & 1, (i >> 1) & 1, i >> 2, corner);
     // a frame is slightly larger than its contents
-    ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <= 64*double(maxCoordinate);
+    ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <=
+                 64*double(maxCoordinate);
     const double W = ok ? map.W(corner) : 0;
     ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // rounding reduces fitBox's 2
   }
@@ -78,7 +80,8 @@ struct Trace : RTCIntersectContext
   size_t hits = 0;
   float tnear, tfar;
 
-  Trace(const Block* block, const RayBytes& ray, bool sound, bool accepts) : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
+  Trace(const Block* block, const RayBytes& ray, bool sound, bool accepts)
+    : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
   {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
@@ -117,7 +120,8 @@ void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
     hit.geomID = RTC_INVALID_GEOMETRY_ID;
     IntersectContext context((Scene*)scene, &closest);
     BlockIntersector1<Leaf>::intersect(hit, &context, RayState(ray), block);
-    if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar) && (hit.geomID == 0) == (accepts && closest.hits));
+    if (sound)
+      REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar) && (hit.geomID == 0) == (accepts && closest.hits));
 
     Trace any(block, bytes, sound, accepts);
     Ray occluded(ray);
@@ -159,7 +163,8 @@ void writeSeeds(const std::string& directory)
         const uint32_t w = (1u << height) + 1;
         float corners[4][3];
         for (int c = 0; c < 4; c++) memcpy(corners[c], p[(c>>1)*(w-1)*w + (c&1)*(w-1)], sizeof(corners[c]));
-        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1), memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Vec3fa) + 1);
+        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1),
+          memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Vec3fa) + 1);
         Block* block = (Block*)memory.data();
         BlockEncoder encoder(kind, height, p, scratch.data());
         BlockStatistics statistics;
@@ -168,7 +173,8 @@ void writeSeeds(const std::string& directory)
         block->surface = block->primID = 0;
         block->tiling = blockTiling(3, 3, 0, 0);
         for (const RayBytes& ray : seedRays) {
-          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
+          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" +
+                                   std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
           writeSeed(name, ray, block, block->layout().bytes);
         }
       }

@@ -11,7 +11,12 @@
 #include <string>
 
 #define REQUIRE(condition) \
-  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
+  do { \
+    if (!(condition)) { \
+      std::fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
+      std::abort(); \
+    } \
+  } while (false)
 
 namespace cbvh::test {
 

@@ -32,7 +32,10 @@ struct Input
   uint8_t form;
 };
 
-bool sameVertex(float decoded, float given) { return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0); }
+bool sameVertex(float decoded, float given)
+{
+  return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0);
+}
 
 void writeSeeds(const std::string& folder)
 {
@@ -115,14 +118,18 @@ void encode(const uint8_t* data, size_t size)
     const auto decoded = std::make_unique<DecodedBlock>(block, s);
     for (uint32_t v = 0; v < count; v++)
       for (int k = 0; k < 3; k++)
-        REQUIRE(isFinite(steps[s][v].data()) ? sameVertex(decoded->vertices[v][k], steps[s][v][k]) : std::isnan(decoded->vertices[v][k]));
+        REQUIRE(isFinite(steps[s][v].data()) ? sameVertex(decoded->vertices[v][k], steps[s][v][k])
+                                             : std::isnan(decoded->vertices[v][k]));
   }
 }
 
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds); }
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
+{
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -75,7 +75,8 @@ bool isSound(const RayBytes& ray)
 {
   double length = 0;
   for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
-  return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
+  return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate &&
+         ray.tfar >= ray.tnear;
 }
 
 // A context whose filter receives every candidate.
@@ -86,7 +87,8 @@ struct Trace : RTCIntersectContext
   size_t hits = 0;
   float tnear, tfar;
 
-  Trace(const VertHeader* block, const RayBytes& ray, bool sound, bool accepts) : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
+  Trace(const VertHeader* block, const RayBytes& ray, bool sound, bool accepts)
+    : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
   {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
@@ -109,7 +111,8 @@ struct Trace : RTCIntersectContext
 template<typename RayType>
 bool intersect(RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
 {
-  return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block) : intersectVert(ray, context, pre, block);
+  return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block)
+                                  : intersectVert(ray, context, pre, block);
 }
 
 void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
@@ -150,7 +153,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };
 
-// The vertices of an encoder, flipped over three steps, the last of which is on a finer lattice.
+// The vertices of an encoder, flipped over three steps. The last step is on a finer lattice.
 void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_t region, float spacing)
 {
   static const auto encoder = std::make_unique<MotionEncoder>();
@@ -181,14 +184,16 @@ void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spa
   std::vector<Vec3fa> memory((VertEncoder::maxBytes + gap + table)/sizeof(Vec3fa) + 2);
   uint8_t* const data = (uint8_t*)memory.data();
   VertStatistics statistics;
-  const size_t bytes = encoder.encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
+  const size_t bytes = encoder.encode(
+    VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
   if (bytes == 0) return;
   VertHeader* block = (VertHeader*)data;
   block->surface = block->primID = 0;
   const VertNumbers numbers = {uint32_t(bytes) + gap, bits};
   memcpy(block + 1, &numbers, sizeof(numbers));
   for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37*i);
-  for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, numbers.x + table);
+  for (const RayBytes& ray : seedRays)
+    writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, numbers.x + table);
 }
 
 void writeSeeds(const std::string& directory)
@@ -208,14 +213,22 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)), (uint8_t*)memory.data(), statistics);
+        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY),
+                                                           vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)),
+                                             (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;
-        writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, block->region, spacing);
-        writeNumberedSeeds(directory + "/numbers-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, spacing, quadsX, quadsY);
+        writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
+                           std::to_string(surface),
+                         *encoder, block->region, spacing);
+        writeNumberedSeeds(directory + "/numbers-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
+                             std::to_string(surface),
+                           *encoder, spacing, quadsX, quadsY);
         for (const RayBytes& ray : seedRays)
-          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
+          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
+                      std::to_string(surface) + "-" + std::to_string(&ray - seedRays),
+                    ray, block, bytes);
       }
 }
 

@@ -26,7 +26,8 @@ using namespace embree::cbvh;
 using namespace cvert;
 
 // Vertices with residuals of all sizes; some blocks are raw. spacing: of their lattice, if isSnapped
-void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness, float spacing, bool isSnapped)
+void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness,
+                  float spacing, bool isSnapped)
 {
   double axis[3][3], origin[3];
   for (int k = 0; k < 3; k++) {
@@ -37,9 +38,12 @@ void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_
     for (uint32_t x = 0; x <= quadsX; x++) {
       const double h = roughness*random.normal();
       // 20: not along a normal
-      auto place = [&](int k) { return x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k]); };
+      auto place = [&](int k) {
+        return x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k]);
+      };
       for (int k = 0; k < 3; k++)
-        encoder.vertices[y*(quadsX + 1) + x][k] = float((isSnapped ? origin[k] + std::floor(place(k)) : 0.01*origin[k] + place(k))*spacing);
+        encoder.vertices[y*(quadsX + 1) + x][k] = float(
+          (isSnapped ? origin[k] + std::floor(place(k)) : 0.01*origin[k] + place(k))*spacing);
     }
   if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
 }
@@ -84,11 +88,14 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
       decoder.vertices(boxes, lane, group);
       for (uint32_t q = 0; q < 16; q++)
         for (uint32_t c = 0; c < 4; c++) {
-          const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
+          const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX),
+                         y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
           for (int k = 0; k < 3; k++) {
             const float a = group.at[k][laneOfCorner(q, c)], b = expected->vertex(x, y)[k];
-            ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
-              << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis " << k;
+            ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)))
+              << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
+              << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis "
+              << k;
           }
         }
     }
@@ -145,7 +152,8 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(triangle.sides(pre))) << "case " << i << ", triangle " << h;
+        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(triangle.sides(pre)))
+          << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
@@ -180,9 +188,12 @@ TEST(VertTriangles, ContainInnerPointsAndEdges)
         x[v] = int(cell.at[0][laneOfCorner(h >> 1, corners[h & 1][v])]);
         y[v] = int(cell.at[1][laneOfCorner(h >> 1, corners[h & 1][v])]);
       }
-      const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) { return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax); };
+      const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) {
+        return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax);
+      };
       const int all = area(x[0], y[0], x[1], y[1], x[2], y[2]);
-      const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]), area(x[0], y[0], x[1], y[1], px, py)};
+      const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]),
+                            area(x[0], y[0], x[1], y[1], px, py)};
       // parts with the same sign sum up to the whole
       const bool isInside = all != 0 && std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]) == std::abs(all);
       ASSERT_EQ(VertTriangle(cell, h).containsExactly(pre), isInside) << "case " << i << ", triangle " << h;

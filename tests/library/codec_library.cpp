@@ -65,11 +65,15 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
     std::vector<const cvert::VertHeader*> blocks;
     bool hasFramed = false;
     std::vector<const cvert::MeshHeader*> meshes;
-    const cvert::Reason reason = cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
-      if (type == cvert::FILE_FRAMED) hasFramed = true;
-      else if (type == cvert::FILE_MESH) meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
-      else blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
-    });
+    const cvert::Reason reason = cvert::forEachBlock(
+      file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
+        if (type == cvert::FILE_FRAMED)
+          hasFramed = true;
+        else if (type == cvert::FILE_MESH)
+          meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
+        else
+          blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
+      });
     EXPECT_EQ(reason.message(), "");
     if (!hasFramed) {
       EXPECT_EQ(blocks.size() + meshes.size(), file.geometry(0).numBlocks);

@@ -28,7 +28,8 @@ std::string commitLineOf(const std::string& config, const std::function<void(RTC
     rtcCommitScene(scene);
   }
   const std::string text = testing::internal::GetCapturedStderr();
-  EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos) << "programs write pictures there";
+  EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos)
+    << "programs write pictures there";
   const size_t begin = text.rfind("compression: "); // the commit of the scene comes last
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
@@ -40,15 +41,20 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
   for (unsigned timeSteps : {1u, 2u, 3u, 5u}) {
     Diced grids = dicedSheet(4, 64);
     DicedMesh quads = meshOf(grids, QuadOrder::Rows, random), triangles = trianglesOf(quads);
-    grids.motion = quads.motion = triangles.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.1f*float(step)*p[0]}; };
+    grids.motion = quads.motion = triangles.motion = [](const Vec& p, unsigned step) {
+      return Vec{p[0], p[1], p[2] + 0.1f*float(step)*p[0]};
+    };
     SurfaceSettings settings;
     settings.rate = 64;
     settings.timeSteps = timeSteps;
     const std::pair<const char*, std::function<RTCGeometry(RTCDevice)>> types[] = {
       {"1 subdivision surface as cVERT: ", [&](RTCDevice device) { return newSurface(device, cubeCage(), settings); }},
-      {"1 grid geometry as cVERT: ", [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-      {"1 quad mesh as cVERT: ", [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-      {"1 triangle mesh as cVERT: ", [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
+      {"1 grid geometry as cVERT: ",
+       [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
+      {"1 quad mesh as cVERT: ",
+       [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
+      {"1 triangle mesh as cVERT: ",
+       [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
     for (const auto& type : types) {
       const auto& name = type.first;
       const auto& make = type.second;
@@ -69,7 +75,9 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
       const double estimate = std::stod(line.substr(at + 23)), taken = double(memory.live - before)/(1 << 20);
       EXPECT_GT(estimate, 0.65*taken) << line;
       EXPECT_LT(estimate, 1.35*taken) << line;
-      EXPECT_NEAR(std::stod(line.substr(input + 19)), double(before)/(1 << 20), 0.05*double(before)/(1 << 20) + 0.02) << line;
+      EXPECT_NEAR(std::stod(line.substr(input + 19)), double(before)/(1 << 20),
+                  0.05*double(before)/(1 << 20) + 0.02)
+        << line;
     }
   }
 }
@@ -81,7 +89,8 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
     Random random(1);
     DicedMesh scan;
     for (unsigned i = 0; i < 1000; i++) {
-      scan.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+      scan.vertices.push_back(
+        {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
       if (i >= 2) scan.triangles.push_back({random.below(i), random.below(i), i});
     }
     attach(scene, newMesh(device, scan, RTC_COMPRESSION_INHERIT, 0, 2));
@@ -93,15 +102,17 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
     addSurface(device, scene, quadCage(), settings);
   });
   EXPECT_NE(line.find("compression: 1 grid geometry as cVERT: 4096 quads"), std::string::npos) << line;
-  for (const char* part : {"not compressed: 1 subdivision surface that does not ask for it", "998 triangles that move and do not lie in grids",
-                           "64 quads that are too few to matter", "100 grids that are so small that Embree's own kernel needs less memory for them"})
+  for (const char* part : {"not compressed: 1 subdivision surface that does not ask for it",
+                           "998 triangles that move and do not lie in grids", "64 quads that are too few to matter",
+                           "100 grids that are so small that Embree's own kernel needs less memory for them"})
     EXPECT_NE(line.find(part), std::string::npos) << line;
 }
 
 // One line per commit: compressed geometries, GRID's memory, and geometries left to GRID with the reason.
 TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
 {
-  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings, const Cage& cage = cubeCage()) {
+  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings,
+                         const Cage& cage = cubeCage()) {
     std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
@@ -110,7 +121,8 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
       const SurfaceScene scene(device, cage, settings);
     }
     const std::string text = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos) << "programs write pictures there";
+    EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos)
+      << "programs write pictures there";
     const size_t begin = text.find("compression: 1 subdivision surface");
     return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
   };
@@ -134,7 +146,8 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
     EXPECT_GT(mebibytes, 0.85*taken);
     EXPECT_LT(mebibytes, 1.1*taken);
   }
-  EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"), std::string::npos);
+  EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"),
+            std::string::npos);
   EXPECT_EQ(lineOf("1", "", settings), "");
   EXPECT_EQ(lineOf("verbose", "", settings), "");
   settings.edgeRates.assign(24, 8);

@@ -51,7 +51,8 @@ std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time)
   std::vector<std::array<float, 3>> all;
   rtcForEachCompressedPartAtTime(geometry, time, [](void* self, const RTCCompressedPart* part) {
     for (unsigned i = 0; i < part->width*part->height; i++)
-      ((std::vector<std::array<float, 3>>*)self)->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+      ((std::vector<std::array<float, 3>>*)self)
+        ->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
     return true;
   }, &all);
   std::sort(all.begin(), all.end());
@@ -112,7 +113,9 @@ TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
       const auto hits = closestHits(scene, rays, QueryForm::Single);
       for (const RTCRayHit& r : hits) {
         RTCCompressedTriangle triangle;
-        if (isHit(r)) found += rtcGetCompressedTriangleAtTime(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
+        if (isHit(r))
+          found += rtcGetCompressedTriangleAtTime(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v,
+                                                  &r.hit.Ng_x, &triangle);
       }
       EXPECT_EQ(found, hitsOf(hits));
     }
@@ -135,7 +138,8 @@ TEST(CompressedFiles, LoadedSurfaceIsSavedAsTheSameBytes)
     geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"b").c_str())) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << "saving to the file that it was loaded from: " << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()))
+      << "saving to the file that it was loaded from: " << device.message;
     rtcReleaseGeometry(geometry);
     EXPECT_EQ(bytesOf(folder/"a"), bytesOf(folder/"b"));
     EXPECT_EQ(folder.names().size(), 2u);
@@ -262,7 +266,8 @@ TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene)
         ASSERT_EQ(found[i].hit.geomID, unsigned(i % 2));
 #endif
         ASSERT_LT(found[i].hit.geomID, 2u);
-        ASSERT_EQ(rtcGetGeometryUserData(rtcGetGeometry(scene, found[i].hit.geomID)), (void*)size_t(1 + found[i].hit.geomID));
+        ASSERT_EQ(rtcGetGeometryUserData(rtcGetGeometry(scene, found[i].hit.geomID)),
+                  (void*)size_t(1 + found[i].hit.geomID));
       }
     }
     EXPECT_GT(hits, 50u);
@@ -285,7 +290,10 @@ TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork)
   ASSERT_NE(geometry, nullptr) << device.message;
   struct Seen { size_t calls = 0; } seen;
   rtcSetGeometryUserData(geometry, &seen);
-  rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) { ((Seen*)args->geometryUserPtr)->calls++; args->valid[0] = 0; });
+  rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) {
+    ((Seen*)args->geometryUserPtr)->calls++;
+    args->valid[0] = 0;
+  });
   rtcCommitGeometry(geometry);
   OneGeometry inner(device, geometry);
   Scene outer(device);
@@ -339,7 +347,12 @@ TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
       [&] { rtcSetGeometryTopologyCount(geometry, 2); },
       [&] { rtcSetGeometryTimeStepCount(geometry, 7); },
       [&] { rtcGetGeometryFirstHalfEdge(geometry, 0); },
-      [&] { RTCCompressionArguments args; rtcInitCompressionArguments(&args); args.compression = RTC_COMPRESSION_NONE; rtcSetGeometryCompression(geometry, &args); }};
+      [&] {
+        RTCCompressionArguments args;
+        rtcInitCompressionArguments(&args);
+        args.compression = RTC_COMPRESSION_NONE;
+        rtcSetGeometryCompression(geometry, &args);
+      }};
     for (const auto& edit : edits) {
       SCOPED_TRACE(&edit - edits);
       edit();
@@ -525,7 +538,8 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
   for (std::thread& thread : threads) thread.join();
   rtcReleaseCompressedFile(open);
   EXPECT_EQ(device.errors, 0u) << device.message;
-  for (size_t t = 0; t < 4; t++) EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
+  for (size_t t = 0; t < 4; t++)
+    EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
 }
 
 } // namespace

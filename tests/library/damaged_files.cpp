@@ -61,7 +61,8 @@ TEST_F(DamagedFiles, AreRejectedWithTheReason)
   expectRefused("", "only 0 bytes");
   expectRefused("mesh", "only 4 bytes");
   expectRefused(std::string(100000, 'x'), "not a file of compressed surfaces");
-  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50) expectRefused(sound.substr(0, bytes), "truncated");
+  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50)
+    expectRefused(sound.substr(0, bytes), "truncated");
   expectRefused(sound.substr(0, sound.size() - 1), "truncated");
   expectRefused(sound + "x", "after its end");
   expectRefused("\r" + sound, "not a file of compressed surfaces");
@@ -86,7 +87,8 @@ TEST_F(DamagedFiles, OtherVersionsAreRejected)
   expectRefused(with(&Header::version, file.header().version - 1), "older version of these files");
   expectRefused(with(&Header::vertVersion, cvert::meshFormatVersion + 1), "newer version of cVERT");
   expectRefused(with(&Header::vertVersion, file.header().vertVersion - 1), "older version of cVERT");
-  expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1), "blocks with frames of a newer version, 2");
+  expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1),
+                "blocks with frames of a newer version, 2");
   expectRefused(with(&Header::byteOrder, __builtin_bswap32(file.header().byteOrder)), "byte order");
 }
 
@@ -98,7 +100,8 @@ TEST_F(DamagedFiles, AnyModifiedByteIsDetected)
   const auto alter = [&](size_t begin, size_t end, size_t count, bool isRefused) {
     for (size_t i = 0; i < count; i++) {
       std::string bytes = sound;
-      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^= char(1 << random.below(8));
+      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^= char(
+        1 << random.below(8));
       if (isRefused) { expectRefused(bytes, ""); continue; }
       writeBytes(path, bytes);
       RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
@@ -143,7 +146,8 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
   device.errors = 0;
   const std::vector<RTCRayHit> after = trace();
   EXPECT_EQ(device.errors, 1u);
-  EXPECT_NE(device.message.find("primitive 6 is out of range: the geometry has 6"), std::string::npos) << device.message;
+  EXPECT_NE(device.message.find("primitive 6 is out of range: the geometry has 6"), std::string::npos)
+    << device.message;
   size_t others = 0;
   for (size_t i = 0; i < rays.size(); i++) {
     if (isHit(after[i])) ASSERT_NE(after[i].hit.primID, 3u);
@@ -166,7 +170,8 @@ TEST_F(DamagedFiles, PageOfZerosIsReported)
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
     FileBytes file(bytesOf(path));
-    const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes), first = file.record(0).blocks + (file.record(0).blockBytes - bytes)/2/16*16;
+    const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes),
+                 first = file.record(0).blocks + (file.record(0).blockBytes - bytes)/2/16*16;
     std::fill_n(file.bytes.begin() + ptrdiff_t(first), bytes, '\0');
     writeBytes(path, file.bytes);
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
@@ -190,7 +195,8 @@ TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
   Random random(7);
   const std::vector<RTCRayHit> rays = raysAt(random, 2000);
   for (RTCCompression compression : {RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_GRID})
-    for (const auto& [u, v] : {std::make_pair(150u, 0u), std::make_pair(0u, 2u), std::make_pair(17u, 1u), std::make_pair(1u, 0u)}) {
+    for (const auto& [u, v] :
+         {std::make_pair(150u, 0u), std::make_pair(0u, 2u), std::make_pair(17u, 1u), std::make_pair(1u, 0u)}) {
       SCOPED_TRACE(testing::Message() << kindName(compression) << " at " << u << ", " << v);
       SurfaceSettings settings;
       settings.rate = 16;
@@ -255,7 +261,9 @@ TEST_F(DamagedFiles, FullDiskLeavesTheOldFile)
       const rlimit full = {limit, limit};
       setrlimit(RLIMIT_FSIZE, &full);
       if (rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) return 1;
-      return device.message.find("cannot be written") == std::string::npos ? 2 : device.takeError() == RTC_ERROR_INVALID_OPERATION ? 0 : 3;
+      return device.message.find("cannot be written") == std::string::npos ? 2
+             : device.takeError() == RTC_ERROR_INVALID_OPERATION ? 0
+                                                                           : 3;
     });
     EXPECT_EQ(status, 0);
     EXPECT_EQ(bytesOf(folder/"other"), old);
@@ -293,7 +301,8 @@ TEST_F(DamagedFiles, UnwritableFoldersAreReported)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
-  for (const std::string& to : {folder/"none/file", folder/"surface.cbvh/file", std::string("/proc/surface.cbvh"), std::string("/dev/null"), folder.path, std::string()}) {
+  for (const std::string& to : {folder/"none/file", folder/"surface.cbvh/file", std::string("/proc/surface.cbvh"),
+                                std::string("/dev/null"), folder.path, std::string()}) {
     EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, to.c_str()));
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << to;
     EXPECT_NE(device.message.find(to), std::string::npos) << device.message;
@@ -313,7 +322,8 @@ TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
 {
   chmod(path.c_str(), 0440);
   // a second geometry writes to its own pages
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()), second = rtcLoadCompressedGeometry(device, path.c_str());
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()),
+              second = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   ASSERT_NE(second, nullptr) << device.message;
   ASSERT_EQ(symlink("surface.cbvh", (folder/"link").c_str()), 0);

@@ -38,11 +38,15 @@ std::vector<Shape> shapes(Random& random)
 {
   std::vector<Shape> all;
   for (QuadOrder order : allQuadOrders) {
-    all.push_back({std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
-    all.push_back({std::string("patches of 32 quads a side, ") + nameOf(order), meshOf(dicedSheet(2, 32, lattice), order, random)});
+    all.push_back(
+      {std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
+    all.push_back(
+      {std::string("patches of 32 quads a side, ") + nameOf(order), meshOf(dicedSheet(2, 32, lattice), order, random)});
   }
-  all.push_back({"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
-  all.push_back({"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
+  all.push_back(
+    {"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
+  all.push_back(
+    {"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
   DicedMesh ball = meshOf(dicedBall(2, 16), QuadOrder::Recursive, random), earth = globe(60, 40);
   for (DicedMesh* mesh : {&ball, &earth})
     for (Vec& p : mesh->vertices)
@@ -127,7 +131,8 @@ TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree)
   DicedMesh mesh = trianglesOf(meshOf(dicedSheet(3, 16, lattice), QuadOrder::Rows, random), 1, 2);
   for (unsigned i = 0; i < 9; i++) {
     const unsigned v = unsigned(mesh.vertices.size());
-    for (const Vec& p : {Vec{1.5f, 0, 0}, Vec{1.75f, 0, 0.25f}, Vec{1.5f, 0.25f, 0}}) mesh.vertices.push_back({p[0], p[1] + 0.25f*float(i), p[2]});
+    for (const Vec& p : {Vec{1.5f, 0, 0}, Vec{1.75f, 0, 0.25f}, Vec{1.5f, 0.25f, 0}})
+      mesh.vertices.push_back({p[0], p[1] + 0.25f*float(i), p[2]});
     mesh.triangles.insert(mesh.triangles.begin() + i*73, {v, v + 1, v + 2});
   }
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
@@ -159,7 +164,8 @@ TEST_P(MeshGeometry, MasksFiltersAndInstances)
     for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = i % 5 ? 3 : 1;
     for (QueryForm form : allQueryForms) {
       SCOPED_TRACE(nameOf(form));
-      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form), anyOfEmbree = anyHits(scenes[0], rays, form);
+      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form),
+                                   anyOfEmbree = anyHits(scenes[0], rays, form);
       expectSameHits(expected, closestHits(scenes[1], rays, form), slack);
       expectSameHits(closestHits(tops[0], rays, form), closestHits(tops[1], rays, form), slack);
       size_t hits = 0;
@@ -179,9 +185,11 @@ TEST(Meshes, AreClosedBetweenRegions)
 {
   Device device;
   Random random(125);
-  Shape balls[] = {
-    {"patches of 4 quads", meshOf(dicedBall(3, 4), QuadOrder::Recursive, random)}, {"patches of 16 quads", meshOf(dicedBall(4, 16), QuadOrder::Rows, random)},
-    {"shuffled", meshOf(dicedBall(3, 12), QuadOrder::Shuffled, random)}, {"quads of very different size", meshOf(dicedBall(8, 5, 3), QuadOrder::Rows, random)}, {"globe", globe(90, 50)}};
+  Shape balls[] = {{"patches of 4 quads", meshOf(dicedBall(3, 4), QuadOrder::Recursive, random)},
+                   {"patches of 16 quads", meshOf(dicedBall(4, 16), QuadOrder::Rows, random)},
+                   {"shuffled", meshOf(dicedBall(3, 12), QuadOrder::Shuffled, random)},
+                   {"quads of very different size", meshOf(dicedBall(8, 5, 3), QuadOrder::Rows, random)},
+                   {"globe", globe(90, 50)}};
   for (const Shape& ball : balls)
     for (const DicedMesh& mesh : {ball.mesh, trianglesOf(ball.mesh, 1, 1)}) {
       SCOPED_TRACE(testing::Message() << ball.name << (mesh.isOfTriangles() ? ", triangles" : ""));
@@ -376,7 +384,8 @@ TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
   Device device;
   Random random(127);
   DicedMesh heap;
-  for (int i = 0; i < 2000; i++) heap.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+  for (int i = 0; i < 2000; i++)
+    heap.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
   DicedMesh triangles = heap;
   for (int i = 0; i < 4000; i++) {
     std::array<unsigned, 4> q;
@@ -428,7 +437,8 @@ TEST(Meshes, PointQueriesFindTheTriangleNextToANonFiniteOne)
   mesh.vertices.push_back({NAN, 0, 0});
   const MeshScene scene(device, mesh);
   ASSERT_EQ(statisticsOf(scene).numMeshQuads, 1024u);
-  const Vec &a = mesh.vertices[mesh.triangles[2*pair][0]], &b = mesh.vertices[mesh.triangles[2*pair][1]], &c = mesh.vertices[mesh.triangles[2*pair][2]];
+  const Vec &a = mesh.vertices[mesh.triangles[2*pair][0]], &b = mesh.vertices[mesh.triangles[2*pair][1]],
+            &c = mesh.vertices[mesh.triangles[2*pair][2]];
   RTCPointQuery query;
   query.x = (a[0] + b[0] + c[0])/3; query.y = (a[1] + b[1] + c[1])/3; query.z = (a[2] + b[2] + c[2])/3;
   query.time = 0;
@@ -451,8 +461,10 @@ TEST(Meshes, InvalidPrimitivesAreLeftOut)
   Random random(128);
   const DicedMesh good = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
   DicedMesh bad = good;
-  for (int i = 0; i < 20; i++) bad.quads[random.below(unsigned(bad.size()))][random.below(4)] = i % 2 ? ~0u : unsigned(bad.vertices.size());
-  for (int i = 0; i < 20; i++) bad.vertices[random.below(unsigned(bad.vertices.size()))][i % 3] = i % 2 ? INFINITY : NAN;
+  for (int i = 0; i < 20; i++)
+    bad.quads[random.below(unsigned(bad.size()))][random.below(4)] = i % 2 ? ~0u : unsigned(bad.vertices.size());
+  for (int i = 0; i < 20; i++)
+    bad.vertices[random.below(unsigned(bad.vertices.size()))][i % 3] = i % 2 ? INFINITY : NAN;
   DicedMesh badTriangles = trianglesOf(bad);
   for (const DicedMesh& mesh : {bad, badTriangles}) {
     const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
@@ -460,12 +472,17 @@ TEST(Meshes, InvalidPrimitivesAreLeftOut)
     EXPECT_GT(statisticsOf(scene).numMeshQuads, 3900u);
     const std::vector<RTCRayHit> rays = raysAt(random, good, 3000);
     unsigned other = 0;
-    const std::vector<RTCRayHit> expected = closestHits(embree, rays, QueryForm::Single), found = closestHits(scene, rays, QueryForm::Single);
-    const auto isFinite = [&](unsigned v) { return std::isfinite(mesh.vertices[v][0] + mesh.vertices[v][1] + mesh.vertices[v][2]); };
+    const std::vector<RTCRayHit> expected = closestHits(embree, rays, QueryForm::Single),
+                                 found = closestHits(scene, rays, QueryForm::Single);
+    const auto isFinite = [&](unsigned v) {
+      return std::isfinite(mesh.vertices[v][0] + mesh.vertices[v][1] + mesh.vertices[v][2]);
+    };
     for (size_t i = 0; i < rays.size(); i++) {
       if (expected[i].hit.primID == found[i].hit.primID) continue;
       // Embree leaves out both triangles of a quad if a vertex of either is not finite.
-      if (!mesh.isOfTriangles() && isHit(found[i]) && !std::all_of(mesh.quads[found[i].hit.primID].begin(), mesh.quads[found[i].hit.primID].end(), isFinite)) continue;
+      if (!mesh.isOfTriangles() && isHit(found[i]) &&
+          !std::all_of(mesh.quads[found[i].hit.primID].begin(), mesh.quads[found[i].hit.primID].end(), isFinite))
+        continue;
       other++;
     }
     EXPECT_EQ(other, 0u);
@@ -482,7 +499,8 @@ TEST(Meshes, CompressionCanBeSelected)
     const MeshScene scene(device, mesh, compression);
     return statisticsOf(scene).numQuads;
   };
-  Device plain, ofString("subdiv_accel=cbvh"), noQuads("subdiv_accel=cbvh.vert,cbvh_quads=0"), noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
+  Device plain, ofString("subdiv_accel=cbvh"), noQuads("subdiv_accel=cbvh.vert,cbvh_quads=0"),
+    noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
   for (const DicedMesh& mesh : {quads, triangles}) {
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_INHERIT), 0u);
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_LEAF), 4096u) << "diced geometry is stored as cVERT";
@@ -577,8 +595,12 @@ TEST(Meshes, MemoryIsSmall)
       const double bytes = double(memory.live - empty - inputBytes)/double(quads.size());
       const RTCCompressionStatistics stats = statisticsOf(scene);
       const auto perQuad = [&](size_t n) { return double(n)/double(quads.size()); };
-      std::printf("%s, %s: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), %.2f more during the build\n", asTriangles ? "triangles" : "quads", nameOf(order),
-                  bytes, perQuad(stats.topLevelBytes), perQuad(stats.frameBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes), perQuad(size_t(memory.peak - memory.live)));
+      std::printf(
+        "%s, %s: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), "
+        "%.2f more during the build\n",
+        asTriangles ? "triangles" : "quads", nameOf(order), bytes, perQuad(stats.topLevelBytes),
+        perQuad(stats.frameBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes),
+        perQuad(size_t(memory.peak - memory.live)));
       EXPECT_LE(bytes, order == QuadOrder::Shuffled ? 6.5 : 3.5);
     }
 }
@@ -611,7 +633,8 @@ TEST(Meshes, TrianglesOfHitsAreReported)
           const bool isSecond = r.hit.u + r.hit.v > 1;
           v[0] = q[isSecond ? 2 : 0]; v[1] = q[isSecond ? 3 : 1]; v[2] = q[isSecond ? 1 : 3];
         }
-        for (int c = 0; c < 3; c++) ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
+        for (int c = 0; c < 3; c++)
+          ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
         // interpolated parameters match those of the hit
         const bool isFlipped = t.u[0] + t.v[0] > 1;
         ASSERT_EQ(t.u[1], isFlipped ? 0 : 1);
@@ -625,7 +648,9 @@ TEST(Meshes, TrianglesOfHitsAreReported)
       rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
         const unsigned n = part->primitivesPerQuad;
         for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
-          if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) { EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second); }
+          if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
+            EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second);
+          }
         return true;
       }, &met);
       EXPECT_EQ(met.size(), mesh.size());
@@ -658,10 +683,12 @@ TEST(Meshes, PointQueriesMatchEmbree)
       rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
         Found& f = *(Found*)args->userPtr;
         f.calls++;
-        const unsigned* v = f.mesh->isOfTriangles() ? f.mesh->triangles[args->primID].data() : f.mesh->quads[args->primID].data();
+        const unsigned* v = f.mesh->isOfTriangles() ? f.mesh->triangles[args->primID].data()
+                                                    : f.mesh->quads[args->primID].data();
         for (int c = 0; c < 3; c++) {
           const Vec& p = f.mesh->vertices[v[c]];
-          if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius) f.near.insert(args->primID);
+          if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius)
+            f.near.insert(args->primID);
         }
         return false;
       }, &found);
@@ -669,7 +696,8 @@ TEST(Meshes, PointQueriesMatchEmbree)
     };
     size_t all = 0, calls = 0;
     for (int i = 0; i < 200; i++) {
-      const Vec at = {float(random.uniform(-1.1, 1.1)), float(random.uniform(-1.1, 1.1)), float(random.uniform(-0.3, 0.3))};
+      const Vec at = {float(random.uniform(-1.1, 1.1)), float(random.uniform(-1.1, 1.1)),
+                      float(random.uniform(-0.3, 0.3))};
       const float radius = float(random.uniform(0, 0.4));
       const Found expected = near(embree, at, radius), found = near(scene, at, radius);
       ASSERT_EQ(expected.near, found.near);

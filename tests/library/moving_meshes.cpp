@@ -51,12 +51,17 @@ void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh,
   for (RTCRayHit& r : rays) r.ray.time = float(random.uniform());
   for (QueryForm form : allQueryForms) {
     SCOPED_TRACE(nameOf(form));
-    const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), found = closestHits(scenes[1], rays, form), any = anyHits(scenes[1], rays, form);
+    const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form),
+                                 found = closestHits(scenes[1], rays, form), any = anyHits(scenes[1], rays, form);
     size_t others = 0, hits = 0; // for rays that graze edges, floats differ
     for (size_t i = 0; i < rays.size(); i++) {
       ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
       hits += isHit(expected[i]);
-      if (isHit(expected[i]) != isHit(found[i]) || (isHit(expected[i]) && expected[i].hit.primID != found[i].hit.primID)) { others++; continue; }
+      if (isHit(expected[i]) != isHit(found[i]) ||
+          (isHit(expected[i]) && expected[i].hit.primID != found[i].hit.primID)) {
+        others++;
+        continue;
+      }
       if (!isHit(expected[i])) continue;
       const double grazing = std::max(1.0, 0.1/cosine(expected[i]));
       ASSERT_NEAR(expected[i].ray.tfar, found[i].ray.tfar, 1e-5*expected[i].ray.tfar*grazing) << "ray " << i;
@@ -89,7 +94,9 @@ TEST_P(MovingMeshes, HitsMatchEmbree)
       DicedMesh mesh = meshOf(dicedSheet(2, 16, lattice), order, random);
       mesh.motion = bent;
       ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, mesh, random, timeSteps));
-      if (order != QuadOrder::Shuffled) { ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, trianglesOf(mesh, 1, 2), random, timeSteps)); }
+      if (order != QuadOrder::Shuffled) {
+        ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, trianglesOf(mesh, 1, 2), random, timeSteps));
+      }
     }
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
@@ -121,7 +128,8 @@ void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Ra
   for (int i = 0; i < 2; i++) {
     RTCGeometry geometry = make(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, 3);
     rtcSetGeometryMask(geometry, 2);
-    attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
+    attachFiltered(device, geometry, scenes[i], tops[i],
+                   {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
   }
   ASSERT_GT(statisticsOf(scenes[1]).numMovingQuads, 0u);
   std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
@@ -134,13 +142,16 @@ void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Ra
     size_t hits = 0;
     for (int top = 0; top < 2; top++) {
       Scene* const of = top ? tops : scenes;
-      const std::vector<RTCRayHit> expected = closestHits(of[0], rays, form), found = closestHits(of[1], rays, form), any = anyHits(of[1], rays, form);
+      const std::vector<RTCRayHit> expected = closestHits(of[0], rays, form), found = closestHits(of[1], rays, form),
+                                   any = anyHits(of[1], rays, form);
       size_t others = 0; // for rays that graze edges, floats differ
       for (size_t i = 0; i < rays.size(); i++) {
         ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
         hits += isHit(found[i]);
-        others += isHit(expected[i]) != isHit(found[i]) || (isHit(expected[i]) && (expected[i].hit.primID != found[i].hit.primID ||
-          std::fabs(expected[i].ray.tfar - found[i].ray.tfar) > 1e-5*expected[i].ray.tfar*std::max(1.0, 0.1/cosine(expected[i]))));
+        others += isHit(expected[i]) != isHit(found[i]) ||
+                  (isHit(expected[i]) && (expected[i].hit.primID != found[i].hit.primID ||
+                                          std::fabs(expected[i].ray.tfar - found[i].ray.tfar) >
+                                            1e-5*expected[i].ray.tfar*std::max(1.0, 0.1/cosine(expected[i]))));
       }
       ASSERT_LE(others, 2u);
     }
@@ -199,7 +210,8 @@ struct NearestVertex
   {
     NearestVertex& self = *(NearestVertex*)args->userPtr;
     const float p[3] = {args->query->x, args->query->y, args->query->z};
-    for (unsigned v : verticesOf(self.mesh, args->primID)) self.distance = std::min(self.distance, self.distanceTo(v, p));
+    for (unsigned v : verticesOf(self.mesh, args->primID))
+      self.distance = std::min(self.distance, self.distanceTo(v, p));
     if (self.distance >= args->query->radius) return false;
     args->query->radius = float(self.distance);
     return true;
@@ -215,7 +227,8 @@ void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh
   ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
   for (int i = 0; i < 100; i++) {
     NearestVertex<Mesh> nearest = {mesh, float(random.uniform())}, all = nearest;
-    RTCPointQuery query = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-0.5, 0.5)), nearest.time, 1e9f};
+    RTCPointQuery query = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-0.5, 0.5)),
+                           nearest.time, 1e9f};
     const float p[3] = {query.x, query.y, query.z};
     for (unsigned v = 0; v < mesh.vertices.size(); v++) all.distance = std::min(all.distance, all.distanceTo(v, p));
     RTCPointQueryContext context;
@@ -247,7 +260,9 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
   Random random(3142);
   Device device;
   Diced ball = dicedBall(3, 16, 2);
-  ball.motion = [](const Vec& p, unsigned step) { return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]}; };
+  ball.motion = [](const Vec& p, unsigned step) {
+    return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]};
+  };
   std::vector<RTCGeometry> geometries = {newGrids(device, ball, RTC_COMPRESSION_VERT, 0, 3)};
   for (QuadOrder order : allQuadOrders) {
     DicedMesh mesh = meshOf(ball, order, random);
@@ -265,7 +280,8 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
     rtcCommitScene(scene);
     ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
     size_t leaks = 0;
-    for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 1000)) leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+    for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 1000))
+      leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
     EXPECT_EQ(leaks, 0u);
     rtcReleaseGeometry(geometry);
   }
@@ -294,7 +310,8 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
         if (!isHit(r)) continue;
         hits++;
         RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcGetCompressedTriangleAtTime(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        ASSERT_TRUE(
+          rtcGetCompressedTriangleAtTime(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         std::set<unsigned> corners;
         for (unsigned v : verticesOf(mesh, r.hit.primID)) corners.insert(v);
         for (int c = 0; c < 3; c++) {
@@ -303,14 +320,16 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
           for (unsigned v : corners) {
             const Vec a = bent(mesh.vertices[v], 0), b = bent(mesh.vertices[v], 1);
             bool isThis = true;
-            for (int k = 0; k < 3; k++) isThis &= std::fabs((1 - ray.ray.time)*a[k] + ray.ray.time*b[k] - t.vertices[c][k]) < 1e-6f;
+            for (int k = 0; k < 3; k++)
+              isThis &= std::fabs((1 - ray.ray.time)*a[k] + ray.ray.time*b[k] - t.vertices[c][k]) < 1e-6f;
             if (isThis) { isVertex = true; corners.erase(v); break; }
           }
           ASSERT_TRUE(isVertex) << "vertex " << c;
         }
         double height = 0, n = 0;
         for (int k = 0; k < 3; k++) {
-          const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+          const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z},
+                      d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
           height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
           n += double(Ng[k])*Ng[k];
         }

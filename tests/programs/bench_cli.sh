@@ -32,7 +32,8 @@ refuses "count 0 is out of range" --scene herd --count 0
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "representation 'mesh'.*naive, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" --scene cube --representation mesh
+refuses "representation 'mesh'.*naive, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" --scene cube \
+  --representation mesh
 refuses "representation 'cbvh.leaf' is repeated" --scene cube --representation Leaf,cbvh.leaf
 refuses "leaves-only" --scene cube --leaves-only
 refuses "frame level '9'" --scene cube --frame-level 2,9
@@ -177,7 +178,8 @@ refuses "library .*--device vulkan" --scene cube --library "$folder/a" --device 
   --query closest,any --mode single,packet4,stream --rays 2000 --repeat 3 --size 64x64 --true-surface 0 \
   --json "$folder/copies.json" >"$folder/stdout" 2>"$folder/stderr" || complain "copies: $(cat "$folder/stderr")"
 grep -q "library B ($folder/b/libembree3.so.3), Embree 3.13" "$folder/stdout" || complain "no message about library B"
-grep -q "rays are identical to library A" "$folder/stdout" || complain "no message about the hits: $(cat "$folder/stdout")"
+grep -q "rays are identical to library A" "$folder/stdout" ||
+  complain "no message about the hits: $(cat "$folder/stdout")"
 grep -q "Mrays/s.* of GRID, spread .* of A, spread" "$folder/stdout" ||
   complain "no message about the ratio of the libraries"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record of two libraries is wrong"

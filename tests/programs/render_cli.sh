@@ -77,7 +77,8 @@ refuses "max-pixel-error nan: .*finite" --scene cube --max-pixel-error nan
 refuses "height-repeat 'many'" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
 refuses "mid-level needs a height map" --cage "$folder/quad.obj" --mid-level 0.2
 refuses "vectors" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
-refuses "amplitude and --height-scale .*one of them" --cage "$folder/quad.obj" --height "$folder/text.png" --amplitude 1 --height-scale 1
+refuses "amplitude and --height-scale .*one of them" --cage "$folder/quad.obj" --height "$folder/text.png" \
+  --amplitude 1 --height-scale 1
 refuses "height-repeat .*skin.<UDIM>.png" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png" --height-repeat 2
 refuses "skin.<UDIM>.png.*tile 1001" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png"
 refuses "up" --cage "$folder/quad.obj" --up w
@@ -346,7 +347,8 @@ refuses "one of --scene.*--cage.*--mesh" --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
 refuses "true-surface .*cage" --mesh "$folder/quad.obj" --true-surface 100
 refuses "export .*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
-expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 --output "$folder/cleaf.out"
+expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \
+  --output "$folder/cleaf.out"
 
 # Standard output that cannot be written.
 for arguments in --help "--scene cube --level 1 --size 16x16 --representation grid --output $folder/full"; do

@@ -74,7 +74,8 @@ class Heights(unittest.TestCase):
 
     def test_cage_without_uvs_gets_the_map_on_each_face_and_a_warning(self):
         cage = cbvh.Cage(*sheet_arrays(), name="plain")
-        with self.assertWarnsRegex(UserWarning, "^plain has no texture coordinates: each face gets the whole of height"):
+        with self.assertWarnsRegex(UserWarning,
+                                   "^plain has no texture coordinates: each face gets the whole of height"):
             cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
         with warnings.catch_warnings():
             warnings.simplefilter("error")

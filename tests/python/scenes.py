@@ -178,7 +178,8 @@ class Rays(unittest.TestCase):
         for error, text, arguments in (
                 (ValueError, r"origins: has shape \(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
                 (ValueError, r"directions: has shape \(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
-                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors", (np.zeros((2, 3)), np.ones((3, 3)))),
+                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors",
+                 (np.zeros((2, 3)), np.ones((3, 3)))),
                 (TypeError, "tfar: is an array of <U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
                 (TypeError, "origins: is an array of object", (None, [0, 0, 1]))):
             for query in (scene.intersect, scene.occluded):

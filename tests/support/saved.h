@@ -141,11 +141,12 @@ inline std::vector<Saveable> allSaveable()
               });
   }
   for (bool triangles : {false, true})
-    diced(triangles ? "triangles, irregular in part" : "quads, irregular in part", 1, [=](RTCDevice device, const Diced& sheet, unsigned) {
-      Random random(6);
-      return newMesh(device, partlyIrregular(meshOf(sheet, QuadOrder::Rows, random), random, triangles), RTC_COMPRESSION_VERT,
-        RTC_COMPRESSION_FLAG_RELEASE_INPUT);
-    });
+    diced(triangles ? "triangles, irregular in part" : "quads, irregular in part", 1,
+          [=](RTCDevice device, const Diced& sheet, unsigned) {
+            Random random(6);
+            return newMesh(device, partlyIrregular(meshOf(sheet, QuadOrder::Rows, random), random, triangles),
+                           RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+          });
   diced("irregular triangles", 1, [](RTCDevice device, const Diced& sheet, unsigned) {
     Random random(7);
     return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_VERT,

@@ -20,7 +20,8 @@ fail() { echo "FAILED: $*" >&2; exit 1; }
 suite() {
   folder=$work/$1/dists/$2
   mkdir -p "$folder/main/binary-all" "$folder/main/source" "$work/$1/pool"
-  printf 'Package: program\nVersion: 1\nArchitecture: all\nSize: 1\nFilename: pool/program.deb\n\n' > "$folder/main/binary-all/Packages"
+  printf 'Package: program\nVersion: 1\nArchitecture: all\nSize: 1\nFilename: pool/program.deb\n\n' \
+    > "$folder/main/binary-all/Packages"
   for architecture in $(dpkg --print-architecture); do
     mkdir -p "$folder/main/binary-$architecture"
     cp "$folder/main/binary-all/Packages" "$folder/main/binary-$architecture/"
@@ -31,7 +32,8 @@ suite() {
     echo "archive of $2" > "$work/$1/pool/$name.orig.tar.xz"
     echo "description" > "$work/$1/pool/$name-1.dsc"
     {
-      printf 'Package: thing\nBinary: program\nVersion: %s-1\nArchitecture: all\nFormat: 3.0 (quilt)\nDirectory: pool\n' "$4"
+      printf '%s\n' 'Package: thing' 'Binary: program' "Version: $4-1" 'Architecture: all' 'Format: 3.0 (quilt)' \
+        'Directory: pool'
       for kind in Files:md5sum Checksums-Sha256:sha256sum; do
         echo "${kind%:*}:"
         for file in "$name-1.dsc" "$name.orig.tar.xz"; do
@@ -43,7 +45,8 @@ suite() {
     } > "$folder/main/source/Sources"
   fi
   {
-    printf 'Origin: %s\nSuite: %s\nCodename: %s\nComponents: main\nArchitectures: all %s\n' "$3" "$2" "$2" "$(dpkg --print-architecture)"
+    printf 'Origin: %s\nSuite: %s\nCodename: %s\nComponents: main\nArchitectures: all %s\n' "$3" "$2" "$2" \
+      "$(dpkg --print-architecture)"
     printf 'Date: %s\nSHA256:\n' "$(LC_ALL=C date -u '+%a, %d %b %Y %H:%M:%S UTC')"
     (cd "$folder" && find main -type f | while read -r file; do
       echo " $(sha256sum "$file" | cut -d ' ' -f 1) $(wc -c < "$file") $file"
@@ -101,7 +104,8 @@ line mirror new-security
 finds old
 
 machine "another release, as deb822"
-printf 'Types: deb\nURIs: file:%s/mirror/\nSuites: new new-security\nComponents: main\nTrusted: yes\n' "$work" > "$work/$name/sources/debian.sources"
+printf 'Types: deb\nURIs: file:%s/mirror/\nSuites: new new-security\nComponents: main\nTrusted: yes\n' "$work" \
+  > "$work/$name/sources/debian.sources"
 finds old
 
 machine "two mirrors, the first without the pinned release"
