@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID and the rays of a packet, one by one. */
+/* Leaves of cGRID, for the rays of a packet, one by one. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -45,7 +45,7 @@ namespace embree
         }
 
       private:
-        /*! what GridLeaf asks for */
+        /*! The test that GridLeaf requires. */
         struct Test
         {
           Rays& rays;

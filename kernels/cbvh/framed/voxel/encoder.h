@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cVOXEL: none, the nodes say all. */
+/* cVOXEL has no leaves: the nodes are the surface. */
 
 #include "../leaf/leaf_thickness.h"
 
