@@ -51,7 +51,8 @@ namespace embree
       {
       public:
         __forceinline GridLeaf (const Block* block, uint32_t leaf, const Test& test)
-          : block(block), test(test), width((size_t(1) << block->height()) + 1), x(2*mortonX(leaf)), y(2*mortonY(leaf)) {}
+          : block(block), test(test), width((size_t(1) << block->height()) + 1), x(2*mortonX(leaf)),
+            y(2*mortonY(leaf)) {}
 
         __forceinline bool run (bool endsWithHit) const
         {

@@ -34,7 +34,7 @@ CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
   if (q == Real(0)) return Real(0); // b and d are 0, and so is f0
-  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number, whatever k is
+  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
   if (k == kept || f.saddle == Real(0)) return kept;
   /* Rounding can move either root out of the range that it is in. */
   Real other = q/f.saddle, otherKept = clampToUnit(other);
@@ -149,14 +149,16 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   event.leave = above1 ? sideAbove : sideBelow;
   Real reach = Real(0.5f*leaf.thickness) + segment.epsilon[2];
   event.nearEntry = magnitude(x.f.f0) <= reach;
-  event.near = event.changes || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= reach + Real(0.25f)*magnitude(x.f.saddle);
+  event.near = event.changes
+    || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= reach + Real(0.25f)*magnitude(x.f.saddle);
   x.event = event;
   return x;
 }
 
 /*! Finds the first position, from entry to exit, at which a ray intersects a lip of leaf (leafX,leafY). last: number of
  *  the last leaf of a side of the block. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY, uint32_t last, CVERT_OF(Lip) lip)
+CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY,
+  uint32_t last, CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipMeeting) at;
   at.met = false;

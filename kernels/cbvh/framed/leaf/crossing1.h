@@ -16,16 +16,20 @@ namespace embree
     namespace cbvh
     {
       /*! Returns the position of s in the box of a leaf: u and v. */
-      __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf, const vfloat4& s)
+      __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
+                                            const vfloat4& s)
       {
         const vfloat4 footprint = vfloat4::load(surfaces.footprint[leaf]);
         const vfloat4 P = vfloat4(_mm_movelh_ps(ray.P,ray.P)), D = vfloat4(_mm_movelh_ps(ray.D,ray.D));
-        const vfloat4 at = (madd(s,D,P) - vfloat4(_mm_movelh_ps(footprint,footprint)))*vfloat4(_mm_movehl_ps(footprint,footprint));
+        const vfloat4 at = (madd(s,D,P)
+                            - vfloat4(_mm_movelh_ps(footprint,footprint)))*vfloat4(_mm_movehl_ps(footprint,footprint));
         return max(min(at,vfloat4(one)),vfloat4(zero));
       }
 
       /*! ranges: ranges of the leaves' boxes. started, ended: the segment starts or ends in the box of the leaf. */
-      __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile, uint32_t leaf, const BoxRanges<16>& ranges, bool started, bool ended)
+      __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile,
+                                                      uint32_t leaf, const BoxRanges<16>& ranges, bool started,
+                                                        bool ended)
       {
         const LeafSurfaces& surfaces = tile.surfaces;
         const float sNear = ranges.sNear[leaf], sFar = ranges.sFar[leaf];

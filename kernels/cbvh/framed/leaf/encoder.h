@@ -18,7 +18,8 @@ namespace embree
     public:
       /*! sharpSides: sides of the block, see sharpSidesOf(). */
       LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
-        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides), statistics(statistics) {}
+        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides),
+          statistics(statistics) {}
 
       /*! Stores the heights of group m, whose box is `box`, and returns its word. */
       uint32_t group(uint32_t m, const NodeBox& box)
@@ -60,7 +61,8 @@ namespace embree
           if (lattices.encoded >> c & 1) continue;
           const QuadGroup quads = quadsOf(m+c);
           EncodedGroup encoded;
-          if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded)) encoded = encodeLoose(boxes[c],quads);
+          if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded))
+            encoded = encodeLoose(boxes[c],quads);
           encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
           words[c] = add(m+c,quads,encoded,boxes[c]);
         }
@@ -122,7 +124,8 @@ namespace embree
           slope[0] = 0.5*(leaf.z[1]+leaf.z[3]-leaf.z[0]-leaf.z[2])/leaf.box.extent[0];
           slope[1] = 0.5*(leaf.z[2]+leaf.z[3]-leaf.z[0]-leaf.z[1])/leaf.box.extent[1];
         }
-        const float thickness = statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
+        const float thickness =
+          statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
         if (geometry.cellLevels == geometry.height)
           statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,loose,thickness);
         else if (cell == 0) // one of four parts of the only quad

@@ -43,7 +43,7 @@ CVERT_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0
 /* --- lattices ------------------------------------------------------------------------ */
 
 CVERT_CONSTANT int latticeBins = 128;
-/*! Range of the bins, in heights of the parent's box. Greater than 1, because patches are extrapolated to the corners. */
+/*! Range of the bins, in heights of the parent's box. Exceeds 1, because patches are extrapolated to the corners. */
 CVERT_CONSTANT float latticeRange = 1.5f;
 
 CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
@@ -73,9 +73,8 @@ CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*
 /*! The middle plane. It bounds nothing, so it is rounded to the nearest code. */
 CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! Thickness in bins. Heights are rounded by up to half a bin up or down. The rest is the distance of straight edges
- *  from the lattice. */
-//! 1, 2, 5 or 16
+/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin up or down. The rest is the distance of
+ *  straight edges from the lattice. */
 CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Returns plane 0, 1 or 2 of a lattice along an axis. */
@@ -112,7 +111,9 @@ CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 }
 
 CVERT_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CVERT_FUNCTION float looseThicknessOf (Heights heights) { return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u); }
+CVERT_FUNCTION float looseThicknessOf (Heights heights) {
+  return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u);
+}
 
 /* --- surfaces ------------------------------------------------------------------------ */
 

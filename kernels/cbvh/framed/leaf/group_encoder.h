@@ -27,9 +27,8 @@ namespace embree
           for (int c=0; c<4; c++) {
             if (childColumn(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
-            width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3); // includes the
-                                                                                                      // rounding of the
-                                                                                                      // ray's u
+            // 1e-3: rounding of the ray's u
+            width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3);
           }
         }
       }

@@ -156,7 +156,9 @@ CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 }
 
 /*! True if passBox() must be called for boxes that the ray passes. */
-CVERT_FUNCTION bool wantsPassed (WalkState state) { return state.pending || (state.side == sideUnknown && !state.found); }
+CVERT_FUNCTION bool wantsPassed (WalkState state) {
+  return state.pending || (state.side == sideUnknown && !state.found);
+}
 
 /*! Decides for a ray that passes over (under) a box: it overlaps the box in x and y, but misses it. Only if
  *  wantsPassed. */

@@ -79,7 +79,8 @@ namespace embree
           auto point = [&](double t, int axis) { return a[axis] + t*(b[axis]-a[axis]); };
           const double middle = 0.5*(cut[i]+cut[i+1]);
           const int column = point(middle,0) >= planes[0][1], row = point(middle,1) >= planes[1][1];
-          const Position p = in(column,row,point(cut[i],0),point(cut[i],1)), q = in(column,row,point(cut[i+1],0),point(cut[i+1],1));
+          const Position p = in(column,row,point(cut[i],0),point(cut[i],1)),
+            q = in(column,row,point(cut[i+1],0),point(cut[i+1],1));
           const double d0 = at(p)-point(cut[i],2), d1 = at(q)-point(cut[i+1],2);
           const double sag = -0.25*twist(p.corner)*(q.u-p.u)*(q.v-p.v);
           range.extend({ std::min(d0,d1) + std::min(sag,0.0), std::max(d0,d1) + std::max(sag,0.0) });
@@ -105,7 +106,8 @@ namespace embree
     /*! Encodes the planes of the lattice. The outer planes keep the slack to all vertices, the middle planes are
      *  nearest to the mean of the vertices on them. Returns false if a vertex of an outer side on the block's border is
      *  not in the cells on that side, because the intersector searches for the border there. */
-    inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word, double planes[3])
+    inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
+      double planes[3])
     {
       const int along = axis == 0 ? 1 : 3, across = axis == 0 ? 3 : 1;
       double lower = group.boxes[0].lower[axis], upper = group.boxes[0].upper[axis];
@@ -130,8 +132,10 @@ namespace embree
       const double narrowest = (planes[2]-planes[0])*minCellWidth;
       if (!(planes[1]-planes[0] > narrowest) || !(planes[2]-planes[1] > narrowest)) return false;
       for (int i=0; i<3; i++) {
-        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack-group.rounding[axis]) return false;
-        if (group.border[axis][1] && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack+group.rounding[axis]) return false;
+        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack-group.rounding[axis])
+          return false;
+        if (group.border[axis][1]
+          && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack+group.rounding[axis]) return false;
       }
       return true;
     }

@@ -53,7 +53,8 @@ namespace embree
       void store(uint32_t words[4], Heights out[4]) const
       {
         const Int4* const h = heights;
-        Int4 low  = h[0] | (h[1] << 8) | (h[2] << 16) | (h[3] << 24), high = h[5] | (h[6] << 8) | (h[7] << 16) | (h[8] << 24);
+        Int4 low  = h[0] | (h[1] << 8) | (h[2] << 16) | (h[3] << 24),
+          high = h[5] | (h[6] << 8) | (h[7] << 16) | (h[8] << 24);
         for (int i=0; i<7; i++) {
           Int4& half = i < 4 ? low : high;
           half = half | ((h[4] >> i << 31) >> (24-8*(i%4)));
@@ -108,8 +109,10 @@ namespace embree
         const Double4 narrowest = (p[2]-p[0])*minCellWidth;
         encoded &= ((narrowest < width[axis][0]) & (narrowest < width[axis][1])).bits();
         for (int i=0; i<3; i++) {
-          encoded &= ~(groups.border[axis][0] & (p[1]-containmentSlack-groups.rounding[axis] < groups.vertices[i*across][axis]).bits());
-          encoded &= ~(groups.border[axis][1] & (groups.vertices[2*along+i*across][axis] < p[1]+containmentSlack+groups.rounding[axis]).bits());
+          encoded &= ~(groups.border[axis][0]
+            & (p[1]-containmentSlack-groups.rounding[axis] < groups.vertices[i*across][axis]).bits());
+          encoded &= ~(groups.border[axis][1]
+            & (groups.vertices[2*along+i*across][axis] < p[1]+containmentSlack+groups.rounding[axis]).bits());
         }
       }
 
@@ -127,7 +130,8 @@ namespace embree
             else irregular |= isUpper.bits() ^ (step == 2 ? 15 : 0);
             at[v][axis] = step == 0 ? (x-planes[axis][0])/width[axis][0]
                         : step == 2 ? (x-planes[axis][1])/width[axis][1]
-                        : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],width[axis][0]);
+                        : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],
+                          width[axis][0]);
           }
         undecided = irregular & encoded;
         encoded &= ~irregular;
@@ -194,7 +198,8 @@ namespace embree
             }
           slope[axis] = max(rise[0]/width[axis][0],rise[1]/width[axis][1]);
         }
-        return Double4(containmentSlack + groups.rounding[2]) + slope[0]*groups.rounding[0] + slope[1]*groups.rounding[1];
+        return Double4(containmentSlack + groups.rounding[2]) + slope[0]*groups.rounding[0]
+          + slope[1]*groups.rounding[1];
       }
 
       /*! The point where the straight edge from vertex a to b crosses the middle plane of an axis. */
@@ -216,13 +221,15 @@ namespace embree
       {
         const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // of the heights over the plane
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
-        const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,reciprocal[other][1],reciprocal[other][0]);
+        const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,
+          reciprocal[other][1],reciprocal[other][0]);
         return from + u*(to-from) - p.z;
       }
 
-      /*! Bounds of the height of the surface above the two edges of a row or column. The true range is between
-       *  lowest[0] to highest[0] and lowest[1] to highest[1], which differ only in the middle rows and columns. */
-      struct Range4
+      /*! Bounds of the height of the surface above the two edges of a row or column. The exact range contains lowest[0]
+       *  to
+     *  highest[0], and lies within lowest[1] to highest[1]. These differ only in the middle rows and columns. */
+    struct Range4
       {
         Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
 
@@ -240,7 +247,8 @@ namespace embree
       Range4 rangeOf() const
       {
         constexpr int along = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
-        const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step], *const c = groups.vertices[v+2*step];
+        const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step],
+          *const c = groups.vertices[v+2*step];
         const Double4 da = off[v], db = off[v+step], dc = off[v+2*step];
         Range4 range;
 
@@ -248,7 +256,8 @@ namespace embree
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
         const LineCrossing x(*this,along,from,to);
-        const Double4 dx = distance(x,along,line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
+        const Double4 dx = distance(x,along,
+          line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
 
         /* Products of the extents of the pieces along both axes. */
         const Double4 t2 = x.t*x.t, rest2 = (1.0-x.t)*(1.0-x.t);
@@ -260,7 +269,8 @@ namespace embree
         for (int i=0; i<3; i++)
         {
           const Double4 low = min(ends[i],ends[i+1]), high = max(ends[i],ends[i+1]);
-          auto factor = [&](int j) { return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j)); };
+          auto factor = [&](int j) { return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j));
+            };
           if (line != 1) {
             const Double4 sag = piece[i]*factor(line/2);
             for (int bound=0; bound<2; bound++) range.add(low+min(sag,0.0),high+max(sag,0.0),bound);
@@ -304,7 +314,8 @@ namespace embree
       void raiseToVertex(Mask4 lanes, Double4 slack)
       {
         const Double4 below = slack + groups.vertices[v][2] - surface<v>();
-        const Double4 bins = min(below/size,double(latticeBins)), down = toDouble(toInt(bins)), up = down + ((down < bins) & Double4(1.0));
+        const Double4 bins = min(below/size,double(latticeBins)), down = toDouble(toInt(bins)),
+          up = down + ((down < bins) & Double4(1.0));
         set(v,toDouble(heights[v]) + ((lanes & (Double4(0.0) < below)) & up));
       }
 
@@ -371,7 +382,8 @@ namespace embree
         for (int lane=0; lane<4; lane++) encoded &= ~(uint32_t(codes[lane] == 4) << lane);
         const Int4 coded = Int4::load(codes);
         word = word | (coded << latticeThicknessShift);
-        thick = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),latticeThickness(codes[3]&3))*size;
+        thick = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),
+          latticeThickness(codes[3]&3))*size;
       }
 
       /*! One lane, in the form of lattice_encoder.h. */

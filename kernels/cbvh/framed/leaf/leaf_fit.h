@@ -52,11 +52,13 @@ namespace embree
       bool isGivenUp(size_t allQuads, size_t allEdges) const
       {
         const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
-        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough)) || poorEdges > maxPoorEdges*double(allEdges);
+        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough))
+          || poorEdges > maxPoorEdges*double(allEdges);
       }
 
       /*! Adds quad (x,y) of a cLEAF block, and its leaf. isRough: loose or solid. thickness: in world space. */
-      void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2], bool isRough, double thickness)
+      void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
+        bool isRough, double thickness)
       {
         const QuadNormal quad(geometry,x,y);
         if (!(quad.length > 0)) return; // no area, or not finite
@@ -106,7 +108,8 @@ namespace embree
         /*! Returns the cosine of the angle to the plane with these slopes through the middle of a box. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
-          const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+          const double c[3] =
+            { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
           const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
           double dot = 0, square = 0;
           for (int i=0; i<3; i++) {

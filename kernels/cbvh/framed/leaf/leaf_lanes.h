@@ -18,7 +18,8 @@ namespace embree
     {
     public:
       /*! m: first of the groups. */
-      LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups, const LatticeLanes& lattices)
+      LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups,
+        const LatticeLanes& lattices)
         : geometry(geometry), parents(parents), groups(groups), lattices(lattices)
       {
         const uint32_t w = geometry.width;
@@ -40,7 +41,9 @@ namespace embree
         const Double4 x[3] = { 0.5*(lattices.plane(0,column)+lattices.plane(0,column+1)),
                                0.5*(lattices.plane(1,row)+lattices.plane(1,row+1)),
                                0.5*(max(lowest-half,bottom)+min(highest+half,top)) };
-        const Double4 slope[2] = { 0.5*(z[1]+z[3]-z[0]-z[2])*lattices.reciprocalWidth(0,column), 0.5*(z[2]+z[3]-z[0]-z[1])*lattices.reciprocalWidth(1,row) };
+        const Double4 slope[2] =
+          { 0.5*(z[1]+z[3]-z[0]-z[2])*lattices.reciprocalWidth(0,column),
+            0.5*(z[2]+z[3]-z[0]-z[1])*lattices.reciprocalWidth(1,row) };
 
         /* Normals of the leaf's plane and of the quad. */
         const Double4 k = x[2] - slope[0]*x[0] - slope[1]*x[1];
@@ -77,8 +80,11 @@ namespace embree
             const uint32_t border = groups.border[axis][upper] & lanes;
             if (!border) continue;
             const GroupLine side(axis,2*upper);
-            const Double4 p[3] = { groups.vertices[side.vertex[0]][axis],groups.vertices[side.vertex[1]][axis],groups.vertices[side.vertex[2]][axis] };
-            const Double4 lower = lattices.plane(axis,upper), extent = Double4(toFloat(lattices.plane(axis,upper+1))-toFloat(lower));
+            const Double4 p[3] =
+              { groups.vertices[side.vertex[0]][axis],groups.vertices[side.vertex[1]][axis],
+                groups.vertices[side.vertex[2]][axis] };
+            const Double4 lower = lattices.plane(axis,upper),
+              extent = Double4(toFloat(lattices.plane(axis,upper+1))-toFloat(lower));
             const Double4 u = ((upper ? min(min(p[0],p[1]),p[2]) : max(max(p[0],p[1]),p[2]))-lower)/extent;
             double widths[4];
             ((upper ? Double4(1.0)-u : u) + groups.rounding[axis]/extent + 1e-3).store(widths);

@@ -25,7 +25,8 @@ namespace embree
        *  the distance in the frame per unit of world space. */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
-        const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+        const double c[3] =
+          { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
         const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
         double n2 = 0;
         for (int i=0; i<3; i++) {

@@ -52,7 +52,8 @@ namespace embree
         leaf |= height << (5*c);
         z[c] = heightInBins(bins,float(height));
       }
-      const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] }, slack = group.slack(slopes);
+      const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
+        slack = group.slack(slopes);
       double lowest = 0, highest = 0; // of the plane over all vertices, and below over the vertices on the border
       double lowestBorder = 1e300;
       for (int c=0; c<4; c++) {

@@ -39,7 +39,9 @@ namespace embree
 
         __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
-          const Crossing<float> x = crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),this->endsInside(ranges,child));
+          const Crossing<float> x =
+            crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),
+              this->endsInside(ranges,child));
           const Verdict v = crossLeaf(state,x.event);
           float s;
           if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
@@ -105,7 +107,8 @@ namespace embree
           const float* h = surfaces.height[child];
           const float u = uv[0], v = uv[1];
           const bool flat = (surfaces.solid >> child) & 1u;
-          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[child][2], slopeY = fused(u,h[3],h[2])*surfaces.footprint[child][3];
+          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[child][2],
+            slopeY = fused(u,h[3],h[2])*surfaces.footprint[child][3];
           return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
         }
       };

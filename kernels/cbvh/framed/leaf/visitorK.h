@@ -39,7 +39,8 @@ namespace embree
         vfloat<K> s0, s1, u0, v0, u1, v1, f0, f1, saddle;
         vbool<K> enterAbove, leaveAbove, changes, nearEntry, near, started, ended;
 
-        __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf, const BoxMeeting<K>& box,
+        __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf,
+                                 const BoxMeeting<K>& box,
                                  const vbool<K>& started, const vbool<K>& ended) : started(started), ended(ended)
         {
           s0 = max(box.sNear,vfloat<K>(zero));
@@ -62,9 +63,11 @@ namespace embree
         }
 
         /*! Returns the position in the box of a leaf. axis 0: u, 1: v. */
-        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4], const vfloat<K>& s)
+        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4],
+                                                 const vfloat<K>& s)
         {
-          const vfloat<K> at = (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(footprint[axis]))*vfloat<K>(footprint[2+axis]);
+          const vfloat<K> at =
+            (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(footprint[axis]))*vfloat<K>(footprint[2+axis]);
           return max(min(at,vfloat<K>(1.0f)),vfloat<K>(zero));
         }
 
@@ -79,9 +82,11 @@ namespace embree
 
       private:
         /*! Returns the height over the patch. */
-        static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s, const vfloat<K>& u, const vfloat<K>& v)
+        static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s,
+                                             const vfloat<K>& u, const vfloat<K>& v)
         {
-          const vfloat<K> patch = madd(u,vfloat<K>(h[1]),madd(v,madd(u,vfloat<K>(h[3]),vfloat<K>(h[2])),vfloat<K>(h[0])));
+          const vfloat<K> patch =
+            madd(u,vfloat<K>(h[1]),madd(v,madd(u,vfloat<K>(h[3]),vfloat<K>(h[2])),vfloat<K>(h[0])));
           return madd(s,rays.D[2],rays.P[2]) - patch;
         }
       };
@@ -215,7 +220,8 @@ namespace embree
         }
 
         /*! As meetsLips of visitor1.h: sets s. Returns the rays that intersect no lip. */
-        __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf, vfloat<K>& s) const
+        __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
+                                      vfloat<K>& s) const
         {
           uint32_t missed = 0;
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)

@@ -14,7 +14,8 @@ namespace embree
     class VoxelEncoder
     {
     public:
-      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics) : geometry(geometry), statistics(statistics) {}
+      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics)
+        : geometry(geometry), statistics(statistics) {}
 
       void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
       uint32_t group(uint32_t, const NodeBox&) { return 0; }

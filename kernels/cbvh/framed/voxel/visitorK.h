@@ -19,7 +19,8 @@ namespace embree
         static const uint32_t kind = kindVoxel;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box,
+                                 const vbool<K>& lanes)
         {
           LeafHits<K> hits;
           hits.s = max(box.sNear,vfloat<K>(zero));
@@ -36,10 +37,12 @@ namespace embree
 
       private:
         /*! Returns the position in the box of a leaf. */
-        __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, const vfloat<K>& s) const
+        __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf,
+                                          const vfloat<K>& s) const
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
-          const vfloat<K> at = (madd(s,this->frameRays.D[axis],this->frameRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
+          const vfloat<K> at =
+            (madd(s,this->frameRays.D[axis],this->frameRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
           return min(max(at,vfloat<K>(zero)),vfloat<K>(1.0f));
         }
       };
