@@ -62,7 +62,7 @@ void CbvhGroupTy::keepStatistics()
     throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
       std::to_string(unsupportedFaces)
         + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
-      "and at most 64 faces per vertex"};
+          "and at most 64 faces per vertex"};
 }
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)

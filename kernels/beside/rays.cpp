@@ -52,15 +52,27 @@ __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, 
 }
 
 template<unsigned int K> struct Kernels;
-template<> struct Kernels<4> { typedef RTCRayHit4 RayHits; typedef RTCRay4 Rays;
-                              static constexpr auto intersect = rtcIntersect4;
-                                static constexpr auto occluded = rtcOccluded4; };
-template<> struct Kernels<8> { typedef RTCRayHit8 RayHits; typedef RTCRay8 Rays;
-                              static constexpr auto intersect = rtcIntersect8;
-                                static constexpr auto occluded = rtcOccluded8; };
-template<> struct Kernels<16> { typedef RTCRayHit16 RayHits; typedef RTCRay16 Rays;
-                               static constexpr auto intersect = rtcIntersect16;
-                                 static constexpr auto occluded = rtcOccluded16; };
+template<> struct Kernels<4>
+{
+  typedef RTCRayHit4 RayHits;
+  typedef RTCRay4 Rays;
+  static constexpr auto intersect = rtcIntersect4;
+  static constexpr auto occluded = rtcOccluded4;
+};
+template<> struct Kernels<8>
+{
+  typedef RTCRayHit8 RayHits;
+  typedef RTCRay8 Rays;
+  static constexpr auto intersect = rtcIntersect8;
+  static constexpr auto occluded = rtcOccluded8;
+};
+template<> struct Kernels<16>
+{
+  typedef RTCRayHit16 RayHits;
+  typedef RTCRay16 Rays;
+  static constexpr auto intersect = rtcIntersect16;
+  static constexpr auto occluded = rtcOccluded16;
+};
 
 template<unsigned int K>
 struct AllRays

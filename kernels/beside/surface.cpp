@@ -466,16 +466,25 @@ CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
   return onSurface(surface, [&] { surface->set(accuracy ? core::readStruct(accuracy) : CbvhAccuracy()); });
 }
 
-CbvhError cbvhSetLossless(CbvhSurface surface,
-  int lossless) { return onSurface(surface, [&] { surface->setLossless(lossless != 0); }); }
+CbvhError cbvhSetLossless(CbvhSurface surface, int lossless)
+{
+  return onSurface(surface, [&] { surface->setLossless(lossless != 0); });
+}
 
-CbvhError cbvhSetSurfaceMask(CbvhSurface surface,
-  unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
-CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress,
-  void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }
+CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask)
+{
+  return onSurface(surface, [&] { surface->setMask(mask); });
+}
 
-CbvhError cbvhSaveSurface(CbvhSurface surface,
-  const char* path) { return onSurface(surface, [&] { require(path, "path is NULL"); surface->save(path); }); }
+CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr)
+{
+  return onSurface(surface, [&] { surface->commit(progress, userPtr); });
+}
+
+CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path)
+{
+  return onSurface(surface, [&] { require(path, "path is NULL"); surface->save(path); });
+}
 
 CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface)
 {

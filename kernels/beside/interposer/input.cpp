@@ -19,10 +19,9 @@ void check(CbvhError error)
 void displace(const CbvhDisplacementArguments* args)
 {
   const Input& input = *(const Input*)args->userPtr;
-  const RTCDisplacementFunctionNArguments theirs =
-    {*input.userData, input.original, args->primID, args->timeStep, args->u, args->v,
-                                                    args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z,
-                                                      args->count};
+  const RTCDisplacementFunctionNArguments theirs = {*input.userData, input.original, args->primID, args->timeStep,
+                                                    args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
+                                                    args->P_x, args->P_y, args->P_z, args->count};
   input.displacement(&theirs);
 }
 

@@ -128,8 +128,11 @@ namespace embree
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
         size_t bytes = 0;
-        auto take = [&](size_t n) { const uintptr_t p = uintptr_t(scratch) + bytes; bytes += (n+15) & ~size_t(15);
-          return p; };
+        auto take = [&](size_t n) {
+          const uintptr_t p = uintptr_t(scratch) + bytes;
+          bytes += (n+15) & ~size_t(15);
+          return p;
+        };
         boxes  = (ExactBox*)take(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
         local  = (double(*)[4])take(points*sizeof(*local));
         fitted = (Double3*)take(points*sizeof(Double3));
@@ -162,8 +165,10 @@ namespace embree
         for (int k=0; k<3; k++) coordinate = std::max(coordinate,double(std::max(-lower[k],upper[k])));
         for (int corner=0; corner<8; corner++)
           rcpW = std::max(rcpW,inverse.rcpW({ double(corner&1),double((corner>>1)&1),double(corner>>2) }));
-        auto sum = [&](int k) { return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k]))
-          + std::fabs(double(frame.columns[2][k])); };
+        auto sum = [&](int k) {
+          return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k]))
+            + std::fabs(double(frame.columns[2][k]));
+        };
         rounding[3] = 0;
         for (int k=0; k<3; k++)
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
@@ -192,9 +197,8 @@ namespace embree
           invalid++;
           return ExactBox();
         }
-        const Double4 p[4] =
-          { Double4::load(local[v]),Double4::load(local[v+1]),Double4::load(local[above]),
-            Double4::load(local[above+1]) };
+        const Double4 p[4] = { Double4::load(local[v]),Double4::load(local[v+1]),
+                               Double4::load(local[above]),Double4::load(local[above+1]) };
         const Double4 lower = min(min(p[0],p[1]),min(p[2],p[3])), upper = max(max(p[0],p[1]),max(p[2],p[3]));
         const Double4 r = Double4::load(rounding);
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));

@@ -56,11 +56,10 @@ namespace embree
          *  ray's hit in another block, but would have been accepted if this block had been visited first. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
-          const HitRay<float> segment =
-            { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,
-              local.t1,local.w0,local.w1,
-                                          { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,ray.tnear(),
-                                            state.tfar,state.enter };
+          const HitRay<float> segment = {
+            { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },
+            local.t0,local.t1,local.w0,local.w1,{ state.dir.x,state.dir.y,state.dir.z },
+            state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
           const float own = segment.ownT(at.s), t = segment.countingT(own);
           if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };

@@ -94,9 +94,9 @@ namespace embree
         __forceinline HitRay<vfloat<K>> segments () const
         {
           const FrameRays<K>& f = frameRays;
-          return HitRay<vfloat<K>>{ { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
-                                    { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),
-                                      state.tfar,state.enter };
+          return HitRay<vfloat<K>>{
+            { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
+            { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
         /*! Returns the hits that take precedence over the hits that the rays have. */

@@ -67,8 +67,7 @@ namespace embree
     {
       const Double3 axis = std::fabs(a.x) < std::fabs(a.y)
         ? (std::fabs(a.x) < std::fabs(a.z) ? Double3{1,0,0} : Double3{0,0,1})
-                                                           : (std::fabs(a.y) < std::fabs(a.z) ? Double3{0,1,0}
-                                                             : Double3{0,0,1});
+        : (std::fabs(a.y) < std::fabs(a.z) ? Double3{0,1,0} : Double3{0,0,1});
       const Double3 c = cross(a,axis);
       return (1.0/length(c))*c;
     }

@@ -29,7 +29,7 @@ namespace embree
       /*! ranges: ranges of the leaves' boxes. started, ended: the segment starts or ends in the box of the leaf. */
       __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile,
                                                       uint32_t leaf, const BoxRanges<16>& ranges, bool started,
-                                                        bool ended)
+                                                      bool ended)
       {
         const LeafSurfaces& surfaces = tile.surfaces;
         const float sNear = ranges.sNear[leaf], sFar = ranges.sFar[leaf];
