@@ -40,9 +40,8 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   const Input& input = *(const Input*)args->geometryUserPtr;
-  const CbvhDisplacementArguments ours =
-    {input.displacementPtr, args->primID, args->timeStep, args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
-                                          args->P_x, args->P_y, args->P_z, args->N};
+  const CbvhDisplacementArguments ours = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v,
+                                          args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z, args->N};
   const OwnErrors errors(false);
   input.displacement(&ours);
 }

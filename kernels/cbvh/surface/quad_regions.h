@@ -143,7 +143,7 @@ namespace embree
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool haveOwnForms = false; //!< quads of a region have their own forms: their triangles begin at different corners
-    bool isOutOfMemory = false; //!< the regions could not be found
+    bool isOutOfMemory = false; //!< out of memory: the regions could not be found
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
     bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
     size_t numLeftOut = 0;    //!< quads and triangles with an index that is not a vertex; rays do not hit them
