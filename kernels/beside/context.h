@@ -54,7 +54,6 @@ private:
   std::atomic<size_t> references;
 };
 
-/* Holds a reference. */
 template<typename T>
 class Held
 {

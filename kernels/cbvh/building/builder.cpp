@@ -61,7 +61,6 @@ namespace embree
       std::vector<uint64_t> treeOf; //!< builds of the blocks under the tree; empty if there is no tree
       size_t treeBytes = 0;
 
-      /*! A geometry of the scene. */
       struct Surface
       {
         CompressibleGeometry* geometry;

@@ -16,7 +16,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A hit in a leaf. */
       template<typename Real, typename Bool>
       struct LeafHit
       {

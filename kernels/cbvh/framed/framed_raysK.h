@@ -14,7 +14,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The rays of a packet in blocks with frames. */
       template<int K>
       class FramedRaysK
       {

@@ -30,7 +30,6 @@ CBVH_END
 
 CBVH_BEGIN
 
-/*! Returns the heights of group m. */
 inline Heights heightsOf (const Block* block, uint32_t m)
 {
   Heights heights;

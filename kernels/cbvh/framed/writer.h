@@ -100,7 +100,6 @@ namespace embree
     private:
       static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF; //!< for patches whose own kind cannot leave out quads
 
-      /*! A block of a patch. */
       struct Encoding
       {
         cbvh::Kind kind;

@@ -9,8 +9,7 @@
  * splits it from v1 to v3, like the quads of grids:
  *
  *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
- *    v1
- *     |  \  |   \  |       are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
+ *     |  \  |   \  |       v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
  *    v0 --- v1 --- .       triangles as in their mesh. Vertices that quads share are the same for all of them. */
 
 #include "../embree/scene.h"
@@ -24,7 +23,6 @@ namespace embree
 {
   inline namespace CBVH_ISA
   {
-    /*! The quads of a quad mesh. */
     struct QuadsOfMesh
     {
       const QuadMesh* mesh;

@@ -50,7 +50,6 @@ namespace embree
           return r;
         }
 
-        /*! Applies f to each vector. */
         template<typename Function>
         __forceinline CellVector with (const Function& f) const
         {

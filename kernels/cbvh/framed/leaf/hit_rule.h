@@ -80,7 +80,6 @@ CVERT_FUNCTION WalkState startOfWalk ()
   return state;
 }
 
-/*! How a ray crosses a leaf. */
 struct LeafEvent
 {
   uint32_t enter;   //!< side at the entry

@@ -81,7 +81,6 @@ namespace embree
         }
 
       private:
-        /*! Returns the height over the patch. */
         static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s,
                                              const vfloat<K>& u, const vfloat<K>& v)
         {
