@@ -19,7 +19,7 @@ struct Options
   bool takes(RTCGeometryType type) const;
 };
 
-/* Returns the settings, which are read once. Unknown items are reported on stderr. */
+/* Returns the settings, which are read once. Unknown items are reported on stderr and turn compression off. */
 const Options& options();
 
 /* Prints a line to stderr, unless the same line was printed before. */
