@@ -93,7 +93,6 @@ namespace embree
         }
       };
 
-      /*! The rays of a packet. */
       template<int K>
       class VertRays : public VertRayAxes<vfloat<K>>
       {
