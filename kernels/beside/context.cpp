@@ -13,9 +13,9 @@ using namespace embree::beside;
 
 namespace {
 
-thread_local std::string lastText;       // of cbvhGetErrorText
-thread_local Failure ofEmbree = {CBVH_OK, ""}; // what its error function was told, and nobody took
-thread_local bool isTaken = false;             // whether this thread is in a function that takes it
+thread_local std::string lastText;       // result of cbvhGetErrorText
+thread_local Failure ofEmbree = {CBVH_OK, ""}; // error that Embree reported and no function has returned
+thread_local bool isTaken = false;             // this thread is in a function that returns such errors
 
 CbvhError codeOf(RTCError code)
 {
@@ -30,7 +30,8 @@ CbvhError codeOf(RTCError code)
   }
 }
 
-/* Functions that return an error take it. Rays that find damaged blocks do not: then the application is told at once. */
+/* Stores an error for the function that returns it. Functions for rays return none: if they find damaged blocks, the
+ * application is notified at once. */
 void keepError(void* context, RTCError code, const char* text)
 {
   const Failure failure = {codeOf(code), text ? text : ""};
@@ -40,11 +41,14 @@ void keepError(void* context, RTCError code, const char* text)
 
 } // namespace
 
-CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr) : device(rtcNewDevice(settings)), function(function), userPtr(userPtr)
+CbvhContextTy::CbvhContextTy(const char* settings, CbvhErrorFunction function, void* userPtr)
+  : device(rtcNewDevice(settings)), function(function), userPtr(userPtr)
 {
   if (!device) {
     const std::string reason = embree::takeSettingError();
-    throw Failure{codeOf(rtcGetDeviceError(nullptr)), std::string("a context cannot be made of the settings '") + (settings ? settings : "") + "'" + (reason.empty() ? "" : ": " + reason)};
+    throw Failure{codeOf(rtcGetDeviceError(nullptr)),
+      std::string("cannot create a context with the settings '") + (settings ? settings : "") + "'"
+        + (reason.empty() ? "" : ": " + reason)};
   }
   rtcSetDeviceErrorFunction(device, keepError, this);
 }
@@ -57,7 +61,7 @@ CbvhContextTy::~CbvhContextTy()
 
 Failure CbvhContextTy::takeError() const
 {
-  rtcGetDeviceError(device); // which forgets it
+  rtcGetDeviceError(device); // also clears it
   return std::exchange(ofEmbree, Failure{CBVH_OK, ""});
 }
 
@@ -122,7 +126,8 @@ CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void*
   Failure failure;
   try {
     const std::string wrong = embree::whatIsWrongWith(settings);
-    if (!wrong.empty()) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
+    if (!wrong.empty())
+      throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
     *context = new CbvhContextTy(settings, function, userPtr);
     return CBVH_OK;
   }

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Contexts, and how errors of the kernels become errors of this library. What Embree has (geometries, buffers, scenes,
- * rays) is called through its own API, which is the kernels' own in this library, and which nobody outside sees; its
- * errors go to a device's error function. What Embree does not have is called in kernels/cbvh/core, which throws. */
+/* Contexts, and the conversion of errors of the kernels to errors of this library. Features of Embree (geometries,
+ * buffers, scenes, rays) are called through Embree's own API, which this library contains but does not export; their
+ * errors are reported to the device's error function. Other features are called in kernels/cbvh/core, which throws. */
 
 #include "cbvh/cbvh.h"
 #include "cbvh/core/errors.h"
@@ -23,7 +23,7 @@ class Device;
 
 namespace beside {
 
-/* An error on its way out of a function. */
+/* An error that is thrown to leave a function. */
 struct Failure
 {
   CbvhError code;
@@ -32,11 +32,11 @@ struct Failure
   explicit operator bool() const { return code != CBVH_OK; }
 };
 
-/* Returns the exception that is being handled: a Failure, or one of the core. If an error of Embree was kept on this
- * thread and not thrown, its text follows: the reason why a block of a file is damaged is such an error. */
+/* Returns the exception that is being handled: a Failure, or an exception of the core. Appends the text of an error of
+ * Embree that was stored on this thread but not thrown, such as the reason why a block of a file is damaged. */
 Failure caughtFailure();
 
-/* Counts its references; made with one. */
+/* A reference-counted object. The count is initially 1. */
 class Counted
 {
 public:
@@ -54,7 +54,6 @@ private:
   std::atomic<size_t> references;
 };
 
-/* Keeps a reference. */
 template<typename T>
 class Held
 {
@@ -83,13 +82,13 @@ struct CbvhContextTy : embree::beside::Counted
 
   RTCDevice device;
 
-  /* Returns the error that calls of Embree's API caused on this thread since the last call of this, and forgets it. */
+  /* Returns and clears the error that calls of Embree's API caused on this thread since the last call. */
   embree::beside::Failure takeError() const;
 
-  /* Throws that error, if there is one. */
+  /* Throws that error if there is one. */
   void check() const;
 
-  /* Keeps an error for cbvhGetErrorText, and tells the application. */
+  /* Stores an error for cbvhGetErrorText, and notifies the application. */
   CbvhError report(const embree::beside::Failure& failure) const;
 
 private:
@@ -101,10 +100,10 @@ private:
 
 namespace embree { namespace beside {
 
-/* Decides what happens to errors of Embree's functions on this thread. A function of this library creates one: errors
- * are then kept until CbvhContextTy::check() throws them. Around a callback of the application, areTaken is false:
- * errors of rays that the callback traces are reported at once, and the function that called the callback does not fail
- * because of them. The destructor restores the previous state. */
+/* Selects the handling of errors of Embree's functions on this thread. Functions of this library create one, which
+ * stores errors until CbvhContextTy::check() throws them. During callbacks of the application, areTaken is false:
+ * errors of rays that the callback traces are reported at once, and do not cause the function that called the callback
+ * to fail. The destructor restores the previous state. */
 class OwnErrors
 {
 public:
@@ -116,11 +115,11 @@ private:
   const bool wereTaken;
 };
 
-/* Stores the text of an error for cbvhGetErrorText and calls an error function, which may be NULL. The function may
- * cause errors itself. */
+/* Stores the text of an error for cbvhGetErrorText, and calls an error function, which may be NULL and may cause errors
+ * itself. */
 CbvhError tell(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
-/* What all functions of the API that may fail are made of: their errors become a code. */
+/* Runs an API function that can fail, and converts its errors to a code. */
 template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {
@@ -137,7 +136,7 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 
 inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* The same for functions that have no context to tell. */
+/* As tell(), for functions without a context. */
 CbvhError refuse(const char* text);
 
 }} // namespace embree::beside

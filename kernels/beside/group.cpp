@@ -36,7 +36,8 @@ void CbvhGroupTy::commit()
     rtcAttachGeometryByID(scene, geometry, unsigned(i));
     attached[i] = geometry;
   }
-  for (size_t i = 0; i < surfaces.size(); i++) firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed()->numPrimitives;
+  for (size_t i = 0; i < surfaces.size(); i++)
+    firstPrimitive[i + 1] = firstPrimitive[i] + surfaces[i]->committed()->numPrimitives;
   rtcCommitScene(scene);
   const Failure failure = context->takeError();
   isCommitted = false;
@@ -44,7 +45,8 @@ void CbvhGroupTy::commit()
   if (failure) throw failure;
 }
 
-/* A later change of a surface's mask makes Embree ask for a commit of every scene that has it, also of those that are not concerned. */
+/* Called after each commit, because a later change of a surface's mask makes Embree require a commit of every scene
+ * with that surface before it returns statistics. */
 void CbvhGroupTy::keepStatistics()
 {
   const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);
@@ -57,18 +59,21 @@ void CbvhGroupTy::keepStatistics()
   const size_t reported = unsupportedFaces;
   unsupportedFaces = all.numUnsupportedFaces;
   if (unsupportedFaces != 0 && unsupportedFaces != reported)
-    throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::to_string(unsupportedFaces) + " faces are left out: they, or faces at their vertices, have more than 16 corners, or a vertex has more than 64 faces, which subdivision does not support here"};
+    throw Failure{CBVH_ERROR_INVALID_ARGUMENT,
+      std::to_string(unsupportedFaces)
+        + " faces are left out: expected at most 16 corners in them and in the faces at their vertices, "
+          "and at most 64 faces per vertex"};
 }
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)
 {
   if (!context || !group) return refuse("context or group is NULL");
   return guarded(context, [&] {
-    require(count > 0 && surfaces, "a group has at least one surface");
-    require(count < 0xFFFFFFFFu, "there are more surfaces than 32 bits count");
+    require(count > 0 && surfaces, "there are no surfaces: expected at least 1");
+    require(count < 0xFFFFFFFFu, "too many surfaces: expected less than 4294967295");
     for (size_t i = 0; i < count; i++) {
       require(surfaces[i], "a surface is NULL");
-      require(surfaces[i]->context.get() == context, "a surface is of another context");
+      require(surfaces[i]->context.get() == context, "a surface belongs to another context");
     }
     *group = new CbvhGroupTy(context, surfaces, count);
   });
@@ -84,7 +89,9 @@ CbvhError cbvhCommitGroup(CbvhGroup group)
 }
 
 size_t cbvhGetGroupSize(CbvhGroup group) { return group ? group->surfaces.size() : 0; }
-CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) { return group && index < group->surfaces.size() ? group->surfaces[index].get() : nullptr; }
+CbvhSurface cbvhGetGroupSurface(CbvhGroup group, size_t index) {
+  return group && index < group->surfaces.size() ? group->surfaces[index].get() : nullptr;
+}
 
 void cbvhSetGroupUserPtr(CbvhGroup group, void* userPtr) { if (group) group->userPtr = userPtr; }
 void* cbvhGetGroupUserPtr(CbvhGroup group) { return group ? group->userPtr : nullptr; }
@@ -92,7 +99,9 @@ void* cbvhGetGroupUserPtr(CbvhGroup group) { return group ? group->userPtr : nul
 unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index)
 {
   if (!group) { refuse("group is NULL"); return 0; }
-  if (index >= group->firstPrimitive.size()) { refuse("the group has no surface of that index"); return 0; }
+  if (index >= group->firstPrimitive.size()) {
+    refuse("invalid index: expected 0 to the number of surfaces of the group"); return 0;
+  }
   return unsigned(std::min(group->firstPrimitive[index], maxPrimitive));
 }
 
@@ -111,10 +120,11 @@ void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 {
   RTCBounds bounds = {INFINITY, INFINITY, INFINITY, 0, -INFINITY, -INFINITY, -INFINITY, 0};
   if (group) {
-    const OwnErrors errors; // without a commit there is nothing yet
+    const OwnErrors errors; // without a commit, the bounds are empty
     rtcGetSceneBounds(group->scene, &bounds);
   }
-  const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z}, u[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
+  const float l[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z},
+    u[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
   if (lower) std::copy(l, l + 3, lower);
   if (upper) std::copy(u, u + 3, upper);
 }
@@ -124,7 +134,8 @@ CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
   if (!group || !statistics) return refuse("group or statistics are NULL");
   return guarded(group->context.get(), [&] {
     embree::core::requireStruct(statistics);
-    if (!group->isCommitted) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the group was not committed: cbvhCommitGroup comes first"};
+    if (!group->isCommitted)
+      throw Failure{CBVH_ERROR_INVALID_OPERATION, "the group is not committed: call cbvhCommitGroup first"};
     embree::core::writeStruct(statistics, group->statistics);
   });
 }

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays of groups. The kernels write IDs of their own into hits; what was there says afterwards whether anything was hit. */
+/* Rays of groups. A call sets the geomID of all rays to invalid first, and the kernels set it for hits. Afterwards the
+ * geomID of rays without a hit, and all instIDs, are restored. */
 
 #include "group.h"
 #include "structs.h"
@@ -10,9 +11,10 @@
 
 namespace {
 
-static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit), "layout of a ray");
+static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit),
+  "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
 
-/* A context of the kernels, behind which is what the filter of a query needs. */
+/* A context of the kernels, followed by the data that the filter of a query requires. */
 struct Query
 {
   RTCIntersectContext context;
@@ -34,10 +36,10 @@ struct Query
   }
 };
 
-/* One comparison per call. */
+/* Costs one comparison per call. */
 inline bool isKnown(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
 
-/* Calls trace(query) with a query of another version as this one knows it. Returns 0 if there is an error. */
+/* Calls trace(query) with a query of another version, converted to this version. Returns 0 on errors. */
 template<typename Trace>
 __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
     -> decltype(trace(query))
@@ -50,9 +52,27 @@ __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, 
 }
 
 template<unsigned int K> struct Kernels;
-template<> struct Kernels<4> { typedef RTCRayHit4 RayHits; typedef RTCRay4 Rays; static constexpr auto intersect = rtcIntersect4; static constexpr auto occluded = rtcOccluded4; };
-template<> struct Kernels<8> { typedef RTCRayHit8 RayHits; typedef RTCRay8 Rays; static constexpr auto intersect = rtcIntersect8; static constexpr auto occluded = rtcOccluded8; };
-template<> struct Kernels<16> { typedef RTCRayHit16 RayHits; typedef RTCRay16 Rays; static constexpr auto intersect = rtcIntersect16; static constexpr auto occluded = rtcOccluded16; };
+template<> struct Kernels<4>
+{
+  typedef RTCRayHit4 RayHits;
+  typedef RTCRay4 Rays;
+  static constexpr auto intersect = rtcIntersect4;
+  static constexpr auto occluded = rtcOccluded4;
+};
+template<> struct Kernels<8>
+{
+  typedef RTCRayHit8 RayHits;
+  typedef RTCRay8 Rays;
+  static constexpr auto intersect = rtcIntersect8;
+  static constexpr auto occluded = rtcOccluded8;
+};
+template<> struct Kernels<16>
+{
+  typedef RTCRayHit16 RayHits;
+  typedef RTCRay16 Rays;
+  static constexpr auto intersect = rtcIntersect16;
+  static constexpr auto occluded = rtcOccluded16;
+};
 
 template<unsigned int K>
 struct AllRays
@@ -85,7 +105,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   return hits;
 }
 
-/* A ray that had tfar -infinity before has ended. */
+/* Rays with a negative tfar before the call have ended, and are not reported as hits. */
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
@@ -132,9 +152,21 @@ int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
   return ray->tfar < 0;
 }
 
-unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return intersect<4>(group, valid, rays, query); }
-unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return intersect<8>(group, valid, rays, query); }
-unsigned int cbvhIntersect16(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return intersect<16>(group, valid, rays, query); }
-unsigned int cbvhOccluded4(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return occluded<4>(group, valid, rays, query); }
-unsigned int cbvhOccluded8(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return occluded<8>(group, valid, rays, query); }
-unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) { return occluded<16>(group, valid, rays, query); }
+unsigned int cbvhIntersect4(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  return intersect<4>(group, valid, rays, query);
+}
+unsigned int cbvhIntersect8(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  return intersect<8>(group, valid, rays, query);
+}
+unsigned int cbvhIntersect16(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  return intersect<16>(group, valid, rays, query);
+}
+unsigned int cbvhOccluded4(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  return occluded<4>(group, valid, rays, query);
+}
+unsigned int cbvhOccluded8(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  return occluded<8>(group, valid, rays, query);
+}
+unsigned int cbvhOccluded16(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query) {
+  return occluded<16>(group, valid, rays, query);
+}

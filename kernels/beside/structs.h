@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of cbvh.h, and what they become in the core. */
+/* Structs of cbvh.h, and their conversion to types of the core. */
 
 #include "cbvh/cbvh.h"
 
@@ -30,7 +30,7 @@ CBVH_GROWING_STRUCT(CbvhClusterReport, numTrianglesOf);
 
 namespace beside {
 
-/* Zeros are defaults. */
+/* Converts a camera. Zeros select defaults. */
 inline DicingCamera cameraOf(const CbvhDicing& dicing)
 {
   const DicingCamera defaults;
@@ -44,7 +44,7 @@ inline DicingCamera cameraOf(const CbvhDicing& dicing)
 inline CbvhTriangle asPublic(const cbvh::StoredTriangle& triangle)
 {
   CbvhTriangle to;
-  static_assert(sizeof(to) == sizeof(triangle), "a triangle never grows");
+  static_assert(sizeof(to) == sizeof(triangle), "CbvhTriangle must have the layout of StoredTriangle");
   std::memcpy(&to, &triangle, sizeof(to));
   return to;
 }
@@ -55,9 +55,9 @@ inline CbvhPart asPublic(const cbvh::StoredPart& part)
 }
 
 static_assert(CBVH_CLUSTER_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
-    && CBVH_CLUSTER_DGF1 == int(cbvh::ClusterFormat::DGF1), "formats");
+    && CBVH_CLUSTER_DGF1 == int(cbvh::ClusterFormat::DGF1), "values of CbvhClusterFormat");
 static_assert(CBVH_CLUSTER_RAW == int(cbvh::ClusterReason::RAW)
     && CBVH_CLUSTER_MOVING == int(cbvh::ClusterReason::MOVING)
-    && CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "reasons");
+    && CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "values of CbvhClusterReason");
 
 }} // namespace embree::beside

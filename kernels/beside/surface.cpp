@@ -21,7 +21,8 @@ namespace {
 
 constexpr unsigned int maxSteps = 129;
 
-void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data, size_t size, size_t stride, size_t count)
+void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
+  size_t size, size_t stride, size_t count)
 {
   if (count == 0) return;
   char* const to = (char*)rtcSetNewGeometryBuffer(geometry, type, slot, format, size, count);
@@ -31,15 +32,16 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
 }
 
 template<typename T>
-void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const T* data, size_t count) {
+void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const T* data,
+  size_t count) {
   copyTo(geometry, type, slot, format, data, sizeof(T), sizeof(T), count);
 }
 
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   const Input& input = *(const Input*)args->geometryUserPtr;
-  const CbvhDisplacementArguments ours = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
-                                          args->P_x, args->P_y, args->P_z, args->N};
+  const CbvhDisplacementArguments ours = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v,
+                                          args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z, args->N};
   const OwnErrors errors(false);
   input.displacement(&ours);
 }
@@ -52,7 +54,7 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary)
   case CBVH_BOUNDARY_PIN_BOUNDARY: return RTC_SUBDIVISION_MODE_PIN_BOUNDARY;
   case CBVH_BOUNDARY_PIN_ALL: return RTC_SUBDIVISION_MODE_PIN_ALL;
   }
-  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "a boundary that is none"};
+  throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "invalid boundary: expected a value of CbvhBoundary"};
 }
 
 bool tellProgress(void* self, double done)
@@ -63,27 +65,37 @@ bool tellProgress(void* self, double done)
   return input.progress(input.progressPtr, done) != 0;
 }
 
-std::string of(const char* what, size_t i, const char* has, size_t value) { return std::string(what) + " " + std::to_string(i) + " " + has + " " + std::to_string(value); }
+std::string of(const char* what, size_t i, const char* has, size_t value) {
+  return std::string(what) + " " + std::to_string(i) + " " + has + " " + std::to_string(value);
+}
 
 [[noreturn]] void refuseValue(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* what, const char* named, const char* of)
+void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* what, const char* named,
+  const char* of)
 {
   for (size_t i = 0; i < count; i++)
-    if (values[i] >= bound) refuseValue(std::string(what) + " " + std::to_string(i) + " is " + named + " " + std::to_string(values[i]) + ": the cage has " + std::to_string(bound) + " " + of);
+    if (values[i] >= bound)
+      refuseValue(std::string(what) + " " + std::to_string(i) + " is " + named + " " + std::to_string(values[i])
+        + ": the cage has " + std::to_string(bound) + " " + of);
 }
 
-/* Embree would read and write past the buffers. */
+/* Checks indices with which Embree would access memory outside of the buffers. */
 void checkTopology(const CbvhCage& cage)
 {
   require(cage.vertices.count > 0, "there are no vertices");
   size_t sum = 0;
   for (size_t f = 0; f < cage.numFaces; f++) {
-    if (cage.faceVertices[f] < 3) refuseValue(of("face", f, "has", cage.faceVertices[f]) + " vertices: expected 3 or more");
+    if (cage.faceVertices[f] < 3)
+      refuseValue(of("face", f, "has", cage.faceVertices[f]) + " vertices: expected 3 or more");
     sum += cage.faceVertices[f];
-    if (sum > cage.numIndices) refuseValue(of("face", f, "ends at index", sum) + ", but there are " + std::to_string(cage.numIndices) + " indices");
+    if (sum > cage.numIndices)
+      refuseValue(of("face", f, "ends at index", sum) + ", but there are " + std::to_string(cage.numIndices)
+        + " indices");
   }
-  if (sum != cage.numIndices) refuseValue("the faces have " + std::to_string(sum) + " vertices together, but there are " + std::to_string(cage.numIndices) + " indices: expected as many");
+  if (sum != cage.numIndices)
+    refuseValue("the faces have " + std::to_string(sum) + " vertices together, but there are "
+      + std::to_string(cage.numIndices) + " indices: expected as many");
   checkBelow(cage.indices, cage.numIndices, cage.vertices.count, "index", "vertex", "vertices");
   checkBelow(cage.creases, 2*cage.numCreases, cage.vertices.count, "crease index", "vertex", "vertices");
   checkBelow(cage.corners, cage.numCorners, cage.vertices.count, "corner", "vertex", "vertices");
@@ -92,19 +104,23 @@ void checkTopology(const CbvhCage& cage)
 
 } // namespace
 
-/* Sub-patches of a face without four corners are numbered by u and v: sub-patch i + 4 j is at u from 2 i, v from 2 j. */
+/* Sub-patches of a face without four corners are numbered by u and v: sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
-  require(primID < numPrimitives, "the surface has no such face");
-  const std::string given = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face " + std::to_string(primID) + ": ";
+  require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
+  const std::string given = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face "
+    + std::to_string(primID) + ": ";
   const auto other = std::lower_bound(otherFaces.begin(), otherFaces.end(), std::make_pair(primID, 0u));
   if (other == otherFaces.end() || other->first != primID) {
     const float rounding = 1e-3f; // of hits
-    if (!(u >= -rounding && u <= 1 + rounding && v >= -rounding && v <= 1 + rounding)) refuseValue(given + "expected 0 to 1");
+    if (!(u >= -rounding && u <= 1 + rounding && v >= -rounding && v <= 1 + rounding))
+      refuseValue(given + "expected 0 to 1");
     return;
   }
-  const unsigned int corners = other->second, most = 16; // Embree tessellates no face of more
-  if (corners > most) refuseValue(given + "the face has " + std::to_string(corners) + " corners and is left out: expected a face of 16 or fewer");
+  const unsigned int corners = other->second, most = 16; // Embree does not tessellate faces with more
+  if (corners > most)
+    refuseValue(given + "the face has " + std::to_string(corners)
+      + " corners and is left out: expected a face of 16 or fewer");
   if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
     refuseValue(given + "expected one of its " + std::to_string(corners) + " sub-patches, as hits number them");
 }
@@ -112,24 +128,30 @@ void Input::checkParameters(unsigned int primID, float u, float v) const
 CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
 {
   if (surface.isChanging.exchange(true))
-    throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is being changed, committed or diced: its callbacks, and other threads, must not change it"};
+    throw Failure{CBVH_ERROR_INVALID_OPERATION,
+      "the surface is being changed, committed or diced: its callbacks, and other threads, must not change it"};
 }
 
-/* copies: or they stay where they are until the commit */
+/* copies: copies the vertices; otherwise they must exist until the commit. */
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
 {
   require(vertices.steps && vertices.count > 0, "there are no vertices");
-  require(vertices.stride >= 12 && vertices.stride % 4 == 0, "the stride of vertices is not a multiple of 4 bytes, or less than 12");
-  require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "there are not 1 to 129 time steps");
+  require(vertices.stride >= 12 && vertices.stride % 4 == 0,
+    "invalid stride of vertices: expected a multiple of 4 bytes, at least 12");
+  require(vertices.numSteps >= 1 && vertices.numSteps <= maxSteps, "invalid number of time steps: expected 1 to 129");
   rtcSetGeometryTimeStepCount(geometry, vertices.numSteps);
   if (vertices.numSteps > 1) {
-    require(std::isfinite(vertices.begin) && std::isfinite(vertices.end) && vertices.begin < vertices.end, "the time range is not finite, or ends before it begins");
+    require(std::isfinite(vertices.begin) && std::isfinite(vertices.end) && vertices.begin < vertices.end,
+      "invalid time range: expected finite times and begin < end");
     rtcSetGeometryTimeRange(geometry, vertices.begin, vertices.end);
   }
   for (unsigned int i = 0; i < vertices.numSteps; i++) {
     require(vertices.steps[i] != nullptr, "the vertices of a time step are NULL");
-    if (copies) copyTo(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 12, vertices.stride, vertices.count);
-    else rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 0, vertices.stride, vertices.count);
+    if (copies)
+      copyTo(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 12, vertices.stride,
+        vertices.count);
+    else rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, vertices.steps[i], 0,
+      vertices.stride, vertices.count);
   }
 }
 
@@ -143,14 +165,17 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
 {
   const Change change(*this);
   require(cage.numFaces > 0 && cage.faceVertices && cage.indices, "the cage has no faces, or no indices");
-  require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu, "the cage has more faces or indices than 32 bits count");
+  require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu,
+    "too many faces or indices: expected less than 4294967295");
   const size_t numRates = cage.rates ? cage.numIndices : 1;
   const float* const rates = cage.rates ? cage.rates : &cage.rate;
-  for (size_t i = 0; i < numRates; i++) require(rates[i] >= 1 && rates[i] <= 4096, "a rate is not from 1 to 4096");
-  require(cage.numCreases == 0 || (cage.creases && cage.creaseSharpness), "creases without vertices or sharpness");
-  require(cage.numCorners == 0 || (cage.corners && cage.cornerSharpness), "corners without vertices or sharpness");
-  require(cage.numHoles == 0 || cage.holes, "holes without faces");
-  require(cage.numAttributes == 0 || cage.attributes, "attributes that are NULL");
+  for (size_t i = 0; i < numRates; i++) require(rates[i] >= 1 && rates[i] <= 4096, "invalid rate: expected 1 to 4096");
+  require(cage.numCreases == 0 || (cage.creases && cage.creaseSharpness),
+    "creases or creaseSharpness is NULL, but numCreases is not 0");
+  require(cage.numCorners == 0 || (cage.corners && cage.cornerSharpness),
+    "corners or cornerSharpness is NULL, but numCorners is not 0");
+  require(cage.numHoles == 0 || cage.holes, "holes is NULL, but numHoles is not 0");
+  require(cage.numAttributes == 0 || cage.attributes, "attributes is NULL, but numAttributes is not 0");
   checkTopology(cage);
 
   Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
@@ -185,10 +210,16 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   for (size_t i = 0; i < cage.numAttributes; i++) {
     const CbvhAttribute& attribute = cage.attributes[i];
     require(attribute.values && attribute.count > 0, "an attribute has no values");
-    require(attribute.width >= 1 && attribute.width <= 16 && attribute.stride >= 4*attribute.width && attribute.stride % 4 == 0, "the width or the stride of an attribute");
+    require(attribute.width >= 1 && attribute.width <= 16 && attribute.stride >= 4*attribute.width
+      && attribute.stride % 4 == 0,
+        "invalid width or stride of an attribute: expected a width of 1 to 16, and a stride of at least 4*width "
+        "that is a multiple of 4 bytes");
     const unsigned int* const indices = attribute.indices ? attribute.indices : cage.indices;
-    for (size_t k = 0; k < cage.numIndices; k++) require(indices[k] < attribute.count, "an index of an attribute is past its values");
-    copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, unsigned(i), RTCFormat(RTC_FORMAT_FLOAT + attribute.width - 1), attribute.values, 4*attribute.width, attribute.stride, attribute.count);
+    for (size_t k = 0; k < cage.numIndices; k++)
+      require(indices[k] < attribute.count,
+        "an index of an attribute is past its values: expected less than their number");
+    copyTo(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, unsigned(i), RTCFormat(RTC_FORMAT_FLOAT + attribute.width - 1),
+      attribute.values, 4*attribute.width, attribute.stride, attribute.count);
     input->widths.push_back(attribute.width);
     if (!attribute.indices) continue;
     topology++;
@@ -203,9 +234,9 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 {
   const Change change(*this);
   require(grids.count > 0 && grids.grids, "there are no grids");
-  require(grids.count < 0xFFFFFFFFu, "there are more grids than 32 bits count");
+  require(grids.count < 0xFFFFFFFFu, "too many grids: expected less than 4294967295");
   Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
-  static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "layout of a grid");
+  static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
   input->numPrimitives = unsigned(grids.count);
   setVertices(input->geometry, grids.vertices, false);
   copyTo(input->geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids, grids.count);
@@ -215,21 +246,22 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
 void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 {
   const Change change(*this);
-  require(mesh.corners == 3 || mesh.corners == 4, "a mesh is of triangles or of quads");
+  require(mesh.corners == 3 || mesh.corners == 4, "invalid number of corners of a mesh: expected 3 or 4");
   require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
-  require(mesh.count < 0xFFFFFFFFu, "the mesh has more primitives than 32 bits count");
+  require(mesh.count < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
   const bool isOfQuads = mesh.corners == 4;
   Owned input(new Input(context->device, isOfQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
   input->numPrimitives = unsigned(mesh.count);
   input->isMesh = true;
   setVertices(input->geometry, mesh.vertices, false);
-  copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, isOfQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices, 4*mesh.corners, 4*mesh.corners, mesh.count);
+  copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, isOfQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices,
+    4*mesh.corners, 4*mesh.corners, mesh.count);
   keep(std::move(input));
 }
 
 namespace {
 
-/* While callbacks of the pending input may be called. */
+/* Exists while callbacks of the pending input may be called. */
 struct Work
 {
   explicit Work(std::atomic<bool>& flag) : flag(flag) { flag = true; }
@@ -242,9 +274,11 @@ struct Work
 void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
 {
   const Change change(*this);
-  if (!pending || !pending->numEdges) throw Failure{CBVH_ERROR_INVALID_OPERATION, "there is no cage to dice: cbvhSetCage comes first, also after a commit"};
+  if (!pending || !pending->numEdges)
+    throw Failure{CBVH_ERROR_INVALID_OPERATION,
+      "there is no cage to dice: call cbvhSetCage first, also after a commit"};
   const Work work(isWorking);
-  rtcCommitGeometry(pending->geometry); // its topology: nothing is compressed before commit() says so
+  rtcCommitGeometry(pending->geometry); // computes the topology; commit() selects compression later
   context->check();
   const std::vector<float> levels = core::dice(pending->inner(), cameraOf(dicing));
   if (rates) std::copy(levels.begin(), levels.end(), rates);
@@ -254,7 +288,7 @@ void CbvhSurfaceTy::set(const CbvhAccuracy& to)
 {
   const Change change(*this);
   if (!(std::isfinite(to.maxError) && to.maxError >= 0))
-    refuseValue("maxError " + std::to_string(to.maxError) + " is negative or not finite");
+    refuseValue("maxError " + std::to_string(to.maxError) + " is negative or not finite: expected at least 0");
   core::validate(settingsOf(to, false));
   accuracy = to;
 }
@@ -285,11 +319,15 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
 {
   const Change change(*this);
   if (!pending) {
-    if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh"};
-    if (std::memcmp(&accuracy, &committedAccuracy, sizeof(accuracy)) != 0 || isLossless != committedLossless) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the accuracy was changed after the surface let its input go: set that again"};
+    if (!current)
+      throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface has no cage, grids or mesh: set one of them first"};
+    if (std::memcmp(&accuracy, &committedAccuracy, sizeof(accuracy)) != 0 || isLossless != committedLossless)
+      throw Failure{CBVH_ERROR_INVALID_OPERATION,
+        "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* Whatever happens, the input is as before unless the surface has it: it neither asks to be compressed nor knows the callback. */
+  /* If the commit fails, restores the input: it does not request compression. The callback is removed in either
+   * case. */
   struct Restore
   {
     const std::shared_ptr<Input> input;
@@ -334,7 +372,7 @@ void CbvhSurfaceTy::commitInput()
     const Work work(isWorking);
     rtcCommitGeometry(pending->geometry);
   }
-  const Failure failure = context->takeError(); // also of what is left out of a surface that is stored
+  const Failure failure = context->takeError(); // also set if a surface is stored without some of its input
   if (!core::hasBlocks(pending->inner())) {
     if (failure) throw failure;
     const char* const why = core::whyNotCompressed(pending->inner());
@@ -353,7 +391,7 @@ void CbvhSurfaceTy::save(const char* path) const { core::saveGeometry(committed(
 void CbvhSurfaceTy::load(const char* path)
 {
   const core::CompressedFile file(context->inner(), path);
-  require(file.size() == 1, "the file has several geometries");
+  require(file.size() == 1, "invalid number of geometries in the file: expected 1");
   const core::FileDescription description = file.describe(0);
   current.reset(new Input((RTCGeometry)file.load(0)));
   current->numPrimitives = description.primitiveCount;
@@ -362,7 +400,8 @@ void CbvhSurfaceTy::load(const char* path)
 
 std::shared_ptr<const Input> CbvhSurfaceTy::committed() const
 {
-  if (!current) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface was not committed"};
+  if (!current)
+    throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is not committed: call cbvhCommitSurface first"};
   return current;
 }
 
@@ -388,7 +427,7 @@ CbvhError onSurface(CbvhSurface surface, const Closure& closure)
   return guarded(surface->context.get(), closure);
 }
 
-/* Calls closure(struct) with a struct of the application as this version knows it. */
+/* Calls closure(struct) with an application's struct, converted to this version. */
 template<typename T, typename Closure>
 CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const Closure& closure)
 {
@@ -426,12 +465,25 @@ CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
   return onSurface(surface, [&] { surface->set(accuracy ? core::readStruct(accuracy) : CbvhAccuracy()); });
 }
 
-CbvhError cbvhSetLossless(CbvhSurface surface, int lossless) { return onSurface(surface, [&] { surface->setLossless(lossless != 0); }); }
+CbvhError cbvhSetLossless(CbvhSurface surface, int lossless)
+{
+  return onSurface(surface, [&] { surface->setLossless(lossless != 0); });
+}
 
-CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask) { return onSurface(surface, [&] { surface->setMask(mask); }); }
-CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr) { return onSurface(surface, [&] { surface->commit(progress, userPtr); }); }
+CbvhError cbvhSetSurfaceMask(CbvhSurface surface, unsigned int mask)
+{
+  return onSurface(surface, [&] { surface->setMask(mask); });
+}
 
-CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path) { return onSurface(surface, [&] { require(path, "path is NULL"); surface->save(path); }); }
+CbvhError cbvhCommitSurface(CbvhSurface surface, CbvhProgressFunction progress, void* userPtr)
+{
+  return onSurface(surface, [&] { surface->commit(progress, userPtr); });
+}
+
+CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path)
+{
+  return onSurface(surface, [&] { require(path, "path is NULL"); surface->save(path); });
+}
 
 CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface)
 {
@@ -447,15 +499,20 @@ CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* su
   });
 }
 
-unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) { return surface && surface->last() ? surface->last()->numPrimitives : 0; }
+unsigned int cbvhGetSurfacePrimitiveCount(CbvhSurface surface) {
+  return surface && surface->last() ? surface->last()->numPrimitives : 0;
+}
 
-CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P, float* dPdu, float* dPdv)
+CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, float v, unsigned int attribute, float* P,
+  float* dPdu, float* dPdv)
 {
   return onSurface(surface, [&] {
     const std::shared_ptr<const Input> input = surface->interpolated();
-    require(attribute < input->widths.size(), "the surface has no such attribute");
+    require(attribute < input->widths.size(),
+      "invalid attribute: expected less than the number of attributes of the surface");
     input->checkParameters(primID, u, v);
-    rtcInterpolate1(input->geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, P, dPdu, dPdv, input->widths[attribute]);
+    rtcInterpolate1(input->geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, attribute, P, dPdu, dPdv,
+      input->widths[attribute]);
     surface->context->check();
   });
 }
@@ -465,7 +522,8 @@ CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* of
   return withStruct(surface, of, "points", [&](const CbvhInterpolation& points) {
     require(points.count == 0 || (points.u && points.v), "u or v is NULL");
     const std::shared_ptr<const Input> input = surface->interpolated();
-    require(points.attribute < input->widths.size(), "the surface has no such attribute");
+    require(points.attribute < input->widths.size(),
+      "invalid attribute: expected less than the number of attributes of the surface");
     const unsigned int width = input->widths[points.attribute];
     for (size_t i = 0; i < points.count; i++) input->checkParameters(points.primID, points.u[i], points.v[i]);
     const auto at = [&](float* out, size_t i) { return out ? out + i*width : nullptr; };
@@ -476,7 +534,8 @@ CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* of
   });
 }
 
-int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng, CbvhTriangle* triangle)
+int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
+  CbvhTriangle* triangle)
 {
   bool isFound = false;
   if (!surface || !triangle) { refuse("surface or triangle is NULL"); return 0; }
@@ -501,7 +560,8 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
   });
 }
 
-CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat format, CbvhClusterFunction function, void* userPtr, CbvhClusterReport* report)
+CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat format, CbvhClusterFunction function,
+  void* userPtr, CbvhClusterReport* report)
 {
   return onSurface(surface, [&] {
     if (report) core::requireStruct(report);
@@ -518,7 +578,7 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
         return function(userPtr, &handed) != 0;
       }, sums);
     }
-    catch (...) { finish(); throw; } // of the clusters before the error
+    catch (...) { finish(); throw; } // reports the clusters before the error
     finish();
   });
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A surface: a geometry of the kernels, which lets its input go when it is committed. */
+/* A surface: a geometry of the kernels that releases its input when it is committed. */
 
 #include "context.h"
 
@@ -16,28 +16,29 @@
 
 namespace embree { namespace beside {
 
-/* A geometry, and what its callbacks need. */
+/* A geometry, and the data that its callbacks require. */
 struct Input
 {
   RTCGeometry geometry;
   unsigned int numPrimitives = 0;
   bool isMesh = false;
-  size_t numEdges = 0;                // one an index; none but of cages
+  size_t numEdges = 0;                // one per index; 0 unless it is a cage
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
-  std::vector<unsigned int> widths;   // of attributes
-  std::vector<std::pair<unsigned int, unsigned int>> otherFaces; // of cages with attributes: faces that have not 4 corners, and how many they have
+  std::vector<unsigned int> widths;   // per attribute
+  // cages with attributes: faces that do not have 4 corners, and their number of corners
+  std::vector<std::pair<unsigned int, unsigned int>> otherFaces;
   CbvhProgressFunction progress = nullptr; // during a commit
   void* progressPtr = nullptr;
 
   /* The geometry, for functions of the core. */
   embree::Geometry* inner() const { return (embree::Geometry*)geometry; }
 
-  /* Throws unless the face exists and u, v are parameters of it, as hits have them. */
+  /* Throws unless the face exists, and u and v are parameters of it, numbered as in hits. */
   void checkParameters(unsigned int primID, float u, float v) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
-  explicit Input(RTCGeometry geometry) : geometry(geometry) {} // which it releases
+  explicit Input(RTCGeometry geometry) : geometry(geometry) {} // takes ownership
   ~Input() { rtcReleaseGeometry(geometry); }
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
@@ -57,17 +58,18 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void setLossless(bool lossless);
   void setMask(unsigned int mask);
 
-  /* Gives the committed geometry the mask that was set last. */
+  /* Sets the mask of the committed geometry to the last value of setMask(). */
   void applyMask();
 
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
   void load(const char* path);
 
-  /* Throws if it was not committed. The caller keeps the input alive: a callback may commit or release the surface. */
+  /* Throws if the surface is not committed. The result keeps the input alive if a callback commits or releases the
+   * surface. */
   std::shared_ptr<const embree::beside::Input> committed() const;
 
-  /* What attributes are interpolated of: during a commit or dicing the cage that is worked on. */
+  /* Returns the input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
   std::shared_ptr<const embree::beside::Input> interpolated() const;
   const embree::beside::Input* last() const { return pending ? pending.get() : current.get(); }
 
@@ -76,7 +78,7 @@ struct CbvhSurfaceTy : embree::beside::Counted
 private:
   typedef std::shared_ptr<embree::beside::Input> Owned;
 
-  /* A change of the surface. Throws if there is one already, as in the callbacks of a commit. */
+  /* A change of the surface. Throws if another change is in progress, as in the callbacks of a commit. */
   class Change
   {
   public:
@@ -89,13 +91,13 @@ private:
 
   void commitInput();
 
-  /* How the next commit stores the surface. */
+  /* Returns the settings of the next commit. */
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
   void keep(Owned input);
 
-  Owned current, pending;    // as it was committed, and what the next commit takes
+  Owned current, pending;    // committed input, and input of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
   bool isLossless = false, committedLossless = false;
   unsigned int mask = ~0u, appliedMask = ~0u; // as set, and of the committed geometry

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Embree's functions for devices, scenes, and instances. */
+/* Embree's functions for devices, scenes and instances. */
 
 #include "objects.h"
 #include "options.h"
@@ -13,12 +13,12 @@ using namespace interposer;
 
 namespace {
 
-/* "threads=2" of a device's settings is how many threads build, too. */
+/* Returns the item "threads=2" of a device's settings, which also sets the number of threads that build. */
 std::string threadsOf(const char* config)
 {
   const std::string text = config ? config : "";
   for (size_t at = text.find("threads"); at != std::string::npos; at = text.find("threads", at + 1)) {
-    if (at > 0 && (text[at - 1] == '_' || std::isalpha((unsigned char)text[at - 1]))) continue;   // set of another key
+    if (at > 0 && (text[at - 1] == '_' || std::isalpha((unsigned char)text[at - 1]))) continue;   // part of another key
     size_t digits = text.find_first_not_of(" =", at + 7), end = digits;
     while (end < text.size() && std::isdigit((unsigned char)text[end])) end++;
     if (digits != std::string::npos && end > digits) return "threads=" + text.substr(digits, end - digits);
@@ -29,9 +29,11 @@ std::string threadsOf(const char* config)
 std::mutex& settingsMutex = *new std::mutex;
 std::map<RTCDevice, std::string>& settingsOfDevices = *new std::map<RTCDevice, std::string>;
 
-bool isInstance(RTCGeometryType type) { return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY; }
+bool isInstance(RTCGeometryType type) {
+  return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY;
+}
 
-/* The application's handle of what a scene has. */
+/* Returns the application's handle of a geometry in a scene. */
 RTCGeometry originalOf(RTCGeometry geometry)
 {
   if (!geometry || !hasStandIns() || !isActive()) return geometry;
@@ -39,7 +41,7 @@ RTCGeometry originalOf(RTCGeometry geometry)
   return standIn ? standIn->original : geometry;
 }
 
-/* What Embree is to attach for it, and whether that is the original. */
+/* Returns the geometry that Embree must attach. isOriginal: it is the original. */
 RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 {
   Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
@@ -47,7 +49,7 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
   return isOriginal ? geometry : substituted->substitute;
 }
 
-/* Of a scene's progress the first nine tenths are what is built here, where there is something. */
+/* Share of a scene's progress that is reported for building geometries here, if any are built. */
 constexpr double shareOfBuilds = 0.9;
 
 bool tellProgress(void* scene, double done)
@@ -56,7 +58,7 @@ bool tellProgress(void* scene, double done)
   return !of.isCancelled && (!of.progress || of.progress(of.progressPtr, done));
 }
 
-/* Builds what a commit of a scene is to find, and attaches it. */
+/* Builds the geometries that the commit of a scene requires, and attaches them. */
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();
@@ -67,7 +69,9 @@ void prepare(Scene& scene)
     Substituted& geometry = *one.second->substituted;
     const bool wantsBuild = geometry.wantsBuild();
     if (wantsBuild && !scene.isCancelled)
-      scene.isCancelled = !geometry.build([&](double part) { return !scene.progress || scene.progress(scene.progressPtr, shareOfBuilds*(double(done) + part)/double(count)); });
+      scene.isCancelled =
+        !geometry.build([&](double part) { return !scene.progress
+          || scene.progress(scene.progressPtr, shareOfBuilds*(double(done) + part)/double(count)); });
     done += wantsBuild;
     const bool isOriginal = geometry.isLeftToEmbree();
     if (!objects.exchange(scene, one.first, one.second, isOriginal)) continue;
@@ -77,8 +81,8 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-/* A thread in the commit of a scene. Threads that come before one has left join the commit, and find it cancelled if it
- * was; the next one begins another. */
+/* A thread in the commit of a scene. Threads that arrive before any thread has left join the commit, and share its
+ * cancellation. The next thread begins another commit. */
 class Commit
 {
 public:
@@ -141,7 +145,7 @@ RTC_API void rtcRetainScene(RTCScene scene)
 
 RTC_API void rtcReleaseScene(RTCScene scene)
 {
-  /* before Embree: its address may be another's as soon as Embree has let go */
+  /* Before Embree's release: another object can get the address as soon as Embree has freed it. */
   const Objects::Garbage garbage = isActive() ? Objects::get().release(scene) : Objects::Garbage();
   REAL(rtcReleaseScene)(scene);
 }
@@ -160,8 +164,9 @@ RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigne
   const RTCGeometry attached = substituteOf(geometry, isOriginal);
   REAL(rtcAttachGeometryByID)(scene, attached, geomID);
   if (!isActive() || !scene || !geometry || geomID == RTC_INVALID_GEOMETRY_ID || !Objects::get().find(geometry)) return;
-  /* not where the number is another's */
-  if (REAL(rtcGetGeometryThreadSafe)(scene, geomID) == attached) Objects::get().attach(scene, geomID, geometry, isOriginal);
+  /* Only if the ID was not in use by another geometry. */
+  if (REAL(rtcGetGeometryThreadSafe)(scene, geomID) == attached)
+    Objects::get().attach(scene, geomID, geometry, isOriginal);
 }
 
 RTC_API void rtcDetachGeometry(RTCScene scene, unsigned int geomID)
@@ -170,8 +175,12 @@ RTC_API void rtcDetachGeometry(RTCScene scene, unsigned int geomID)
   REAL(rtcDetachGeometry)(scene, geomID);
 }
 
-RTC_API RTCGeometry rtcGetGeometry(RTCScene scene, unsigned int geomID) { return originalOf(REAL(rtcGetGeometry)(scene, geomID)); }
-RTC_API RTCGeometry rtcGetGeometryThreadSafe(RTCScene scene, unsigned int geomID) { return originalOf(REAL(rtcGetGeometryThreadSafe)(scene, geomID)); }
+RTC_API RTCGeometry rtcGetGeometry(RTCScene scene, unsigned int geomID) {
+  return originalOf(REAL(rtcGetGeometry)(scene, geomID));
+}
+RTC_API RTCGeometry rtcGetGeometryThreadSafe(RTCScene scene, unsigned int geomID) {
+  return originalOf(REAL(rtcGetGeometryThreadSafe)(scene, geomID));
+}
 
 RTC_API void* rtcGetGeometryUserDataFromScene(RTCScene scene, unsigned int geomID)
 {
@@ -216,7 +225,8 @@ RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
     const std::lock_guard<std::mutex> lock(settingsMutex);
     settings = settingsOfDevices[device];
   }
-  if (Substituted* const substituted = Substituted::make(device, settings, geometry, type)) Objects::get().addGeometry(geometry, substituted);
+  if (Substituted* const substituted = Substituted::make(device, settings, geometry, type))
+    Objects::get().addGeometry(geometry, substituted);
   return geometry;
 }
 

@@ -16,10 +16,11 @@ struct Cancelled {};
 
 const char* nameOf(RTCGeometryType type)
 {
-  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "subdivision" : type == RTC_GEOMETRY_TYPE_GRID ? "grid" : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
+  return type == RTC_GEOMETRY_TYPE_SUBDIVISION ? "subdivision" : type == RTC_GEOMETRY_TYPE_GRID ? "grid"
+    : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
 }
 
-/* One for all devices of the same settings; it stays. */
+/* Returns the context for these settings, which all devices share. It is never released. */
 CbvhContext contextOf(const std::string& settings)
 {
   static std::mutex& mutex = *new std::mutex;
@@ -28,22 +29,24 @@ CbvhContext contextOf(const std::string& settings)
   const auto found = contexts.find(settings);
   if (found != contexts.end()) return found->second;
   CbvhContext context = nullptr;
-  if (cbvhNewContext(settings.empty() ? nullptr : settings.c_str(), nullptr, nullptr, &context) != CBVH_OK) throw Unsupported(cbvhGetErrorText());
+  if (cbvhNewContext(settings.empty() ? nullptr : settings.c_str(), nullptr, nullptr, &context) != CBVH_OK)
+    throw Unsupported(cbvhGetErrorText());
   contexts[settings] = context;
   return context;
 }
 
 } // namespace
 
-Substituted* Substituted::make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type)
+Substituted* Substituted::make(RTCDevice device, const std::string& settings, RTCGeometry original,
+  RTCGeometryType type)
 {
   if (!REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED)) {
-    tellOnce("all is left to Embree, which was built without user geometry");
+    tellOnce("all geometry is left to Embree, which was built without user geometry");
     return nullptr;
   }
   StandIn* const standIn = newStandIn();
   if (!standIn) {
-    tellOnce("geometry is left to Embree: there is no more room for others in its place");
+    tellOnce("a geometry is left to Embree: out of memory for its substitute");
     return nullptr;
   }
   standIn->original = original;
@@ -53,7 +56,8 @@ Substituted* Substituted::make(RTCDevice device, const std::string& settings, RT
   return nullptr;
 }
 
-Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn, RTCGeometry substitute)
+Substituted::Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn,
+  RTCGeometry substitute)
   : standIn(standIn), substitute(substitute), settings(settings)
 {
   input.type = type;
@@ -84,7 +88,7 @@ void Substituted::setUserData(void* userData)
   change(input.displacement ? OfInput : OfLook);
 }
 
-/* A commit without changes is one of what shared buffers have in them. */
+/* A commit without changes means that the contents of shared buffers changed. */
 void Substituted::commit()
 {
   if (changes != OfLook) isCommitted = true;
@@ -97,7 +101,7 @@ bool Substituted::build(const Progress& progress)
   const std::lock_guard<std::mutex> lock(building);
   if (!wantsBuild()) return true;
   try {
-    discard(); // what there was, before there is more
+    discard(); // free the old surface before memory is allocated for the new one
     buildSurface(progress);
     isLeft = false;
   }
@@ -107,7 +111,7 @@ bool Substituted::build(const Progress& progress)
     isLeft = true;
     tellOnce("a %s geometry is left to Embree: %s", nameOf(input.type), reason.what());
   }
-  REAL(rtcCommitGeometry)(substitute); // whose bounds are others
+  REAL(rtcCommitGeometry)(substitute); // the bounds have changed
   isCommitted = false;
   return true;
 }
@@ -130,7 +134,7 @@ void Substituted::buildSurface(const Progress& progress)
   check(error);
   CbvhGroup group = nullptr;
   check(cbvhNewGroup(context, &surface, 1, &group));
-  /* What it leaves out, vertices that are not finite, Embree leaves out, too. */
+  /* Embree also leaves out what this leaves out: vertices that are not finite. */
   const CbvhError left = cbvhCommitGroup(group);
   if (left != CBVH_OK && left != CBVH_ERROR_INVALID_ARGUMENT) {
     cbvhReleaseGroup(group);

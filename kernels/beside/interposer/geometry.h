@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A geometry of the application that another stands for in scenes. The application's handle is Embree's own geometry, which has all that it was told, and
- * interpolates, but is in no scene: so Embree never tessellates it. */
+/* A geometry of the application that is substituted by another one in scenes. The application's handle is Embree's own
+ * geometry, which receives all calls and interpolates, but is in no scene, so that Embree never tessellates it. */
 
 #include "input.h"
 #include "stand_in.h"
@@ -16,21 +16,21 @@
 
 namespace interposer {
 
-/* Told how much is done, 0 to 1; false cancels. */
+/* Called with the completed fraction, 0 to 1. Returns false to cancel. */
 typedef std::function<bool(double)> Progress;
 
 class Substituted
 {
 public:
-  /* NULL where there can be none. settings: of the context of libembree_cbvh */
+  /* Returns NULL if a substitute is not possible. settings: settings of the context of libembree_cbvh. */
   static Substituted* make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type);
   ~Substituted();
   Substituted(const Substituted&) = delete;
   Substituted& operator=(const Substituted&) = delete;
 
-  /* What a commit takes. */
+  /* Input of the next commit. */
   Input input;
-  /* Of setters: input is to be built again, or is not. */
+  /* Changes by setters: OfInput requires a new build, OfLook does not. */
   enum Change { OfInput = 1, OfLook = 2 };
   void change(Change what) { changes |= what; }
   void commit();
@@ -40,15 +40,16 @@ public:
   StandIn* const standIn;
   const RTCGeometry substitute;
 
-  /* Builds what was committed, if that was not done. Returns false where progress said so. */
+  /* Builds the committed input, if that is necessary. Returns false if progress cancelled it. */
   bool build(const Progress& progress);
   bool wantsBuild() const { return isCommitted && isEnabled; }
 
-  /* Whether scenes are to have the original; changes in build() alone. */
+  /* True if scenes must use the original. Only build() changes this. */
   bool isLeftToEmbree() const { return isLeft; }
 
 private:
-  Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn, RTCGeometry substitute);
+  Substituted(const std::string& settings, RTCGeometry original, RTCGeometryType type, StandIn* standIn,
+    RTCGeometry substitute);
   void discard();
   void buildSurface(const Progress& progress);
 
@@ -56,7 +57,8 @@ private:
   std::mutex building;
   CbvhSurface surface = nullptr;
   unsigned int changes = OfInput;
-  std::atomic<bool> isCommitted{false}, isEnabled{true}, isLeft{false};   // several scenes with it may be committed at a time
+  // atomic: several scenes with this geometry may be committed at a time
+  std::atomic<bool> isCommitted{false}, isEnabled{true}, isLeft{false};
 };
 
 } // namespace interposer

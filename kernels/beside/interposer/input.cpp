@@ -19,8 +19,9 @@ void check(CbvhError error)
 void displace(const CbvhDisplacementArguments* args)
 {
   const Input& input = *(const Input*)args->userPtr;
-  const RTCDisplacementFunctionNArguments theirs = {*input.userData, input.original, args->primID, args->timeStep, args->u, args->v,
-                                                    args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z, args->count};
+  const RTCDisplacementFunctionNArguments theirs = {*input.userData, input.original, args->primID, args->timeStep,
+                                                    args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
+                                                    args->P_x, args->P_y, args->P_z, args->count};
   input.displacement(&theirs);
 }
 
@@ -31,11 +32,11 @@ CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
   case RTC_SUBDIVISION_MODE_PIN_CORNERS: return CBVH_BOUNDARY_PIN_CORNERS;
   case RTC_SUBDIVISION_MODE_PIN_BOUNDARY: return CBVH_BOUNDARY_PIN_BOUNDARY;
   case RTC_SUBDIVISION_MODE_PIN_ALL: return CBVH_BOUNDARY_PIN_ALL;
-  default: throw Unsupported("RTC_SUBDIVISION_MODE_NO_BOUNDARY");
+  default: throw Unsupported("RTC_SUBDIVISION_MODE_NO_BOUNDARY is not supported");
   }
 }
 
-/* Items one behind the other: the buffer's own memory, where they lie so there. */
+/* Contiguous items: the buffer's own memory if its stride is the size of an item, otherwise a copy. */
 template<typename T>
 class Packed
 {
@@ -78,8 +79,9 @@ CbvhVertices Input::vertices(std::vector<const float*>& steps) const
   CbvhVertices all = CbvhVertices();
   for (unsigned int i = 0; i < numTimeSteps; i++) {
     const Buffer* const buffer = find(RTC_BUFFER_TYPE_VERTEX, i);
-    if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("a geometry without vertices");
-    if (i > 0 && (buffer->stride != all.stride || buffer->count != all.count)) throw Unsupported("time steps with other strides or counts of vertices");
+    if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("it has no vertices");
+    if (i > 0 && (buffer->stride != all.stride || buffer->count != all.count))
+      throw Unsupported("its time steps differ in the stride or the number of vertices");
     all.stride = buffer->stride;
     all.count = buffer->count;
     steps.push_back((const float*)buffer->data);
@@ -104,25 +106,27 @@ void Input::describeCage(CbvhSurface surface) const
   CbvhCage cage = CbvhCage();
   cage.vertices = vertices(steps);
 
-  const Packed<unsigned int> faces(find(RTC_BUFFER_TYPE_FACE)), indices(find(RTC_BUFFER_TYPE_INDEX)), holes(find(RTC_BUFFER_TYPE_HOLE)), corners(find(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX));
-  const Packed<float> levels(find(RTC_BUFFER_TYPE_LEVEL)), creaseWeights(find(RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT)), cornerWeights(find(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT));
+  const Packed<unsigned int> faces(find(RTC_BUFFER_TYPE_FACE)), indices(find(RTC_BUFFER_TYPE_INDEX)),
+    holes(find(RTC_BUFFER_TYPE_HOLE)), corners(find(RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX));
+  const Packed<float> levels(find(RTC_BUFFER_TYPE_LEVEL)), creaseWeights(find(RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT)),
+    cornerWeights(find(RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT));
   const Packed<Pair> creases(find(RTC_BUFFER_TYPE_EDGE_CREASE_INDEX));
-  if (!faces.data || !indices.data) throw Unsupported("a subdivision geometry without faces or indices");
+  if (!faces.data || !indices.data) throw Unsupported("it has no faces or no indices");
   cage.numFaces = faces.count;
   cage.faceVertices = faces.data;
   cage.indices = indices.data;
   for (size_t i = 0; i < faces.count; i++) {
-    if (faces.data[i] < 3) throw Unsupported("a face of less than three vertices");
+    if (faces.data[i] < 3) throw Unsupported("it has a face with fewer than 3 vertices");
     cage.numIndices += faces.data[i];
   }
-  if (cage.numIndices > indices.count) throw Unsupported("fewer indices than the faces have vertices");
+  if (cage.numIndices > indices.count) throw Unsupported("it has fewer indices than its faces have vertices");
 
-  /* Embree takes what is too low or too high for the bound. */
+  /* Embree clamps rates to these bounds. */
   const auto bounded = [](float rate) { return rate >= 1 ? std::min(rate, 4096.0f) : 1.0f; };
   std::vector<float> rates;
   cage.rate = bounded(tessellationRate);
   if (levels.data) {
-    if (levels.count < cage.numIndices) throw Unsupported("fewer levels than the faces have edges");
+    if (levels.count < cage.numIndices) throw Unsupported("it has fewer levels than its faces have edges");
     rates.resize(cage.numIndices);
     std::transform(levels.data, levels.data + cage.numIndices, rates.begin(), bounded);
     cage.rates = rates.data();
@@ -145,14 +149,14 @@ void Input::describeCage(CbvhSurface surface) const
 
 void Input::describeGrids(CbvhSurface surface) const
 {
-  static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "layout of a grid");
+  static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
   std::vector<const float*> steps;
   const Packed<CbvhGrid> packed(find(RTC_BUFFER_TYPE_GRID));
   CbvhGrids grids = CbvhGrids();
   grids.count = packed.count;
   grids.grids = packed.data;
   grids.vertices = vertices(steps);
-  if (grids.count == 0) throw Unsupported("a grid geometry without grids");
+  if (grids.count == 0) throw Unsupported("it has no grids");
   check(cbvhSetGrids(surface, &grids));
 }
 
@@ -173,7 +177,7 @@ void Input::describeMesh(CbvhSurface surface) const
     mesh.count = triangles.count;
     mesh.indices = (const unsigned int*)triangles.data;
   }
-  if (mesh.count == 0) throw Unsupported("a mesh without quads or triangles");
+  if (mesh.count == 0) throw Unsupported("it has no quads or triangles");
   mesh.vertices = vertices(steps);
   check(cbvhSetMesh(surface, &mesh));
 }

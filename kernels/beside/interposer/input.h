@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What an application told Embree of a geometry, and the surface of libembree_cbvh that it makes. */
+/* The input that an application passed to Embree for a geometry, from which a surface of libembree_cbvh is built. */
 
 #include "real.h"
 
@@ -15,7 +15,7 @@
 
 namespace interposer {
 
-/* Why a geometry is left to Embree. */
+/* The reason why a geometry is left to Embree. */
 struct Unsupported : std::runtime_error { using std::runtime_error::runtime_error; };
 
 struct Buffer
@@ -29,15 +29,15 @@ struct Input
 {
   RTCGeometryType type;
   RTCGeometry original;
-  void* const* userData;         // where the application's is, for displacement
+  void* const* userData;         // pointer to the application's user data, for displacement
   unsigned int numTimeSteps = 1;
-  float begin = 0, end = 1;      // of time
+  float begin = 0, end = 1;      // time range
   float tessellationRate = 2;
   RTCSubdivisionMode mode = RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY;
   RTCDisplacementFunctionN displacement = nullptr;
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
 
-  /* Sets the surface's cage, grids or mesh. Throws Unsupported. */
+  /* Sets the cage, grids or mesh of a surface. Throws Unsupported. */
   void describeTo(CbvhSurface surface) const;
 
 private:

@@ -157,18 +157,21 @@ bool Objects::exchange(Scene& scene, unsigned int geomID, const Geometry* geomet
 {
   const Lock lock(mutex);
   const auto attached = scene.attached.find(geomID);
-  if (attached == scene.attached.end() || attached->second.geometry != geometry || attached->second.isOriginal == isOriginal) return false;
+  if (attached == scene.attached.end() || attached->second.geometry != geometry
+    || attached->second.isOriginal == isOriginal) return false;
   attached->second.isOriginal = isOriginal;
   return true;
 }
 
-bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID)
+bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances,
+  unsigned int geomID)
 {
   const Lock lock(mutex);
   const Scene* in = findIn(scenes, scene);
   for (unsigned int level = 0; level < numInstances && in; level++) {
     const auto instance = in->attached.find(instances[level]);
-    in = instance == in->attached.end() || instance->second.geometry->scenes.empty() ? nullptr : instance->second.geometry->scenes[0];
+    in = instance == in->attached.end()
+      || instance->second.geometry->scenes.empty() ? nullptr : instance->second.geometry->scenes[0];
   }
   if (!in) return false;
   const auto attached = in->attached.find(geomID);

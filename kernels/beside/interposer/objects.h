@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Which scenes and geometries there are, and who holds whom: what stands in for a geometry stays as long as a scene has it, which Embree tells nobody. So
- * references are counted here as Embree counts them: those of the application, of scenes to geometries, and of instances to scenes. */
+/* The scenes and geometries of the application, and their references. A substitute must exist as long as a scene
+ * contains its geometry, but Embree does not report when that ends. References are therefore counted here as Embree
+ * counts them: references of the application, of scenes to geometries, and of instances to scenes. */
 
 #include "geometry.h"
 
@@ -17,7 +18,7 @@ namespace interposer {
 
 struct Scene;
 
-/* One that is substituted, or an instance. */
+/* A geometry with a substitute, or an instance. */
 struct Geometry
 {
   RTCGeometry handle;
@@ -29,7 +30,7 @@ struct Geometry
 struct Attachment
 {
   Geometry* geometry;
-  bool isOriginal;                  // Embree has the original, not what stands in for it
+  bool isOriginal;                  // Embree has the original, not the substitute
 };
 
 struct Scene
@@ -43,20 +44,20 @@ struct Scene
   std::mutex joining;
   size_t numJoined = 0;                  // threads in a commit; guarded by joining
   bool isEnding = true;                  // a thread has left the commit; guarded by joining
-  std::atomic<bool> isCancelled{false};  // the commit, for all threads that have joined it
+  std::atomic<bool> isCancelled{false};  // cancellation of the commit, for all threads that have joined it
 };
 
 class Objects
 {
 public:
-  /* never destroyed: programs release geometry when their statics end */
+  /* Never destroyed, because programs release geometries in destructors of static objects. */
   static Objects& get() { static Objects& objects = *new Objects; return objects; }
 
   void addScene(RTCScene scene);
-  /* substituted: or NULL of instances */
+  /* substituted: NULL for instances. */
   void addGeometry(RTCGeometry geometry, Substituted* substituted);
 
-  /* NULL where we do not know it. What is found stays while the caller's own reference does. */
+  /* Return NULL for unknown objects. The result is valid as long as the caller holds a reference to the handle. */
   Scene* find(RTCScene scene);
   Geometry* find(RTCGeometry geometry);
   Substituted* findSubstituted(RTCGeometry geometry);
@@ -64,7 +65,8 @@ public:
   void retain(RTCScene scene);
   void retain(RTCGeometry geometry);
 
-  /* What nobody holds any more. It is to be destroyed after the lock is let go, and after Embree has let go of what held it. */
+  /* Objects without references. They must be destroyed after the lock is released, and after Embree has released the
+   * object that held them. */
   struct Garbage
   {
     std::vector<std::unique_ptr<Geometry>> geometries;
@@ -77,13 +79,15 @@ public:
   Garbage detach(RTCScene scene, unsigned int geomID);
   Garbage setInstanced(RTCGeometry geometry, const RTCScene* scenes, size_t count);
 
-  /* Attachments of what is substituted, retained: to be released by releaseAll. */
+  /* Returns the attached geometries with substitutes, and retains them. The caller must pass the result to
+   * releaseAll. */
   std::vector<std::pair<unsigned int, Geometry*>> substitutedOf(Scene& scene);
   Garbage releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all);
-  /* Whether Embree's scene has it in another way than it is to; says of it that it has no longer. */
+  /* Returns true if Embree's scene has another geometry attached (original or substitute) than it should, and records
+   * the change. */
   bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* Whether a geometry of what the instances lead to from a scene, the outermost first, is one that another stands for there. */
+  /* True if a geometry is substituted in the scene that the instances lead to. instances: IDs, outermost first. */
   bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
 
 private:

@@ -46,10 +46,11 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-/* Keys and words of EMBREE_CBVH, as Embree CBVH itself has them, that matter here. */
-static const std::vector<std::string> words = {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
+/* Keys and words of EMBREE_CBVH that are supported here; the names are those of Embree CBVH. */
+static const std::vector<std::string> words =
+  {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
-/* Whether an item is one of the paper's representations or of their settings. */
+/* True if an item selects one of the paper's representations or one of their settings. */
 static bool isOfFrames(const std::string& item)
 {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
@@ -61,12 +62,13 @@ static bool isOfFrames(const std::string& item)
   return key != item && (key == "frame_level" || key == "level" || key == "exact_faces");
 }
 
-/* Returns false if the item is not understood. */
+/* Returns false if the item is unknown. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');
   if (equals == std::string::npos) {
-    if (item == "verbose" || item == "release_input") return true; // the library writes the lines, and never keeps input
+    // no effect: the library writes these lines, and never keeps input
+    if (item == "verbose" || item == "release_input") return true;
     if (item == "0" || item == "none") options.isOn = false;
     else return item == "1" || item == "vert" || item == "cvert" || item == "cbvh.vert";
     return true;
@@ -95,7 +97,7 @@ const Options& options()
         tellOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
         continue;
       }
-      read.isOn = false; // the library refuses the item too
+      read.isOn = false; // the library rejects the item too
       tellOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
                item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());
@@ -107,7 +109,7 @@ const Options& options()
 
 void tellOnce(const char* format, ...)
 {
-  /* never destroyed: programs release geometry when their statics end */
+  /* Never destroyed, because programs release geometries in destructors of static objects. */
   static std::mutex& mutex = *new std::mutex;
   static std::set<std::string>& said = *new std::set<std::string>;
   char line[512];

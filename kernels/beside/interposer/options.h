@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* What the environment variable EMBREE_CBVH asks for, in the words of Embree CBVH itself: "max_error=0.001,grids=1,quads=1,triangles=1,verbose", "0" to leave
- * all to Embree. */
+/* Settings of the environment variable EMBREE_CBVH, with the syntax of Embree CBVH:
+ * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. */
 
 #include <embree4/rtcore.h>
 
@@ -14,15 +14,15 @@ struct Options
 {
   bool isOn = true;
   bool takesGrids = false, takesQuads = false, takesTriangles = false;
-  float maxError = -1;         // world units; 0: lossless, negative: as the library chooses
+  float maxError = -1;         // world units; 0: lossless, negative: the library's default
 
   bool takes(RTCGeometryType type) const;
 };
 
-/* Read once. What is no word is told on stderr, and left out. */
+/* Returns the settings, which are read once. Unknown items are reported on stderr and turn compression off. */
 const Options& options();
 
-/* One line on stderr, the first time that these words are said. */
+/* Prints a line to stderr, unless the same line was printed before. */
 void tellOnce(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 } // namespace interposer

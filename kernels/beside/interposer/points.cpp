@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries. Embree asks the function of a query about each primitive near the point; of subdivision surfaces it has none. Of what stands in for a geometry it
- * has one that is none of the application's, and that is kept from it. */
+/* Point queries. Embree calls the function of a query for each primitive near the point, except for subdivision
+ * surfaces. Calls for the primitive of a substitute are not passed to the application. */
 
 #include "objects.h"
 #include "options.h"
@@ -18,7 +18,7 @@ struct PointQuery
 };
 thread_local const PointQuery* current = nullptr;
 
-/* A query may be made from inside of another. */
+/* Queries can be nested. */
 struct Entered
 {
   explicit Entered(const PointQuery* query) : outer(current) { current = query; }
@@ -33,16 +33,18 @@ private:
 bool ask(RTCPointQueryFunctionArguments* args)
 {
   const unsigned int* const instances = args->context->instStackSize > 0 ? args->context->instID : nullptr;
-  if (!Objects::get().isSubstituted(current->scene, instances, args->context->instStackSize, args->geomID)) return current->function(args);
+  if (!Objects::get().isSubstituted(current->scene, instances, args->context->instStackSize, args->geomID))
+    return current->function(args);
   return false;
 }
 
-/* query: of Embree, with the function that it is to have */
+/* query: calls Embree with the function that it is passed. */
 template<typename Query>
 bool enter(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 {
   if (!function || !hasStandIns() || !isActive()) return query(function);
-  if (options().takesGrids || options().takesQuads || options().takesTriangles) tellOnce("point queries do not see grids, quads and triangles that were taken from Embree");
+  if (options().takesGrids || options().takesQuads || options().takesTriangles)
+    tellOnce("point queries do not find grids, quads and triangles that are compressed");
   const PointQuery entered = {scene, function};
   const Entered scope(&entered);
   return query(ask);
@@ -54,15 +56,20 @@ bool enter(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 
 using namespace interposer;
 
-RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void* userPtr)
+RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryContext* context,
+  RTCPointQueryFunction queryFunc, void* userPtr)
 {
-  return enter(scene, queryFunc, [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery)(scene, query, context, function, userPtr); });
+  return enter(scene, queryFunc,
+    [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery)(scene, query, context, function, userPtr); });
 }
 
 #define PACKET_POINT_QUERY(N) \
-  RTC_API bool rtcPointQuery##N(const int* valid, RTCScene scene, RTCPointQuery##N* query, RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) \
+  RTC_API bool rtcPointQuery##N(const int* valid, RTCScene scene, RTCPointQuery##N* query, \
+                                RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) \
   { \
-    return enter(scene, queryFunc, [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery##N)(valid, scene, query, context, function, userPtr); }); \
+    return enter(scene, queryFunc, [&](RTCPointQueryFunction function) { \
+      return REAL(rtcPointQuery##N)(valid, scene, query, context, function, userPtr); \
+    }); \
   }
 PACKET_POINT_QUERY(4)
 PACKET_POINT_QUERY(8)

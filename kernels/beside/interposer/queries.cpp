@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays: the callbacks of stand-ins, and Embree's functions for queries, whose arguments have to be known to them. Embree 4 calls a function for user geometry that
- * comes with the arguments of a query in place of the geometry's own, and does not hand on the filter of the arguments. */
+/* Rays: the callbacks of stand-ins, and Embree's functions for queries, whose arguments the callbacks require. If the
+ * arguments of a query contain a function for user geometry, Embree 4 calls it instead of the geometry's own, and it
+ * does not pass on the filter of the arguments. */
 
 #include "stand_in.h"
 
@@ -12,16 +13,18 @@ namespace interposer {
 
 namespace {
 
-/* --- the query that a thread is in --------------------------------------------------------- */
+/* --- the current query of a thread --------------------------------------------------------- */
 
 template<typename Arguments> struct Current { static thread_local const Arguments* arguments; };
 template<typename Arguments> thread_local const Arguments* Current<Arguments>::arguments = nullptr;
 
-/* A query may be made from inside of another. */
+/* Queries can be nested. */
 template<typename Arguments>
 struct Entered
 {
-  explicit Entered(const Arguments* arguments) : outer(Current<Arguments>::arguments) { Current<Arguments>::arguments = arguments; }
+  explicit Entered(const Arguments* arguments) : outer(Current<Arguments>::arguments) {
+    Current<Arguments>::arguments = arguments;
+  }
   ~Entered() { Current<Arguments>::arguments = outer; }
   Entered(const Entered&) = delete;
   Entered& operator=(const Entered&) = delete;
@@ -35,16 +38,17 @@ RTCFilterFunctionN filterOfArguments(const StandIn& standIn)
 {
   const Arguments* const arguments = Current<Arguments>::arguments;
   if (!arguments || !arguments->filter) return nullptr;
-  return standIn.takesArgumentFilters || (arguments->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) ? arguments->filter : nullptr;
+  return standIn.takesArgumentFilters
+    || (arguments->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) ? arguments->filter : nullptr;
 }
 
 /* --- filters -------------------------------------------------------------------------------- */
 
-/* What the glue hands through to the filter that it is told of. */
+/* The context with which embree.h calls filter() below. */
 struct FilteredContext
 {
   CbvhQueryContext query;
-  RTCRayQueryContext* context;   // the application's, which may be longer
+  RTCRayQueryContext* context;   // the application's context, which can be longer than this type
   const StandIn* standIn;
   RTCFilterFunctionN ofGeometry, ofArguments;
 };
@@ -60,7 +64,8 @@ void filter(const RTCFilterFunctionNArguments* args)
 }
 
 template<typename Function, typename Arguments>
-void call(const Function& function, const Arguments* args, const StandIn& standIn, RTCFilterFunctionN ofGeometry, RTCFilterFunctionN ofArguments)
+void call(const Function& function, const Arguments* args, const StandIn& standIn, RTCFilterFunctionN ofGeometry,
+  RTCFilterFunctionN ofArguments)
 {
   if (!standIn.group) return;
   Arguments ours = *args;
@@ -78,13 +83,14 @@ void bound(const RTCBoundsFunctionArguments* args)
   RTCBoundsFunctionArguments ours = *args;
   ours.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
   if (ours.geometryUserPtr) { cbvhBoundGeometry(&ours); return; }
-  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // nothing
+  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty
 }
 
 void intersect(const RTCIntersectFunctionNArguments* args)
 {
   const StandIn& standIn = *(const StandIn*)args->geometryUserPtr;
-  call(cbvhIntersectGeometry, args, standIn, standIn.intersectFilter, filterOfArguments<RTCIntersectArguments>(standIn));
+  call(cbvhIntersectGeometry, args, standIn, standIn.intersectFilter,
+    filterOfArguments<RTCIntersectArguments>(standIn));
 }
 
 void occluded(const RTCOccludedFunctionNArguments* args)
@@ -93,7 +99,7 @@ void occluded(const RTCOccludedFunctionNArguments* args)
   call(cbvhOccludedGeometry, args, standIn, standIn.occludedFilter, filterOfArguments<RTCOccludedArguments>(standIn));
 }
 
-/* In place of the application's function for user geometry. */
+/* Replaces the application's function for user geometry. */
 void intersectAny(const RTCIntersectFunctionNArguments* args)
 {
   if (asStandIn(args->geometryUserPtr)) intersect(args);
@@ -106,7 +112,7 @@ void occludedAny(const RTCOccludedFunctionNArguments* args)
   else Current<RTCOccludedArguments>::arguments->occluded(args);
 }
 
-/* query: of Embree, with the arguments that it is to have */
+/* query: calls Embree with the arguments that it is passed. */
 template<typename Query>
 void enter(RTCIntersectArguments* args, const Query& query)
 {
@@ -169,12 +175,14 @@ PACKET_QUERIES(4)
 PACKET_QUERIES(8)
 PACKET_QUERIES(16)
 
-/* The glue may call these, where it is told of filters in another way than here. */
-RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args, const RTCFilterFunctionNArguments* filterArgs)
+/* Forwarded because cbvh/embree.h can call these functions, if filters are passed in another way than here. */
+RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
+  const RTCFilterFunctionNArguments* filterArgs)
 {
   REAL(rtcInvokeIntersectFilterFromGeometry)(args, filterArgs);
 }
-RTC_API void rtcInvokeOccludedFilterFromGeometry(const RTCOccludedFunctionNArguments* args, const RTCFilterFunctionNArguments* filterArgs)
+RTC_API void rtcInvokeOccludedFilterFromGeometry(const RTCOccludedFunctionNArguments* args,
+  const RTCFilterFunctionNArguments* filterArgs)
 {
   REAL(rtcInvokeOccludedFilterFromGeometry)(args, filterArgs);
 }

@@ -15,7 +15,7 @@ static void* lookUp(const char* name)
 {
   if (void* const next = dlsym(RTLD_NEXT, name)) return next;
   for (const char* library : {"libembree4.so.4", "libembree3.so.3"}) {
-    /* What was found stays loaded as long as we know its address. */
+    /* The library stays loaded, because its functions are used later. */
     void* const handle = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
     if (!handle) continue;
     if (void* const function = dlsym(handle, name)) return function;
@@ -28,7 +28,7 @@ void* findReal(const char* name)
 {
   void* const function = lookUp(name);
   if (!function) {
-    std::fprintf(stderr, "libembree_cbvh_interposer: the program calls %s, and has no Embree\n", name);
+    std::fprintf(stderr, "libembree_cbvh_interposer: the program calls %s, but has not loaded Embree\n", name);
     std::abort();
   }
   return function;
@@ -37,7 +37,7 @@ void* findReal(const char* name)
 bool isActive()
 {
   static const bool is = [] {
-    /* a function that Embree 4 has and 3 has not */
+    /* A function that Embree 4 has and Embree 3 lacks. */
     return options().isOn && lookUp("rtcInvokeIntersectFilterFromGeometry") != nullptr;
   }();
   return is;

@@ -3,21 +3,25 @@
 
 #pragma once
 
-/* Embree's own functions behind those of this library that have their names. */
+/* The original functions of Embree that this library overrides. */
 
 #include <embree4/rtcore.h>
 
 namespace interposer {
 
-/* Looks up a function of the Embree that the program has: that behind this library in the order of symbols, or, where a module was loaded with Embree out of
- * sight of others, that of the libembree4 that is loaded. Ends the program where there is none. */
+/* Looks up a function of the program's Embree: the next one after this library in symbol order, or, if a module loaded
+ * Embree with local visibility, the function of the loaded libembree4. Aborts the program if there is none. */
 void* findReal(const char* name);
 
-/* Whether that is an Embree 4, and the environment does not turn us off: of Embree 3 functions of the same names have other arguments, and all are forwarded as
- * they are. */
+/* True if the program uses Embree 4, and the environment does not disable this library. Embree 3 has functions with the
+ * same names and other arguments; calls are then forwarded unchanged. */
 bool isActive();
 
 } // namespace interposer
 
 /* REAL(rtcNewScene)(device) */
-#define REAL(name) ([]() -> decltype(&::name) { static const auto function = (decltype(&::name))interposer::findReal(#name); return function; }())
+#define REAL(name) \
+  ([]() -> decltype(&::name) { \
+    static const auto function = (decltype(&::name))interposer::findReal(#name); \
+    return function; \
+  }())

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Embree's functions that say what a geometry is: each goes to Embree's own, and what is drawn in its place has to know of it. Of interpolation and half edges
- * we do not hear: the handles that applications have are Embree's own. */
+/* Embree's functions that set properties of a geometry. Each call is passed to Embree and to the substitute. Functions
+ * for interpolation and half-edges are not overridden, because the application's handles are Embree's own. */
 
 #include "objects.h"
 
@@ -10,14 +10,16 @@ using namespace interposer;
 
 namespace {
 
-Substituted* find(RTCGeometry geometry) { return isActive() && geometry ? Objects::get().findSubstituted(geometry) : nullptr; }
+Substituted* find(RTCGeometry geometry) {
+  return isActive() && geometry ? Objects::get().findSubstituted(geometry) : nullptr;
+}
 
 void changeInput(RTCGeometry geometry)
 {
   if (Substituted* const of = find(geometry)) of->change(Substituted::OfInput);
 }
 
-/* set: of the input */
+/* set: changes the input. */
 template<typename Set>
 void changeInput(RTCGeometry geometry, const Set& set)
 {
@@ -36,8 +38,9 @@ void changeLook(RTCGeometry geometry, const Set& set)
   of->change(Substituted::OfLook);
 }
 
-/* What Embree refuses it has told its application of, and does not take. */
-bool isTaken(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data, size_t stride)
+/* False for buffers that Embree rejects. Embree reports that error itself. */
+bool isTaken(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
+  size_t stride)
 {
   if (size_t(data) % 4 != 0 || stride % 4 != 0) return false;
   switch (type) {
@@ -58,10 +61,12 @@ bool isTaken(const Input& input, RTCBufferType type, unsigned int slot, RTCForma
   }
 }
 
-void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data, size_t stride, size_t count)
+void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
+  size_t stride, size_t count)
 {
   changeInput(geometry, [&](Input& input) {
-    if (isTaken(input, type, slot, format, data, stride)) input.buffers[{type, slot}] = {format, (const char*)data, stride, count};
+    if (isTaken(input, type, slot, format, data, stride))
+      input.buffers[{type, slot}] = {format, (const char*)data, stride, count};
   });
 }
 
@@ -69,19 +74,24 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCF
 
 /* --- buffers -------------------------------------------------------------------------------- */
 
-RTC_API void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount)
+RTC_API void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
+  RTCBuffer buffer, size_t byteOffset, size_t byteStride, size_t itemCount)
 {
   REAL(rtcSetGeometryBuffer)(geometry, type, slot, format, buffer, byteOffset, byteStride, itemCount);
-  if (buffer && find(geometry)) setBuffer(geometry, type, slot, format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride, itemCount);
+  if (buffer && find(geometry))
+    setBuffer(geometry, type, slot, format, (const char*)REAL(rtcGetBufferData)(buffer) + byteOffset, byteStride,
+      itemCount);
 }
 
-RTC_API void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, const void* ptr, size_t byteOffset, size_t byteStride, size_t itemCount)
+RTC_API void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
+  const void* ptr, size_t byteOffset, size_t byteStride, size_t itemCount)
 {
   REAL(rtcSetSharedGeometryBuffer)(geometry, type, slot, format, ptr, byteOffset, byteStride, itemCount);
   setBuffer(geometry, type, slot, format, (const char*)ptr + byteOffset, byteStride, itemCount);
 }
 
-RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format, size_t byteStride, size_t itemCount)
+RTC_API void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCFormat format,
+  size_t byteStride, size_t itemCount)
 {
   void* const data = REAL(rtcSetNewGeometryBuffer)(geometry, type, slot, format, byteStride, itemCount);
   if (data) setBuffer(geometry, type, slot, format, data, byteStride, itemCount);
@@ -94,7 +104,7 @@ RTC_API void rtcUpdateGeometryBuffer(RTCGeometry geometry, RTCBufferType type, u
   changeInput(geometry);
 }
 
-/* --- what it is ------------------------------------------------------------------------------ */
+/* --- shape ----------------------------------------------------------------------------------- */
 
 RTC_API void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned int timeStepCount)
 {
@@ -136,7 +146,7 @@ RTC_API void rtcCommitGeometry(RTCGeometry geometry)
   if (Substituted* const of = find(geometry)) of->commit();
 }
 
-/* --- what rays see of it ---------------------------------------------------------------------- */
+/* --- appearance to rays ----------------------------------------------------------------------- */
 
 RTC_API void rtcEnableGeometry(RTCGeometry geometry)
 {

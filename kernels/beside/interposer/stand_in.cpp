@@ -14,7 +14,7 @@ StandInRange standInRange = {{0}, {0}};
 
 namespace {
 
-constexpr size_t maxStandIns = size_t(1) << 20;   // addresses, no memory until they are used
+constexpr size_t maxStandIns = size_t(1) << 20;   // reserves addresses; memory is used on demand
 
 struct Free { Free* next; };
 
@@ -29,10 +29,11 @@ bool hasStandIns() { return hasAny.load(std::memory_order_relaxed); }
 
 StandIn* newStandIn()
 {
-  static_assert(sizeof(StandIn) >= sizeof(Free), "the list of free ones lies in them");
+  static_assert(sizeof(StandIn) >= sizeof(Free), "StandIn must be large enough for an entry of the free list");
   const std::lock_guard<std::mutex> lock(mutex);
   if (standInRange.size == 0) {
-    void* const base = mmap(nullptr, maxStandIns*sizeof(StandIn), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    void* const base = mmap(nullptr, maxStandIns*sizeof(StandIn), PROT_READ | PROT_WRITE,
+      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (base == MAP_FAILED) return nullptr;
     standInRange.begin.store(uintptr_t(base), std::memory_order_relaxed);
     standInRange.size.store(maxStandIns*sizeof(StandIn), std::memory_order_release);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What rays find in a scene in place of a geometry: a user geometry whose user data is one of these. */
+/* The user data of the user geometry that substitutes a geometry in scenes. */
 
 #include "real.h"
 
@@ -17,15 +17,15 @@ namespace interposer {
 struct StandIn
 {
   CbvhGroup group;               // NULL until it is built
-  RTCGeometry original;          // the application's
-  void* userData;                // the application's, as the original has it
+  RTCGeometry original;          // geometry of the application
+  void* userData;                // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;
-  bool takesArgumentFilters;     // rtcSetGeometryEnableFilterFunctionFromArguments
+  bool takesArgumentFilters;     // see rtcSetGeometryEnableFilterFunctionFromArguments
 };
 
-/* All of them lie in one range of addresses, so that it takes two comparisons to tell the user data of ours from an
- * application's. A thread may ask while another makes the first stand-in: readers read the size first, and it is 0 until
- * begin is stored. */
+/* All stand-ins are in one range of addresses, so that two comparisons distinguish them from an application's user
+ * data. One thread may call asStandIn while another creates the first stand-in: readers read the size first, and it is
+ * 0 until begin is stored. */
 struct StandInRange
 {
   std::atomic<uintptr_t> begin, size;
@@ -38,14 +38,14 @@ inline StandIn* asStandIn(void* userData)
   return uintptr_t(userData) - standInRange.begin.load(std::memory_order_relaxed) < size ? (StandIn*)userData : nullptr;
 }
 
-/* NULL where there is no more room. */
+/* Returns NULL if there is no room. */
 StandIn* newStandIn();
 void deleteStandIn(StandIn* standIn);
 
-/* Whether there has been any: until then queries go to Embree as they are. */
+/* False if there has never been one: queries are then passed to Embree unchanged. */
 bool hasStandIns();
 
-/* A user geometry with the callbacks of stand-ins. NULL where Embree makes none. */
+/* Creates a user geometry with the callbacks of stand-ins. Returns NULL if Embree fails. */
 RTCGeometry newUserGeometry(RTCDevice device, StandIn* standIn);
 
 } // namespace interposer

@@ -61,7 +61,6 @@ namespace embree
       std::vector<uint64_t> treeOf; //!< builds of the blocks under the tree; empty if there is no tree
       size_t treeBytes = 0;
 
-      /*! A geometry of the scene. */
       struct Surface
       {
         CompressibleGeometry* geometry;
@@ -261,11 +260,12 @@ namespace embree
                     << " are traced by GRID" << std::endl;
         if (total.refusedQuads)
           std::cerr << geometry << total.refusedQuads
-                    << " quads of blocks without a good frame (lines, outliers) are stored in full precision" << std::endl;
+                    << " quads of blocks without a good frame (lines, outliers) are stored in full precision"
+                    << std::endl;
         if (total.sums.numExactQuads)
           std::cerr << geometry << total.sums.numExactQuads
-                    << " quads of faces that leaves represent badly (borders, creases, walls, folds) are stored as cVERT"
-                    << std::endl;
+                    << " quads of faces that leaves represent badly (borders, creases, walls, folds) "
+                       "are stored as cVERT" << std::endl;
         if (total.sums.numRawBlocks)
           std::cerr << geometry << total.sums.numRawBlocks
                     << " cVERT blocks store floats (because of a vertex that is not finite, a spacing that is too fine "
@@ -285,7 +285,8 @@ namespace embree
                     << looseSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cerr << geometry << total.quadsForHoles
-                    << " quads of patches with holes are stored as cLEAF, because cVOXEL cannot leave out quads" << std::endl;
+                    << " quads of patches with holes are stored as cLEAF, because cVOXEL cannot leave out quads"
+                    << std::endl;
       }
 
       static std::string describeInvalid (const Surface& surface)

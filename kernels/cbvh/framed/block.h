@@ -120,8 +120,12 @@ struct Block : public BlockHeader
   uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
 
   /*! Return the face parameters of a point that is given in quads from the block's corner. */
-  template<typename Float> Float faceU (const Float& x) const { return faceParameter(cornerUOf(tiling),blockXOf(info),lastXOf(tiling),height(),x); }
-  template<typename Float> Float faceV (const Float& y) const { return faceParameter(cornerVOf(tiling),blockYOf(info),lastYOf(tiling),height(),y); }
+  template<typename Float> Float faceU (const Float& x) const {
+    return faceParameter(cornerUOf(tiling),blockXOf(info),lastXOf(tiling),height(),x);
+  }
+  template<typename Float> Float faceV (const Float& y) const {
+    return faceParameter(cornerVOf(tiling),blockYOf(info),lastYOf(tiling),height(),y);
+  }
 
   const uint32_t* nodes () const { return (const uint32_t*)(this+1); }
   uint32_t* nodes () { return (uint32_t*)(this+1); }
@@ -129,7 +133,8 @@ struct Block : public BlockHeader
   char* leaves () { return (char*)this + layout().leafOffset; }
 };
 static_assert(sizeof(Block) == blockHeaderBytes, "header of a block");
-static_assert(offsetof(BlockHeader,columns) == 16 && offsetof(BlockHeader,primID) == 64 && offsetof(BlockHeader,tiling) == 72, "header of a block");
+static_assert(offsetof(BlockHeader,columns) == 16 && offsetof(BlockHeader,primID) == 64
+  && offsetof(BlockHeader,tiling) == 72, "header of a block");
 
 CBVH_END
 #endif

@@ -72,7 +72,8 @@ namespace embree
       }
 
       template<typename Leaves>
-      void encodeNodes(Leaves& leaves, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m, const NodeBox& box)
+      void encodeNodes(Leaves& leaves, uint32_t* nodes, uint32_t nodeLevels, uint32_t level, uint32_t m,
+        const NodeBox& box)
       {
         if (level == nodeLevels) { leaves.leaf(m,box); return; }
         uint32_t& word = nodes[nodesOfLevels(level)+m];

@@ -50,7 +50,8 @@ namespace embree
       /*! vertices: (2^height+1)^2 world positions, row by row; must outlive the object. scratch: see scratchBytes();
        *    must outlive the object. */
       BlockGeometry(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
-        : height(height), width((1u << height)+1), cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
+        : height(height), width((1u << height)+1),
+          cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
           vertices(vertices) { layoutScratch((char*)scratch); }
 
       /*! Fits the block's frame. Returns false if there is nothing to encode: no quad is finite, or floats cannot
@@ -96,7 +97,8 @@ namespace embree
           for (uint32_t x=0; x<side; x++)
           {
             const double (*const v)[4] = local + y*(side+1)+x;
-            const double twice = crossOf(Double4::load(v[side+2])-Double4::load(v[0]),Double4::load(v[side+1])-Double4::load(v[1]));
+            const double twice =
+              crossOf(Double4::load(v[side+2])-Double4::load(v[0]),Double4::load(v[side+1])-Double4::load(v[1]));
             small += std::fabs(twice) < limit;
             valid += twice == twice; // not NaN
           }
@@ -126,7 +128,11 @@ namespace embree
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
         size_t bytes = 0;
-        auto take = [&](size_t n) { const uintptr_t p = uintptr_t(scratch) + bytes; bytes += (n+15) & ~size_t(15); return p; };
+        auto take = [&](size_t n) {
+          const uintptr_t p = uintptr_t(scratch) + bytes;
+          bytes += (n+15) & ~size_t(15);
+          return p;
+        };
         boxes  = (ExactBox*)take(nodesOfLevels(cellLevels+1)*sizeof(ExactBox));
         local  = (double(*)[4])take(points*sizeof(*local));
         fitted = (Double3*)take(points*sizeof(Double3));
@@ -135,7 +141,9 @@ namespace embree
       }
 
       /*! True if a vertex of a cell is finite in the frame. */
-      bool isLocalFinite(uint32_t i) const { return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]); }
+      bool isLocalFinite(uint32_t i) const {
+        return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]);
+      }
 
       /*! Splits one quad into 2 x 2 cells. */
       void splitQuad()
@@ -144,7 +152,8 @@ namespace embree
         memcpy(quad,local,sizeof(quad));
         for (int v=0; v<9; v++)
           for (int k=0; k<4; k++)
-            local[v][k] = 0.25*((2-v%3)*((2-v/3)*quad[0][k] + (v/3)*quad[2][k]) + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
+            local[v][k] = 0.25*((2-v%3)*((2-v/3)*quad[0][k] + (v/3)*quad[2][k])
+              + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
       }
 
       /*! Transforms vertexRounding to the axes of the frame. A world-space step of r on each axis moves x = X/W by at
@@ -156,7 +165,10 @@ namespace embree
         for (int k=0; k<3; k++) coordinate = std::max(coordinate,double(std::max(-lower[k],upper[k])));
         for (int corner=0; corner<8; corner++)
           rcpW = std::max(rcpW,inverse.rcpW({ double(corner&1),double((corner>>1)&1),double(corner>>2) }));
-        auto sum = [&](int k) { return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k])) + std::fabs(double(frame.columns[2][k])); };
+        auto sum = [&](int k) {
+          return std::fabs(double(frame.columns[0][k])) + std::fabs(double(frame.columns[1][k]))
+            + std::fabs(double(frame.columns[2][k]));
+        };
         rounding[3] = 0;
         for (int k=0; k<3; k++)
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
@@ -185,7 +197,8 @@ namespace embree
           invalid++;
           return ExactBox();
         }
-        const Double4 p[4] = { Double4::load(local[v]),Double4::load(local[v+1]),Double4::load(local[above]),Double4::load(local[above+1]) };
+        const Double4 p[4] = { Double4::load(local[v]),Double4::load(local[v+1]),
+                               Double4::load(local[above]),Double4::load(local[above+1]) };
         const Double4 lower = min(min(p[0],p[1]),min(p[2],p[3])), upper = max(max(p[0],p[1]),max(p[2],p[3]));
         const Double4 r = Double4::load(rounding);
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));

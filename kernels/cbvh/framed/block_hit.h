@@ -16,7 +16,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A hit in a leaf. */
       template<typename Real, typename Bool>
       struct LeafHit
       {
@@ -62,7 +61,8 @@ namespace embree
           : block(block), leafSize(float(1u << block->height())/float(layout.leaves)) {}
 
         /*! t: reported distance. */
-        __forceinline BlockHit<Real> blockHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at, const Real& t) const
+        __forceinline BlockHit<Real> blockHit (const HitRay<Real>& ray, uint32_t leaf, const LeafHit<Real,Bool>& at,
+                                               const Real& t) const
         {
           BlockHit<Real> hit;
           hit.u = block->faceU(Real(leafSize)*(Real(float(mortonX(leaf))) + at.u));
@@ -81,7 +81,8 @@ namespace embree
           const Real level = fusedNegative(at.slopeY,p[1],fusedNegative(at.slopeX,p[0],p[2]));
           for (int k=0; k<3; k++) {
             const float* column = block->columns[k];
-            n[k] = fusedNegative(level,Real(column[3]),fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
+            n[k] = fusedNegative(level,Real(column[3]),
+              fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
           }
           /* In frames of blocks smaller than 1e-19, squares of the components overflow. */
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
@@ -89,12 +90,15 @@ namespace embree
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
           const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
           const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(turnedSine2)*length2);
-          const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)), rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
+          const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
+            rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
           for (int k=0; k<3; k++) n[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
           Ng = Vec3<Real>(n[0],n[1],n[2]);
         }
 
-        static __forceinline Real dotOf (const Real a[3], const Real b[3]) { return fused(a[0],b[0],fused(a[1],b[1],product(a[2],b[2]))); }
+        static __forceinline Real dotOf (const Real a[3], const Real b[3]) {
+          return fused(a[0],b[0],fused(a[1],b[1],product(a[2],b[2])));
+        }
 
         const Block* block;
         const float leafSize; //!< in quads

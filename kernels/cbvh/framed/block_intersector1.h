@@ -22,7 +22,8 @@ namespace embree
         /*! Returns true if a hit was accepted. An any-hit query ends with the first one. Not inlined, so that traversal
          *  keeps its ray in registers. */
         template<typename RayType>
-        static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state, const Block* block)
+        static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state,
+                                          const Block* block)
         {
           LocalRay local;
           if (!local.init(state,block,ray.tfar)) return false;

@@ -20,7 +20,8 @@ namespace embree
       {
         /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
         template<typename Rays>
-        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const RayStates<K>& state, const Block* block)
+        static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
+                                              const RayStates<K>& state, const Block* block)
         {
           FrameRays<K> frameRays;
           const vbool<K> inside = frameRays.init(state,block,rays.tfar,valid);

@@ -28,7 +28,8 @@ namespace embree
         typedef NodeEntries::LeafTile LeafTile;
 
         __forceinline BlockTiles (const Block* block, const BlockLayout& layout)
-          : cache(NodeCache::ofThread()), block(block), nodeLevels(int(layout.nodeLevels)), heights((const char*)block + layout.leafOffset) {}
+          : cache(NodeCache::ofThread()), block(block), nodeLevels(int(layout.nodeLevels)),
+            heights((const char*)block + layout.leafOffset) {}
 
         /*! Negative if the first tile is above the root. */
         __forceinline int firstLevel () const { return unlikely(nodeLevels == 0) ? -2 : -(nodeLevels & 1); }
@@ -53,8 +54,12 @@ namespace embree
         }
 
         /*! True if a tile still is the tile of this block with this number, and if the grandchild is decoded. */
-        __forceinline bool has (const Tile& at, uint32_t number) const { return at.block == block && at.number == number; }
-        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const { return has(at,number) && (at.decoded >> (child >> 2)) & 1u; }
+        __forceinline bool has (const Tile& at, uint32_t number) const {
+          return at.block == block && at.number == number;
+        }
+        __forceinline bool has (const Tile& at, uint32_t number, uint32_t child) const {
+          return has(at,number) && (at.decoded >> (child >> 2)) & 1u;
+        }
 
         /*! Decodes the children of those children in a mask that have none decoded yet. */
         __forceinline void need (Tile& at, uint32_t mask)
@@ -70,7 +75,9 @@ namespace embree
 
       private:
         /*! Tiles are numbered in the order of the words, after the tile above the root. */
-        static __forceinline uint32_t numberOf (int level, uint32_t m) { return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1; }
+        static __forceinline uint32_t numberOf (int level, uint32_t m) {
+          return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1;
+        }
 
         /*! Index of the word of the first child of a tile. */
         static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
@@ -105,7 +112,9 @@ namespace embree
           }
         }
 
-        static __forceinline NodeBox boxOfChild (const Tile& at, uint32_t c) { return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c); }
+        static __forceinline NodeBox boxOfChild (const Tile& at, uint32_t c) {
+          return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c);
+        }
 
         /*! Returns the box of a tile's node, from the tile that has it as a grandchild. */
         NodeBox boxOf (int level, uint32_t m)
@@ -134,7 +143,8 @@ namespace embree
             const uint32_t c = uint32_t(bsf(rest));
             uint64_t bits;
             memcpy(&bits,heights + 8*size_t(firstGroup+c),8);
-            GroupDecoder4(at.grandchildren,at.surfaces,4*c).decode(block->nodes()[firstChild(at)+c],bits,boxOfChild(at,c));
+            GroupDecoder4(at.grandchildren,at.surfaces,4*c).decode(block->nodes()[firstChild(at)+c],bits,
+              boxOfChild(at,c));
           }
           at.decoded |= mask;
         }

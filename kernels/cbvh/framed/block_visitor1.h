@@ -31,9 +31,11 @@ namespace embree
         float sBest;
         bool isHit;         //!< a hit was accepted
 
-        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block, const BlockLayout& layout,
+        __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block,
+                                     const BlockLayout& layout,
                                      const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
-          : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay), tiles(tiles),
+          : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay),
+            tiles(tiles),
             sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
 
         /* Members that BlockWalk1 requires. Only cLEAF needs others. */
@@ -43,15 +45,21 @@ namespace embree
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! True if the segment begins (ends) in the box of a leaf, at tnear (tfar). */
-        __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.startClipped && ranges.sNear[leaf] < 0.0f; }
-        __forceinline bool endsInside (const BoxRanges<16>& ranges, uint32_t leaf) const { return local.endClipped && ranges.sFar[leaf] > 1.0f; }
+        __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const {
+          return local.startClipped && ranges.sNear[leaf] < 0.0f;
+        }
+        __forceinline bool endsInside (const BoxRanges<16>& ranges, uint32_t leaf) const {
+          return local.endClipped && ranges.sFar[leaf] > 1.0f;
+        }
 
         /*! Reports a hit. Returns true if the walk must treat it as a hit: it was accepted, or it is farther than the
          *  ray's hit in another block, but would have been accepted if this block had been visited first. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
-          const HitRay<float> segment = { { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },local.t0,local.t1,local.w0,local.w1,
-                                          { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
+          const HitRay<float> segment = {
+            { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },
+            local.t0,local.t1,local.w0,local.w1,{ state.dir.x,state.dir.y,state.dir.z },
+            state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
           const float own = segment.ownT(at.s), t = segment.countingT(own);
           if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };

@@ -35,9 +35,11 @@ namespace embree
         vbool<K> open;   //!< rays that continue
         vbool<K> isHit;  //!< a hit was accepted
 
-        __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state, const Block* block, const BlockLayout& layout,
+        __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,
+                                     const Block* block, const BlockLayout& layout,
                                      const FrameRays<K>& frameRays, BlockTiles& tiles, const vbool<K>& valid)
-          : rays(rays), context(context), state(state), block(block), layout(layout), frameRays(frameRays), tiles(tiles), sBest(1.0f), open(valid), isHit(false)
+          : rays(rays), context(context), state(state), block(block), layout(layout), frameRays(frameRays),
+            tiles(tiles), sBest(1.0f), open(valid), isHit(false)
         {
           const vbool<K> nearer = valid & (rays.tfar < state.tfar);
           if (any(nearer)) sBest = select(nearer,min(frameRays.behind(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
@@ -50,8 +52,12 @@ namespace embree
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! Rays whose segments begin (end) in the box of a leaf, at tnear (tfar). */
-        __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const { return frameRays.startClipped & (box.sNear < vfloat<K>(zero)); }
-        __forceinline vbool<K> endInside (const BoxMeeting<K>& box) const { return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f)); }
+        __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const {
+          return frameRays.startClipped & (box.sNear < vfloat<K>(zero));
+        }
+        __forceinline vbool<K> endInside (const BoxMeeting<K>& box) const {
+          return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f));
+        }
 
         /*! Reports the hits of some lanes. Returns the rays whose walks must treat it as a hit, see
          *  BlockVisitor1::reportHit. */
@@ -63,7 +69,8 @@ namespace embree
           const vbool<K> front = lanes & inFront(lanes,t,own);
           if (any(front)) {
             const vbool<K> accepted = front & report(rays,front,context,block->surface,block->primID,[&] {
-              const BlockHit<vfloat<K>> hit = HitFrame<vfloat<K>,vbool<K>>(block,layout).blockHit(segment,leaf,hits,own);
+              const BlockHit<vfloat<K>> hit =
+                HitFrame<vfloat<K>,vbool<K>>(block,layout).blockHit(segment,leaf,hits,own);
               return std::make_tuple(hit.u,hit.v,hit.t,Vec3vf<K>(hit.Ng));
             });
             for (uint32_t rest=uint32_t(movemask(accepted)); rest; rest&=rest-1) {
@@ -88,8 +95,9 @@ namespace embree
         __forceinline HitRay<vfloat<K>> segments () const
         {
           const FrameRays<K>& f = frameRays;
-          return HitRay<vfloat<K>>{ { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
-                                    { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
+          return HitRay<vfloat<K>>{
+            { f.P[0],f.P[1],f.P[2] },{ f.D[0],f.D[1],f.D[2] },f.t0,f.t1,f.w0,f.w1,
+            { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
         /*! Returns the hits that take precedence over the hits that the rays have. */

@@ -133,7 +133,8 @@ namespace embree
         /*! True if the ray passes over the node of a rank that it misses. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
-          return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2) : ray.isAbove(tileOf(l,level,child).grandchildren,child);
+          return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)
+            : ray.isAbove(tileOf(l,level,child).grandchildren,child);
         }
       };
     }

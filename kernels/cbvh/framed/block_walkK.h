@@ -75,13 +75,15 @@ namespace embree
           uint32_t number;
 
           template<int N>
-          __forceinline Visits (const BlockWalkK& walk, const NodePlanes<N>& planes, uint32_t firstNode, uint32_t present, const vbool<K>& lanes) : number(0)
+          __forceinline Visits (const BlockWalkK& walk, const NodePlanes<N>& planes, uint32_t firstNode,
+                                uint32_t present, const vbool<K>& lanes) : number(0)
           {
             vbool<K> met[4];
             for (uint32_t i=0; i<4; i++) {
               if (likely(present == 15u) || (present >> i) & 1u) {
                 box[i].set(walk.rays,walk.flip,planes,firstNode+i);
-                met[i] = lanes & (Visitor::countsPassed ? box[i].shares(walk.visitor.sBest) : box[i].meets(walk.visitor.sBest));
+                met[i] = lanes & (Visitor::countsPassed ? box[i].shares(walk.visitor.sBest)
+                  : box[i].meets(walk.visitor.sBest));
               }
               else met[i] = vbool<K>(false);
             }
@@ -155,7 +157,9 @@ namespace embree
           }
         }
 
-        __forceinline Tile& tileOf (int level, uint32_t m) { return level == last ? (Tile&)visitor.leafTile(m) : tiles.tile(level,m); }
+        __forceinline Tile& tileOf (int level, uint32_t m) {
+          return level == last ? (Tile&)visitor.leafTile(m) : tiles.tile(level,m);
+        }
 
         __forceinline Tile& withChildren (int level, uint32_t m, uint32_t c)
         {

@@ -65,8 +65,9 @@ namespace embree
     /*! Returns any unit vector orthogonal to a. */
     inline Double3 anyOrthogonal(const Double3& a)
     {
-      const Double3 axis = std::fabs(a.x) < std::fabs(a.y) ? (std::fabs(a.x) < std::fabs(a.z) ? Double3{1,0,0} : Double3{0,0,1})
-                                                           : (std::fabs(a.y) < std::fabs(a.z) ? Double3{0,1,0} : Double3{0,0,1});
+      const Double3 axis = std::fabs(a.x) < std::fabs(a.y)
+        ? (std::fabs(a.x) < std::fabs(a.z) ? Double3{1,0,0} : Double3{0,0,1})
+        : (std::fabs(a.y) < std::fabs(a.z) ? Double3{0,1,0} : Double3{0,0,1});
       const Double3 c = cross(a,axis);
       return (1.0/length(c))*c;
     }
@@ -170,7 +171,8 @@ namespace embree
       Double4 x, y, z, d;
 
       explicit MapLanes(const FrameMap& m)
-        : x(m.X.n.x,m.Y.n.x,m.Z.n.x,m.W.n.x), y(m.X.n.y,m.Y.n.y,m.Z.n.y,m.W.n.y), z(m.X.n.z,m.Y.n.z,m.Z.n.z,m.W.n.z), d(m.X.d,m.Y.d,m.Z.d,m.W.d) {}
+        : x(m.X.n.x,m.Y.n.x,m.Z.n.x,m.W.n.x), y(m.X.n.y,m.Y.n.y,m.Z.n.y,m.W.n.y), z(m.X.n.z,m.Y.n.z,m.Z.n.z,m.W.n.z),
+          d(m.X.d,m.Y.d,m.Z.d,m.W.d) {}
 
       Double4 operator()(const Double3& p) const { return x*p.x + y*p.y + z*p.z + d; }
     };
@@ -183,7 +185,8 @@ namespace embree
       double worldExtent;        //!< upper bound of the vertices' extent on their longest axis
 
       /*! vertices: world positions relative to an origin, at least one. farthest: their largest absolute coordinate. */
-      MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest) : worldExtent(2*farthest)
+      MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest)
+        : worldExtent(2*farthest)
       {
         const MapLanes lanes(map);
         Double4 least = DBL_MAX, most = -DBL_MAX, low = DBL_MAX, high = -DBL_MAX;
@@ -210,7 +213,8 @@ namespace embree
      *  widened x or y, see Frame::degenerate. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
-      const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z))) + vertices.worldExtent;
+      const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
+        + vertices.worldExtent;
       const double w0 = map.W({0,0,0}) > 0 ? map.W({0,0,0}) : vertices.maxW;
       const double floor = maximum(maximum(minExtentRatio*vertices.worldExtent,coordinate*std::ldexp(1.0,-22)),1e-30);
       Form* forms[3] = { &map.X, &map.Y, &map.Z };
@@ -243,7 +247,8 @@ namespace embree
 
     /*! Sets the largest distance of the vertices from the center of the box, per axis. Returns false if W is not
      *  positive or a distance is not finite. */
-    inline bool reachOf(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count, double reach[3])
+    inline bool reachOf(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count,
+      double reach[3])
     {
       const FrameLanes lanes(frame.columns);
       Double4 farthest = 0.0;
@@ -263,9 +268,11 @@ namespace embree
     /*! Rounds a map to the floats that a frame stores. Rounding moves the center, which is restored to (1/2,1/2,1/2) by
      *  shifting the map. The map is then scaled about the center until every vertex is inside again. frame.centre must
      *  be set. */
-    inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count, Frame& frame)
+    inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
+      Frame& frame)
     {
-      const Double3 rounded = { double(frame.centre[0])-origin.x, double(frame.centre[1])-origin.y, double(frame.centre[2])-origin.z };
+      const Double3 rounded =
+        { double(frame.centre[0])-origin.x, double(frame.centre[1])-origin.y, double(frame.centre[2])-origin.z };
       const double w = map.W(rounded);
       if (!(w > 0)) return false;
       Double3 rows[4] = { (1/w)*map.X.n, (1/w)*map.Y.n, (1/w)*map.Z.n, (1/w)*map.W.n };
@@ -294,7 +301,8 @@ namespace embree
     /*! Scales a map so that its vertices fill the box, and rounds it to the stored floats. Returns false if W is out of
      *  bounds. vertices: `count` world positions relative to origin, at least one. farthest: their largest absolute
      *  coordinate. */
-    inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest, Frame& frame)
+    inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest,
+      Frame& frame)
     {
       MappedVertices mapped(map,vertices,count,farthest);
       if (!mapped.hasGoodW()) return false;
@@ -315,7 +323,8 @@ namespace embree
      *  vertices: `count` world positions to contain, finite, at least one.
      *  scratch:  room for `count` points.
      *  Returns false if floats cannot represent any frame. No finite vertices with this result are known. */
-    inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch, Frame& frame)
+    inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch,
+      Frame& frame)
     {
       const Double3 origin = { 0.5*(double(corners[0][0])+double(corners[3][0])),
                                0.5*(double(corners[0][1])+double(corners[3][1])),

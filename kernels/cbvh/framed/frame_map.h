@@ -62,7 +62,8 @@ namespace embree
       /*! Returns x, y and z in lanes 0 to 2. lanes: lanes of the columns. */
       Double4 transform(const FrameLanes& lanes, const float p[3]) const
       {
-        const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]), double(p[2])-double(centre[2]) });
+        const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]),
+          double(p[2])-double(centre[2]) });
         return h/broadcast<3>(h);
       }
     };
@@ -105,7 +106,8 @@ namespace embree
           sample[i][0] = p.x*r; sample[i][1] = p.y*r; sample[i][2] = p.z*r; sample[i][3] = r;
         }
         auto form = [&](int k) {
-          return Form{ { sample[1][k]-sample[0][k], sample[2][k]-sample[0][k], sample[3][k]-sample[0][k] }, sample[0][k] };
+          return Form{ { sample[1][k]-sample[0][k], sample[2][k]-sample[0][k], sample[3][k]-sample[0][k] },
+            sample[0][k] };
         };
         for (int k=0; k<3; k++) numerator[k] = form(k);
         rcpW = form(3);

@@ -51,15 +51,23 @@ namespace embree
 
         /*! Returns the near (far) planes of boxes on an axis. N/4 converts the row to bytes. */
         template<int N>
-        __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + nearRow[axis]*(N/4)); }
+        __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const {
+          return (const float*)((const char*)&c + nearRow[axis]*(N/4));
+        }
         template<int N>
-        __forceinline const float* farPlanes (const NodePlanes<N>& c, int axis) const { return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4)); }
+        __forceinline const float* farPlanes (const NodePlanes<N>& c, int axis) const {
+          return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4));
+        }
 
         /*! Returns where the ray's line intersects the near (far) plane of a box on an axis, widened. */
         template<int N>
-        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const { return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0]; }
+        __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const {
+          return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0];
+        }
         template<int N>
-        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const { return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0]; }
+        __forceinline float leave (const NodePlanes<N>& c, int axis, uint32_t i) const {
+          return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0];
+        }
 
         /*! True if the ray passes over the box. The ray must overlap the box in x and y, and miss it. */
         template<int N>
@@ -82,7 +90,8 @@ namespace embree
 
       /*! Tests the first `number` of N boxes against the segment up to sBest, in vectors. */
       template<typename vfloatW, int N>
-      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges, int number = N)
+      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges,
+                                        int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
         /* Local copies, because the compiler must assume that the stores below modify the ray. */
@@ -91,7 +100,8 @@ namespace embree
         for (int k=0; k<3; k++) {
           nearPlanes[k] = ray.nearPlanes(c,k);
           farPlanes[k] = ray.farPlanes(c,k);
-          Pnear[k] = vfloatW::load((const float*)&ray.Pnear[k]); Pfar[k] = vfloatW::load((const float*)&ray.Pfar[k]); rcpD[k] = vfloatW::load((const float*)&ray.rcpD[k]);
+          Pnear[k] = vfloatW::load((const float*)&ray.Pnear[k]); Pfar[k] = vfloatW::load((const float*)&ray.Pfar[k]);
+            rcpD[k] = vfloatW::load((const float*)&ray.rcpD[k]);
         }
         BoxMasks masks = { 0u,0u };
         for (int i=0; i<number; i+=int(vfloatW::size))

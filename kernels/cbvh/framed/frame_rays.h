@@ -64,11 +64,15 @@ namespace embree
         vbool<K> startClipped, endClipped;
 
         /*! Returns the rays that intersect the block's box between tnear and their nearest hit so far. */
-        __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest, const vbool<K>& valid)
+        __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest,
+                                     const vbool<K>& valid)
         {
-          const vfloat<K> o[3] = { state.org.x-vfloat<K>(block->centre[0]), state.org.y-vfloat<K>(block->centre[1]), state.org.z-vfloat<K>(block->centre[2]) };
+          const vfloat<K> o[3] =
+            { state.org.x-vfloat<K>(block->centre[0]), state.org.y-vfloat<K>(block->centre[1]),
+              state.org.z-vfloat<K>(block->centre[2]) };
           const vfloat<K> tref = -state.dotOf(Vec3vf<K>(o[0],o[1],o[2]),state.dir)*state.rcpDir2;
-          const vfloat<K> p[3] = { madd(tref,state.dir.x,o[0]), madd(tref,state.dir.y,o[1]), madd(tref,state.dir.z,o[2]) };
+          const vfloat<K> p[3] =
+            { madd(tref,state.dir.x,o[0]), madd(tref,state.dir.y,o[1]), madd(tref,state.dir.z,o[2]) };
           vfloat<K> O[4], dO[4];
           for (int r=0; r<4; r++) {
             const vfloat<K> cx(block->columns[0][r]), cy(block->columns[1][r]), cz(block->columns[2][r]);
@@ -76,8 +80,10 @@ namespace embree
             dO[r] = madd(state.dir.x,cx,madd(state.dir.y,cy,product(state.dir.z,cz)));
           }
 
-          const BlockStretch stretch(vfloat4::load(block->columns[0]),vfloat4::load(block->columns[1]),vfloat4::load(block->columns[2]));
-          const vfloat<K> farthest = madd(vfloat<K>(reachOfBox),vfloat<K>(stretch.longest),max(max(abs(o[0]),abs(o[1])),abs(o[2])));
+          const BlockStretch stretch(vfloat4::load(block->columns[0]),vfloat4::load(block->columns[1]),
+            vfloat4::load(block->columns[2]));
+          const vfloat<K> farthest =
+            madd(vfloat<K>(reachOfBox),vfloat<K>(stretch.longest),max(max(abs(o[0]),abs(o[1])),abs(o[2])));
           const vfloat<K> distance = vfloat<K>(distanceUlps*floatUlp)*farthest;
           vfloat<K> epsilon[3];
           for (int k=0; k<3; k++) epsilon[k] = madd(distance,vfloat<K>(stretch.withW[k]),vfloat<K>(unitUlps*floatUlp));
@@ -109,11 +115,14 @@ namespace embree
           const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
           return select(at < t1,tw/(product(w0,vfloat<K>(1.0f)-tau) + tw),vfloat<K>(1.0f)) + vfloat<K>(slackOfS);
         }
-        __forceinline float behind (size_t k, float rcpScale, float t) const { return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS; }
+        __forceinline float behind (size_t k, float rcpScale, float t) const {
+          return localParameter(t0[k],t1[k],w0[k],w1[k],t*rcpScale) + slackOfS;
+        }
 
       private:
         /*! As LocalRay::Clip: keeps the part where a + tau d >= 0. */
-        static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut, vbool<K>& outside)
+        static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut,
+                                        vbool<K>& outside)
         {
           const vfloat<K> r = -a/d;
           tauIn = max(tauIn,select(d > vfloat<K>(zero),r,vfloat<K>(neg_inf)));
@@ -146,8 +155,10 @@ namespace embree
         {
           const uint32_t x = flipXY & 1u, y = flipXY >> 1;
           const vfloat<K> lowest(c.at[2][0][i]), highest(c.at[2][1][i]);
-          enterXY = max((vfloat<K>(c.at[0][x][i])-rays.Pnear[0])*rays.rcpD[0],(vfloat<K>(c.at[1][y][i])-rays.Pnear[1])*rays.rcpD[1]);
-          leaveXY = min((vfloat<K>(c.at[0][x^1u][i])-rays.Pfar[0])*rays.rcpD[0],(vfloat<K>(c.at[1][y^1u][i])-rays.Pfar[1])*rays.rcpD[1]);
+          enterXY = max((vfloat<K>(c.at[0][x][i])-rays.Pnear[0])*rays.rcpD[0],
+            (vfloat<K>(c.at[1][y][i])-rays.Pnear[1])*rays.rcpD[1]);
+          leaveXY = min((vfloat<K>(c.at[0][x^1u][i])-rays.Pfar[0])*rays.rcpD[0],
+            (vfloat<K>(c.at[1][y^1u][i])-rays.Pfar[1])*rays.rcpD[1]);
           enterZ = (select(rays.down[2],highest,lowest)-rays.Pnear[2])*rays.rcpD[2];
           leaveZ = (select(rays.down[2],lowest,highest)-rays.Pfar[2])*rays.rcpD[2];
           sNear = max(enterXY,enterZ);
@@ -155,11 +166,17 @@ namespace embree
         }
 
         /*! Segments up to sBest that intersect the box, and segments that overlap it in x and y. */
-        __forceinline vbool<K> meets (const vfloat<K>& sBest) const { return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest); }
-        __forceinline vbool<K> shares (const vfloat<K>& sBest) const { return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest); }
+        __forceinline vbool<K> meets (const vfloat<K>& sBest) const {
+          return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest);
+        }
+        __forceinline vbool<K> shares (const vfloat<K>& sBest) const {
+          return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest);
+        }
 
         /*! True for rays that pass over the box. They must overlap it in x and y, and miss it. */
-        __forceinline vbool<K> isAbove (const vbool<K>& descends) const { return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends; }
+        __forceinline vbool<K> isAbove (const vbool<K>& descends) const {
+          return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends;
+        }
       };
     }
   }

@@ -15,7 +15,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray in blocks with frames. */
       class FramedRay
       {
       public:

@@ -14,7 +14,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The rays of a packet in blocks with frames. */
       template<int K>
       class FramedRaysK
       {
@@ -25,7 +24,8 @@ namespace embree
 
         /*! Returns the rays that accepted a hit. */
         template<typename Rays>
-        __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context, const void* prim)
+        __forceinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
+                                          const void* prim)
         {
           if (unlikely(!isUsable(prim,FRAMED_FORM))) return vbool<K>(false);
           const Block* const block = (const Block*)prim;

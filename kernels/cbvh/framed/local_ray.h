@@ -37,7 +37,6 @@ CVERT_CONSTANT float reachOfBox = 0.75f;
 /*! Greater than any parameter of a ray. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
 
-/*! A part of a line. */
 CVERT_REAL struct Range
 {
   Real lower, upper;
@@ -163,7 +162,6 @@ CVERT_REAL CVERT_FUNCTION Real worldT (CVERT_OF(Segment) segment, Real s) {
   return segment.t0 + worldShare(segment.w0,segment.w1,s)*(segment.t1-segment.t0);
 }
 
-/*! Returns a coordinate at s. */
 CVERT_REAL CVERT_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Real s) {
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }

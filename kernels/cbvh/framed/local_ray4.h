@@ -97,7 +97,8 @@ namespace embree
           /* Move to the point nearest to the center. */
           const float tref = -dot(o,state.dir)*state.rcpDir2;
           const Vec3fa p = madd(Vec3fa(tref),state.dir,o);
-          const vfloat4 O = madd(vfloat4(p.x),cx,madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
+          const vfloat4 O = madd(vfloat4(p.x),cx,
+            madd(vfloat4(p.y),cy,madd(vfloat4(p.z),cz,vfloat4(0.5f,0.5f,0.5f,1.0f))));
           const vfloat4 D = madd(vfloat4(state.dir.x),cx,madd(vfloat4(state.dir.y),cy,vfloat4(state.dir.z)*cz));
           const BlockStretch stretch(cx,cy,cz);
           const float farthest = fused(reachOfBox,stretch.longest,reduce_max(abs(o)));
@@ -119,7 +120,9 @@ namespace embree
         }
 
         /*! Returns s of a world parameter, plus a slack. */
-        __forceinline float behind (float rcpScale, float t) const { return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS; }
+        __forceinline float behind (float rcpScale, float t) const {
+          return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
+        }
 
       private:
         /*! The part of the line where X >= 0, W-X >= 0, and so on, which are linear in the parameter. */

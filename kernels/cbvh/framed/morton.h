@@ -31,7 +31,7 @@ CVERT_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) |
 CVERT_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
 CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 
-/*! column (axis 0) or row (axis 1) of one of four children, and of a corner of a box */
+/*! Column (axis 0) or row (axis 1) of one of four children, or of a corner of a box. */
 CVERT_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
 /*! Number of quadtree nodes in the first n levels. Node m of level n has the index nodesOfLevels(n) + m. */

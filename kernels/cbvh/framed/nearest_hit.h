@@ -30,11 +30,15 @@ namespace embree
 
         /*! True if another hit comes after this one. tfar: tfar of the ray, whose hit can be of another kind. ids: IDs
          *  of the scene's surfaces. */
-        __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar, const SurfaceIDs& ids) const {
-          return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own || (otherOwn == own && block && !comesBefore(other,block,ids));
+        __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
+                                     const SurfaceIDs& ids) const {
+          return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own
+            || (otherOwn == own && block && !comesBefore(other,block,ids));
         }
 
-        __forceinline void set (float t, float own, const Block* block) { this->t = t; this->own = own; this->block = block; }
+        __forceinline void set (float t, float own, const Block* block) {
+          this->t = t; this->own = own; this->block = block;
+        }
 
         /*! Returns the final tfar of the ray. */
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }

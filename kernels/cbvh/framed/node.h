@@ -49,7 +49,9 @@ CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 /* Codebooks are 8-bit numbers packed into words: a GPU would load a table from memory. */
 
 /*! Returns number i of eight, four in each word. */
-CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) { return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u; }
+CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
+  return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
+}
 
 /*! Outer planes: distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. The steps are small
  *  because these planes only compensate for the rounding of the parent. */
@@ -58,7 +60,9 @@ CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> 
 /*! Inner planes: position of column 0's upper plane, which column 1's lower plane mirrors: 116, 125, 130, 136, 144,
  *  160, 192 or 256 of 256 (packed less 1). Fine around the middle, where frames that are aligned to patches put it, and
  *  1 for surfaces that fold over their neighbor. */
-CVERT_FUNCTION float innerPosition (uint32_t code) { return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f); }
+CVERT_FUNCTION float innerPosition (uint32_t code) {
+  return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
+}
 
 /*! z intervals in parent extents. The first one always contains the child. The others minimize the mean logarithm of a
  *  child's height over blocks of real and of analytic displacements: 8% less per level than halves and quarters. In
@@ -107,8 +111,10 @@ CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
   for (int axis=0; axis<2; axis++)
   {
     int column = childColumn(child,axis);
-    float lower = parent.lower[axis] + lowerPlane((word >> lowerShift(axis)) & planePairMask,column)*parent.extent[axis];
-    float upper = parent.lower[axis] + upperPlane((word >> upperShift(axis)) & planePairMask,column)*parent.extent[axis];
+    float lower = parent.lower[axis]
+      + lowerPlane((word >> lowerShift(axis)) & planePairMask,column)*parent.extent[axis];
+    float upper = parent.lower[axis]
+      + upperPlane((word >> upperShift(axis)) & planePairMask,column)*parent.extent[axis];
     box.lower[axis] = lower;
     box.extent[axis] = upper - lower;
   }

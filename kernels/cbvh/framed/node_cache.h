@@ -52,7 +52,9 @@ namespace embree
 
       /*! Returns the slot of a tile. If its `block` or `number` differ, the caller must fill the slot and set them. */
       __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
-      __forceinline LeafTile& leafTile (const void* block, uint32_t number) { return leafTiles[slot(block,number) % numLeafTiles]; }
+      __forceinline LeafTile& leafTile (const void* block, uint32_t number) {
+        return leafTiles[slot(block,number) % numLeafTiles];
+      }
 
       void clear ()
       {

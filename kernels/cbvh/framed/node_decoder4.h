@@ -32,7 +32,8 @@ namespace embree
 
       /*! Stores planes, given in parent extents, from index `first` on. */
       template<int N>
-      __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower, const vfloat4& upper, const NodeBox& parent)
+      __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower,
+                                      const vfloat4& upper, const NodeBox& parent)
       {
         const vfloat4 from(parent.lower[axis]), extent(parent.extent[axis]);
         vfloat4::store(out.at[axis][0]+first,madd(lower,extent,from));
@@ -43,7 +44,8 @@ namespace embree
       __forceinline void decodeNode (uint32_t word, const NodeBox& parent, NodePlanes<N>& out, uint32_t first)
       {
         for (int axis=0; axis<2; axis++)
-          storePlanes(out,first,axis,vfloat4::load(nodeTables.lowerPlane[axis][(word >> lowerShift(axis)) & planePairMask]),
+          storePlanes(out,first,axis,
+            vfloat4::load(nodeTables.lowerPlane[axis][(word >> lowerShift(axis)) & planePairMask]),
                       vfloat4::load(nodeTables.upperPlane[axis][(word >> upperShift(axis)) & planePairMask]),parent);
         const vfloat4 z0 = vfloat4::load(nodeTables.zPair[(word >> zShift) & 63]);
         const vfloat4 z1 = vfloat4::load(nodeTables.zPair[(word >> (zShift+2*zBits)) & 63]);
@@ -54,7 +56,8 @@ namespace embree
       class GroupDecoder4
       {
       public:
-        __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first) : boxes(boxes), surfaces(surfaces), first(first) {}
+        __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first)
+          : boxes(boxes), surfaces(surfaces), first(first) {}
 
         /*! bits: heights of the group. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
@@ -68,7 +71,8 @@ namespace embree
       private:
         __forceinline vfloat4 plane (int axis, int upper) const { return vfloat4::load(boxes.at[axis][upper]+first); }
 
-        __forceinline void storeByLeaf (const vfloat4& a, const vfloat4& b, const vfloat4& c, const vfloat4& d, float rows[16][4]) const
+        __forceinline void storeByLeaf (const vfloat4& a, const vfloat4& b, const vfloat4& c, const vfloat4& d,
+                                        float rows[16][4]) const
         {
           vfloat4 leaf[4];
           transpose(a,b,c,d,leaf[0],leaf[1],leaf[2],leaf[3]);
@@ -146,7 +150,8 @@ namespace embree
           for (int k=0; k<3; k++) q[k] = vfloat4((leaf >> (5*k)) & vint4(31)) + vfloat4(0.5f);
           q[3] = q[1]+q[2]-q[0];
           const vfloat4 lower = plane(2,0), extent = plane(2,1)-lower;
-          storeSurfaces(q,vfloat4(looseRange/float(looseBins))*extent,madd(vfloat4(0.5f*(1.0f-looseRange)),extent,lower),
+          storeSurfaces(q,vfloat4(looseRange/float(looseBins))*extent,
+            madd(vfloat4(0.5f*(1.0f-looseRange)),extent,lower),
                         looseThickness(uint32_t(bits >> looseThicknessShift) & 7u));
         }
 

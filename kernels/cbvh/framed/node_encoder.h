@@ -39,7 +39,9 @@ namespace embree
     };
 
     inline Float4 outerOffsets() { return Float4(outerOffset(0),outerOffset(1),outerOffset(2),outerOffset(3)); }
-    inline Float4 innerPositions(uint32_t q) { return Float4(innerPosition(q),innerPosition(q+1),innerPosition(q+2),innerPosition(q+3)); }
+    inline Float4 innerPositions(uint32_t q) {
+      return Float4(innerPosition(q),innerPosition(q+1),innerPosition(q+2),innerPosition(q+3));
+    }
 
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
@@ -57,7 +59,8 @@ namespace embree
       const Float4 l = lower, e = extent;
       const Double4 o = outer - containmentSlack, i = inner - containmentSlack;
       return pairOf((Double4(l + outerOffsets()*e) <= o).bits(),
-                    (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits() | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
+                    (Double4(l + (Float4(1.0f)-innerPositions(0))*e) <= i).bits()
+                      | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
     }
 
     /*! As above, for the upper planes. */
@@ -66,7 +69,8 @@ namespace embree
       const Float4 l = lower, e = extent;
       const Double4 o = outer + containmentSlack, i = inner + containmentSlack;
       return pairOf((o <= Double4(l + (Float4(1.0f)-outerOffsets())*e)).bits(),
-                    (i <= Double4(l + innerPositions(0)*e)).bits() | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
+                    (i <= Double4(l + innerPositions(0)*e)).bits()
+                      | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
     /*! The z intervals of a parent, sorted by size, and by code if sizes are equal. */
@@ -76,7 +80,8 @@ namespace embree
       IntervalsOf(const NodeBox& parent)
       {
         const Float4 l = parent.lower[2], e = parent.extent[2];
-        const Interval a = zInterval(4), b = zInterval(5), c = zInterval(6), d = zInterval(7), f = zInterval(3), g = zInterval(2), h = zInterval(1), all = zInterval(0);
+        const Interval a = zInterval(4), b = zInterval(5), c = zInterval(6), d = zInterval(7), f = zInterval(3),
+          g = zInterval(2), h = zInterval(1), all = zInterval(0);
         lower[0] = l + Float4(a.lower,b.lower,c.lower,d.lower)*e;
         lower[1] = l + Float4(f.lower,g.lower,h.lower,all.lower)*e;
         upper[0] = l + Float4(a.upper,b.upper,c.upper,d.upper)*e;
@@ -106,8 +111,10 @@ namespace embree
         /* Columns of x are children 0 and 2, 1 and 3; rows are 0 and 1, 2 and 3. */
         const ExactBox& a = children[0], &b = children[2 >> axis], &c = children[1 << axis], &d = children[3];
         const float l = parent.lower[axis], e = parent.extent[axis];
-        node |= encodeLowerPair(l,e,std::min(a.lower[axis],b.lower[axis]),std::min(c.lower[axis],d.lower[axis])) << lowerShift(axis);
-        node |= encodeUpperPair(l,e,std::max(c.upper[axis],d.upper[axis]),std::max(a.upper[axis],b.upper[axis])) << upperShift(axis);
+        node |= encodeLowerPair(l,e,std::min(a.lower[axis],b.lower[axis]),std::min(c.lower[axis],d.lower[axis]))
+          << lowerShift(axis);
+        node |= encodeUpperPair(l,e,std::max(c.upper[axis],d.upper[axis]),std::max(a.upper[axis],b.upper[axis]))
+          << upperShift(axis);
       }
       const IntervalsOf intervals(parent);
       for (int c=0; c<4; c++)
@@ -127,10 +134,13 @@ namespace embree
         {
           const uint32_t l = word >> lowerShift(axis) & planePairMask, u = word >> upperShift(axis) & planePairMask;
           const float l0 = lowerPlane(l,0), l1 = lowerPlane(l,1), u0 = upperPlane(u,0), u1 = upperPlane(u,1);
-          set(axis,parent,axis == 0 ? Float4(l0,l1,l0,l1) : Float4(l0,l0,l1,l1),axis == 0 ? Float4(u0,u1,u0,u1) : Float4(u0,u0,u1,u1));
+          set(axis,parent,axis == 0 ? Float4(l0,l1,l0,l1) : Float4(l0,l0,l1,l1),
+            axis == 0 ? Float4(u0,u1,u0,u1) : Float4(u0,u0,u1,u1));
         }
-        const Interval z[4] = { zInterval(zCode(word,0)),zInterval(zCode(word,1)),zInterval(zCode(word,2)),zInterval(zCode(word,3)) };
-        set(2,parent,Float4(z[0].lower,z[1].lower,z[2].lower,z[3].lower),Float4(z[0].upper,z[1].upper,z[2].upper,z[3].upper));
+        const Interval z[4] =
+          { zInterval(zCode(word,0)),zInterval(zCode(word,1)),zInterval(zCode(word,2)),zInterval(zCode(word,3)) };
+        set(2,parent,Float4(z[0].lower,z[1].lower,z[2].lower,z[3].lower),
+          Float4(z[0].upper,z[1].upper,z[2].upper,z[3].upper));
       }
 
       NodeBox operator[](uint32_t c) const {
@@ -140,7 +150,8 @@ namespace embree
     private:
       void set(int axis, const NodeBox& parent, Float4 from, Float4 to)
       {
-        const Float4 l = Float4(parent.lower[axis]) + from*parent.extent[axis], u = Float4(parent.lower[axis]) + to*parent.extent[axis];
+        const Float4 l = Float4(parent.lower[axis]) + from*parent.extent[axis],
+          u = Float4(parent.lower[axis]) + to*parent.extent[axis];
         l.store(lower[axis]);
         (u-l).store(extent[axis]);
       }

@@ -32,7 +32,8 @@ namespace embree
         for (int byte=0; byte<16; byte++)
         {
           const int child = byte/4;
-          const int vertex = childColumn(child,0)+childColumn(corner,0) + 3*(childColumn(child,1)+childColumn(corner,1));
+          const int vertex = childColumn(child,0)+childColumn(corner,0)
+            + 3*(childColumn(child,1)+childColumn(corner,1));
           latticeCorner[corner][byte] = uint8_t(byte % 4 ? 0x80 : vertex == 4 ? 8 : latticeByte(vertex));
         }
       for (int mask=0; mask<16; mask++)

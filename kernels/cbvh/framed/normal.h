@@ -24,7 +24,8 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT
   CVERT_OF(Vector) normal;
   Real k = p.x[2] - slopeX*p.x[0] - slopeY*p.x[1];
   for (int i=0; i<3; i++)
-    normal.x[i] = Real(block.columns[i][2]) - slopeX*Real(block.columns[i][0]) - slopeY*Real(block.columns[i][1]) - k*Real(block.columns[i][3]);
+    normal.x[i] = Real(block.columns[i][2]) - slopeX*Real(block.columns[i][0]) - slopeY*Real(block.columns[i][1])
+      - k*Real(block.columns[i][3]);
   return normal;
 }
 

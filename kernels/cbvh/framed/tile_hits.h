@@ -25,7 +25,9 @@ namespace embree
         __forceinline TileHits () {}
 
         /*! Returns the ranks that the ray visits. passedMask: all bits to include ranks that it passes, otherwise 0. */
-        __forceinline uint32_t events (uint32_t passedMask) const { return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu; }
+        __forceinline uint32_t events (uint32_t passedMask) const {
+          return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
+        }
 
         /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node. */
         __forceinline bool take (uint32_t rank)
@@ -36,7 +38,9 @@ namespace embree
         }
 
         /*! True if the ray misses not only this grandchild but its entire parent. */
-        __forceinline bool isPassedByParent (uint32_t grandchild) const { return !((childHit >> (grandchild >> 2)) & 1u); }
+        __forceinline bool isPassedByParent (uint32_t grandchild) const {
+          return !((childHit >> (grandchild >> 2)) & 1u);
+        }
 
         /*! Returns the grandchild of a rank. Its upper bits are the child. */
         __forceinline uint32_t grandchild (uint32_t rank) const

@@ -12,7 +12,9 @@
 CBVH_BEGIN
 
 /*! True if the words of a level are words of groups (leaf/format.h). */
-CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) { return hasGroups(kind) && level+1u == nodeLevels; }
+CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
+  return hasGroups(kind) && level+1u == nodeLevels;
+}
 
 /*! Decodes the bounds of a child. group: true for the word of a group. heights: ignored otherwise. */
 CVERT_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
@@ -28,7 +30,6 @@ CBVH_END
 
 CBVH_BEGIN
 
-/*! Returns the heights of group m. */
 inline Heights heightsOf (const Block* block, uint32_t m)
 {
   Heights heights;
@@ -40,7 +41,8 @@ inline Heights heightsOf (const Block* block, uint32_t m)
 inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);
-  return childBox(group,block->nodes()[nodesOfLevels(level)+m],group ? heightsOf(block,m) : Heights{ 0,0 },int(c),parent);
+  return childBox(group,block->nodes()[nodesOfLevels(level)+m],group ? heightsOf(block,m) : Heights{ 0,0 },int(c),
+    parent);
 }
 
 /*! Decodes leaf c of group m, from the group's decoded bounds. */

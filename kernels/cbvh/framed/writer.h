@@ -100,7 +100,6 @@ namespace embree
     private:
       static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF; //!< for patches whose own kind cannot leave out quads
 
-      /*! A block of a patch. */
       struct Encoding
       {
         cbvh::Kind kind;
@@ -112,13 +111,15 @@ namespace embree
         float corners[4][3];    //!< points that the frame is aligned to
 
         Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
-          : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x), layout(cbvh::blockLayout(uint32_t(kind),height)) {}
+          : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x),
+            layout(cbvh::blockLayout(uint32_t(kind),height)) {}
 
         size_t width () const { return (size_t(1) << height) + 1; }
 
         /*! Returns the bits of the sides of the patch that the block is on. */
         uint32_t sidesOfPatch () const {
-          return uint32_t(y == 0) | uint32_t(x+1 == tiling.x) << 1 | uint32_t(y+1 == tiling.y) << 2 | uint32_t(x == 0) << 3;
+          return uint32_t(y == 0) | uint32_t(x+1 == tiling.x) << 1 | uint32_t(y+1 == tiling.y) << 2
+            | uint32_t(x == 0) << 3;
         }
       };
 
@@ -126,7 +127,8 @@ namespace embree
       {
         const PatchPart all = { 0,tiling.quadsX(),0,tiling.quadsY() };
         patchVertices = &patch.evaluate(tiling.quadsX(),tiling.quadsY(),all,0);
-        isStitched = tiling.quadsX() != unsigned(min(patch.rate[0],patch.rate[2])) || tiling.quadsY() != unsigned(min(patch.rate[1],patch.rate[3]));
+        isStitched = tiling.quadsX() != unsigned(min(patch.rate[0],patch.rate[2]))
+          || tiling.quadsY() != unsigned(min(patch.rate[1],patch.rate[3]));
         if (!shares) {
           if (!isStitched) return;
           spreadBorders(patch.rate,*patchVertices,patchVertices->undisplaced());
@@ -168,7 +170,8 @@ namespace embree
         return finite;
       }
 
-      void writeBlock (const CagePatch& patch, Encoding& e, cbvh::Block* block, cbvh::BuildStatistics& ofPatch, cbvh::WorldBounds& hitBoundsOfPatch)
+      void writeBlock (const CagePatch& patch, Encoding& e, cbvh::Block* block, cbvh::BuildStatistics& ofPatch,
+                       cbvh::WorldBounds& hitBoundsOfPatch)
       {
         gather(e);
         const size_t count = e.width()*e.width(), finite = countFinite(e);
@@ -229,7 +232,9 @@ namespace embree
         sums.maxLeafThickness = max(sums.maxLeafThickness,block.maxThickness);
       }
 
-      static void drop (const Encoding& e, cbvh::BuildStatistics& ofPatch) { ofPatch.sums.numInvalidQuads += size_t(1) << (2*e.height); }
+      static void drop (const Encoding& e, cbvh::BuildStatistics& ofPatch) {
+        ofPatch.sums.numInvalidQuads += size_t(1) << (2*e.height);
+      }
 
       const CompressionPlan& plan;
       const bool shares;

@@ -122,7 +122,7 @@ namespace embree
         }
     }
 
-    static constexpr double mostSquared = 1e38; //!< squared number of quads
+    static constexpr double mostSquared = 1e38; //!< upper bound of the squared number of quads
 
     const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
     static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }

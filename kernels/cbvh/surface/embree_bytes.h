@@ -22,7 +22,6 @@ namespace embree
   /*! Triangles in mesh blocks, with their share of the tree. */
   inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
 
-  /*! A quad of a quad mesh. */
   inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) {
     return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64;
   }

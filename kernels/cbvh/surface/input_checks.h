@@ -18,11 +18,10 @@ namespace embree
     for (size_t t=1; t<mesh->numTimeSteps; t++)
       if (verticesAt(t) < verticesAt(0))
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"time step " + std::to_string(t) + " has "
-            + std::to_string(verticesAt(t)) + " vertices: expected at least as many as the first time step, "
-                       + std::to_string(verticesAt(0)));
+          + std::to_string(verticesAt(t)) + " vertices: expected at least as many as the first time step, "
+          + std::to_string(verticesAt(0)));
     if (mesh->numTimeSteps > 1 && !(mesh->time_range.lower < mesh->time_range.upper))
       throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
-        
         "invalid time range (expected a start before the end): " + std::to_string(mesh->time_range.lower) + " to "
         + std::to_string(mesh->time_range.upper));
   }

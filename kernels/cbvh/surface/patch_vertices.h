@@ -27,7 +27,7 @@ namespace embree
       {
         this->width = width; this->height = height;
         count = width*height;
-        interleaved.reserve(6*count); // reserves exactly that, because vectors grow to a power of two
+        interleaved.reserve(6*count); // without this, vectors grow to a power of two
         interleaved.resize(6*count);
       }
       void setSize (const PatchPart& part) { setSize(part.x1-part.x0+1,part.y1-part.y0+1); }

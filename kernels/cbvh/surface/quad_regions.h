@@ -9,8 +9,7 @@
  * splits it from v1 to v3, like the quads of grids:
  *
  *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
- *    v1
- *     |  \  |   \  |       are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
+ *     |  \  |   \  |       v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
  *    v0 --- v1 --- .       triangles as in their mesh. Vertices that quads share are the same for all of them. */
 
 #include "../embree/scene.h"
@@ -24,7 +23,6 @@ namespace embree
 {
   inline namespace CBVH_ISA
   {
-    /*! The quads of a quad mesh. */
     struct QuadsOfMesh
     {
       const QuadMesh* mesh;
@@ -143,7 +141,7 @@ namespace embree
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool haveOwnForms = false; //!< quads of a region have their own forms: their triangles begin at different corners
-    bool isOutOfMemory = false; //!< the regions could not be found
+    bool isOutOfMemory = false; //!< out of memory: the regions could not be found
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
     bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
     size_t numLeftOut = 0;    //!< quads and triangles with an index that is not a vertex; rays do not hit them

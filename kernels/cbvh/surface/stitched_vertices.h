@@ -72,7 +72,6 @@ namespace embree
       }
 
     private:
-      /*! An open edge. */
       struct Edge
       {
         Entry end, begin;

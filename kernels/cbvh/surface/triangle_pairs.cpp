@@ -187,7 +187,6 @@ namespace embree
           });
       }
 
-      /*! Joins the half-edges of a vertex. */
       void join (Half* begin, Half* end)
       {
         if (end-begin > 16) std::sort(begin,end);

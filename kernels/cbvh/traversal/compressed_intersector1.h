@@ -129,7 +129,6 @@ namespace embree
       /*! Returns the box around all blocks at all times, or an empty box. */
       static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
 
-      /*! Traversal after these tests. */
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)
       {
         Leaves leaves = { ray,context };

@@ -115,7 +115,6 @@ namespace embree
       class CellDecoder
       {
       public:
-        /*! data: the fields. */
         __forceinline CellDecoder (uint32_t word, const uint8_t* data, const Base& base)
           : word(word), data(data), base(base) {}
 

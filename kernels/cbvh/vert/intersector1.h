@@ -78,7 +78,6 @@ namespace embree
         return best;
       }
 
-      /*! Removes and returns any open group. */
       __forceinline uint32_t takeAny (uint32_t& open)
       {
         const uint32_t g = uint32_t(bsf(open));

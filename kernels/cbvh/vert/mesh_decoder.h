@@ -194,7 +194,6 @@ namespace embree
             0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,-1,0,8,-1,-1,4,12,-1,-1,-1,-1,-1,-1,-1,-1));
           const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
-          /* The stream. */
           __m128i entries[2];
           __m128i before = _mm_setzero_si128(); // number of new entries before
           for (int half=0; half<2; half++)
@@ -210,7 +209,6 @@ namespace embree
               _mm_cmpgt_epi8(place,_mm_set1_epi8(15)));
           };
 
-          /* Triangles. */
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
           const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
           const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));

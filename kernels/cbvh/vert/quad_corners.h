@@ -50,7 +50,6 @@ namespace embree
           return r;
         }
 
-        /*! Applies f to each vector. */
         template<typename Function>
         __forceinline CellVector with (const Function& f) const
         {
@@ -102,7 +101,6 @@ namespace embree
           right[2] = fourth(v.at[2],v.last);
         }
 
-        /*! Returns corner c (00, 10, 01, 11) of the quads of vector j. */
         __forceinline vfloatV at (int j, int c) const
         {
           const vfloatV* side = c & 1 ? right : left.at;
@@ -127,7 +125,6 @@ namespace embree
           right[4] = fourth<0>(v.at[4],v.last);
         }
 
-        /*! Returns corner c (00, 10, 01, 11) of the quads of vector j. */
         __forceinline vfloatV at (int j, int c) const { return (c & 1 ? right : left.at)[j+(c >> 1)]; }
 
       private:

@@ -93,7 +93,6 @@ namespace embree
         }
       };
 
-      /*! The rays of a packet. */
       template<int K>
       class VertRays : public VertRayAxes<vfloat<K>>
       {
@@ -113,11 +112,12 @@ namespace embree
           for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largest);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
-          const vbool<K> isY = y > x, isZ = z > max(x,y);
-          const vfloat<K> sz = vfloat<K>(1.0f)/select(isZ,dir[2],select(isY,dir[1],dir[0]));
-          sx = select(isZ,dir[0],select(isY,dir[2],dir[1]))*sz;
-          sy = select(isZ,dir[1],select(isY,dir[0],dir[2]))*sz;
-          form = select(isZ,vint<K>(2),select(isY,vint<K>(1),vint<K>(zero)));
+          /* largestAxis: <= is false for NaN on all instruction sets, > is not, and their max differ */
+          const vbool<K> isX = y <= x, notZ = z <= select(isX,x,y);
+          const vfloat<K> sz = vfloat<K>(1.0f)/select(notZ,select(isX,dir[0],dir[1]),dir[2]);
+          sx = select(notZ,select(isX,dir[1],dir[2]),dir[0])*sz;
+          sy = select(notZ,select(isX,dir[2],dir[0]),dir[1])*sz;
+          form = select(notZ,select(isX,vint<K>(zero),vint<K>(1)),vint<K>(2));
           for (int k=0; k<3; k++) form |= select(this->rcp[k] < vfloat<K>(zero),vint<K>(4 << k),vint<K>(zero));
         }
 

@@ -16,7 +16,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A triangle of a group, tested with a single ray. */
       struct VertTriangle
       {
         typedef TriangleSides<float> Sides;

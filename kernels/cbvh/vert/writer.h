@@ -88,7 +88,7 @@ namespace embree
       void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
-        moved.reserve(3*count*plan.numTimeSteps); // reserves exactly that, because vectors grow to a power of two
+        moved.reserve(3*count*plan.numTimeSteps); // without this, vectors grow to a power of two
         moved.resize(3*count*plan.numTimeSteps);
         auto ofStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
         size_t flipped = 0;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID: 2 x 2 quads of full-precision vertices, the very triangles and the very test of Embree's
+/* Leaves of cGRID: 2 x 2 quads with full-precision vertices. The triangles and their test are those of Embree's
  * GRID. */
 
 #include "../block.h"
@@ -17,8 +17,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! barycentrics of a triangle to parameters of the face, as GridSOA::MapUV does
-       *  from stored parameters; lanes are ordered as its loaders order triangles */
+      /*! Converts barycentric coordinates of a triangle to parameters of the face, like GridSOA::MapUV, which uses
+       *  stored parameters. Lanes are in the order in which GridSOA's loaders return triangles. */
       template<typename Loader>
       struct GridMapUV
       {
@@ -44,13 +44,15 @@ namespace embree
         }
       };
 
-      /*! Tests the triangles of a leaf: `test.quads<M>(v0,v1,v2,mapUV)` says of M of them whether a hit was accepted. */
+      /*! Tests the triangles of a leaf. test.quads<M>(v0,v1,v2,mapUV): tests M triangles, and returns true if a hit was
+       *  accepted. */
       template<typename Test>
       class GridLeaf
       {
       public:
         __forceinline GridLeaf (const Block* block, uint32_t leaf, const Test& test)
-          : block(block), test(test), width((size_t(1) << block->height()) + 1), x(2*mortonX(leaf)), y(2*mortonY(leaf)) {}
+          : block(block), test(test), width((size_t(1) << block->height()) + 1), x(2*mortonX(leaf)),
+            y(2*mortonY(leaf)) {}
 
         __forceinline bool run (bool endsWithHit) const
         {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID and one ray. */
+/* Leaves of cGRID, for a single ray. */
 
 #include "../block_visitor1.h"
 #include "leaf.h"
@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! epilogue of closest hit or of any hit for M triangles */
+      /*! Epilogue of closest hit or of any hit for M triangles. */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
         return Intersect1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
@@ -38,10 +38,12 @@ namespace embree
           return IsAnyHit<RayType>::value;
         }
 
-        /*! what GridLeaf asks for */
+        /*! Member that GridLeaf requires. */
         template<int M, typename MapUV>
-        __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2, const MapUV& mapUV) const {
-          return PlueckerIntersector1<M>(this->ray,nullptr).intersect(this->ray,v0,v1,v2,mapUV,gridEpilog<M>(this->ray,this->context,this->block));
+        __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
+                                  const MapUV& mapUV) const {
+          return PlueckerIntersector1<M>(this->ray,nullptr).intersect(this->ray,v0,v1,v2,mapUV,
+            gridEpilog<M>(this->ray,this->context,this->block));
         }
       };
     }

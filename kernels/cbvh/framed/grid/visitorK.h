@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID and the rays of a packet, one by one. */
+/* Leaves of cGRID, for the rays of a packet, one by one. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -15,11 +15,13 @@ namespace embree
     namespace cbvh
     {
       template<int M, int K>
-      __forceinline Intersect1KEpilogMU<M,K,true> gridEpilog (RayHitK<K>& rays, size_t k, IntersectContext* context, const Block* block) {
+      __forceinline Intersect1KEpilogMU<M,K,true> gridEpilog (RayHitK<K>& rays, size_t k, IntersectContext* context,
+                                                              const Block* block) {
         return Intersect1KEpilogMU<M,K,true>(rays,k,context,idOf(context,block->surface),block->primID);
       }
       template<int M, int K>
-      __forceinline Occluded1KEpilogMU<M,K,true> gridEpilog (RayK<K>& rays, size_t k, IntersectContext* context, const Block* block) {
+      __forceinline Occluded1KEpilogMU<M,K,true> gridEpilog (RayK<K>& rays, size_t k, IntersectContext* context,
+                                                             const Block* block) {
         return Occluded1KEpilogMU<M,K,true>(rays,k,context,idOf(context,block->surface),block->primID);
       }
 
@@ -29,7 +31,8 @@ namespace embree
         static const uint32_t kind = kindGrid;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxMeeting<K>&, const vbool<K>& lanes)
+        __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxMeeting<K>&,
+                                 const vbool<K>& lanes)
         {
           uint32_t accepted = 0;
           vfloat<K> s(zero);
@@ -45,7 +48,7 @@ namespace embree
         }
 
       private:
-        /*! what GridLeaf asks for */
+        /*! The test that GridLeaf requires. */
         struct Test
         {
           Rays& rays;
@@ -54,7 +57,8 @@ namespace embree
           size_t k;
 
           template<int M, typename MapUV>
-          __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2, const MapUV& mapUV) const {
+          __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
+                                    const MapUV& mapUV) const {
             return PlueckerIntersectorK<M,K>().intersect(rays,k,v0,v1,v2,mapUV,gridEpilog<M>(rays,k,context,block));
           }
         };

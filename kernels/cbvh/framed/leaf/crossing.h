@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How a ray crosses a leaf of cLEAF: what hit_rule.h decides by, and where what it decides
- * lies. Over a bilinear patch the height of the ray above it is a parabola in s. */
+/* Intersects a ray with a leaf of cLEAF: computes what hit_rule.h decides by, and the position of the resulting hit.
+ * Over a bilinear patch, the height of the ray above the patch is a parabola in s. */
 
 #ifndef CBVH_CROSSING_H
 #define CBVH_CROSSING_H
@@ -15,7 +15,7 @@ CBVH_BEGIN
 
 /* --- height of a ray over a bilinear patch ------------------------------------------- */
 
-/*! f(k) = f0 + k (f1-f0) + saddle k (1-k), k from 0 at the entry to 1 at the exit */
+/*! f(k) = f0 + k (f1-f0) + saddle k (1-k), where k is 0 at the entry and 1 at the exit. */
 CVERT_REAL struct Parabola
 {
   Real f0, f1, saddle;
@@ -25,39 +25,39 @@ CVERT_REAL CVERT_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
-/*! k where f changes sign; the end nearer to the patch if both have the same */
+/*! Returns the k at which f changes sign. If both ends have the same sign, returns the end nearer to the patch. */
 CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
-  /* saddle k^2 - b k - f0 = 0; q does not cancel, and exactly one root is between */
+  /* saddle k^2 - b k - f0 = 0. q does not cancel, and exactly one root is between 0 and 1. */
   Real b = f.f1-f.f0+f.saddle;
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
-  if (q == Real(0)) return Real(0); // b and d are 0, so f0 is
-  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number, whatever k is
+  if (q == Real(0)) return Real(0); // b and d are 0, and so is f0
+  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
   if (k == kept || f.saddle == Real(0)) return kept;
-  /* either may be rounded out of the range that it is in */
+  /* Rounding can move either root out of the range that it is in. */
   Real other = q/f.saddle, otherKept = clampToUnit(other);
   return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
 }
 
-/*! what closes one side of a block: up to reach below the patch, within width of that side;
- *  epsilon: of z */
+/*! A lip closes one side of a block. It extends up to `reach` below the patch, within `width` of the side. epsilon:
+ *  epsilon of z. */
 CVERT_REAL struct Lip
 {
   Real width, reach, epsilon;
 };
 
-/*! where a ray meets a lip */
+/*! Intersection of a ray with a lip. */
 CVERT_REAL struct LipMeeting
 {
   bool met;
-  Real k;  //!< a place within reach, or the first one near the side
+  Real k;  //!< a position within reach, or otherwise the first one near the side
 };
 
-/*! Whether a ray meets the lip of a side. p0, p1: the ray's position at entry and exit, from
- *  0 at that side to 1 at the other. Over the part near the side f is largest and smallest at
- *  its ends or at its vertex. */
+/*! Intersects a ray with the lip of a side. p0, p1: position of the ray at entry and exit, from 0 at that side to 1
+ *  at the opposite side. On the part near the side, f is largest and smallest at the ends of this part or at its
+ *  vertex. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLip (CVERT_OF(Parabola) f, Real p0, Real p1, CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipMeeting) at;
@@ -98,8 +98,7 @@ CVERT_REAL CVERT_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
   return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
 }
 
-/*! slope of the patch along an axis, in frame units, at u (axis 1) or v (axis 0); solid
- *  leaves are flat */
+/*! Returns the slope of the patch along an axis, in frame units, at u (axis 1) or v (axis 0). Solid leaves are flat. */
 CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 {
   if (leaf.solid) return Real(0);
@@ -107,16 +106,16 @@ CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across
   return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
 }
 
-/*! position in a box along an axis, from 0 to 1 */
+/*! Returns a position in a box along an axis, from 0 to 1. */
 CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
-/*! a ray in the box of a leaf */
+/*! A ray in the box of a leaf. */
 CVERT_REAL struct Crossing
 {
   Real s0, s1;                //!< entry and exit, on the segment
-  Real u0, v0, u1, v1;        //!< where, in the box
+  Real u0, v0, u1, v1;        //!< position of entry and exit in the box
   CVERT_OF(Parabola) f;
   LeafEvent event;
 };
@@ -143,21 +142,23 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   bool up = segment.P1[2] >= segment.P0[2];
   bool above0 = x.f.f0 >= Real(0), above1 = x.f.f1 >= Real(0);
   event.changes = above0 != above1;
-  /* through the upper or the lower face, where z is what bounds the part in the box */
+  /* Through the upper or the lower face, if z bounds the part of the ray in the box. */
   if (inBox.lower > inColumn.lower && !event.started) above0 = !up;
   if (inBox.upper < inColumn.upper && !event.ended) above1 = up;
   event.enter = above0 ? sideAbove : sideBelow;
   event.leave = above1 ? sideAbove : sideBelow;
   Real reach = Real(0.5f*leaf.thickness) + segment.epsilon[2];
   event.nearEntry = magnitude(x.f.f0) <= reach;
-  event.near = event.changes || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= reach + Real(0.25f)*magnitude(x.f.saddle);
+  event.near = event.changes
+    || lesser(magnitude(x.f.f0),magnitude(x.f.f1)) <= reach + Real(0.25f)*magnitude(x.f.saddle);
   x.event = event;
   return x;
 }
 
-/*! Whether a ray meets a lip of leaf (leafX,leafY), and where, from entry to exit.
- *  last: leaf of a side of the block */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY, uint32_t last, CVERT_OF(Lip) lip)
+/*! Finds the first position, from entry to exit, at which a ray intersects a lip of leaf (leafX,leafY). last: number of
+ *  the last leaf of a side of the block. */
+CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY,
+  uint32_t last, CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipMeeting) at;
   at.met = false;

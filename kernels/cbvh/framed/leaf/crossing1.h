@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* How a ray crosses one leaf of cLEAF: framed/leaf/crossing.h, from what the box test has left and from
- * decoded surfaces. */
+/* Intersects a single ray with a decoded leaf of cLEAF, as framed/leaf/crossing.h, using the results of the box
+ * test. */
 
 #include "../block_visitor1.h"
 #include "crossing.h"
@@ -15,17 +15,21 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! position of s in the box of a leaf: u and v */
-      __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf, const vfloat4& s)
+      /*! Returns the position of s in the box of a leaf: u and v. */
+      __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
+                                            const vfloat4& s)
       {
         const vfloat4 footprint = vfloat4::load(surfaces.footprint[leaf]);
         const vfloat4 P = vfloat4(_mm_movelh_ps(ray.P,ray.P)), D = vfloat4(_mm_movelh_ps(ray.D,ray.D));
-        const vfloat4 at = (madd(s,D,P) - vfloat4(_mm_movelh_ps(footprint,footprint)))*vfloat4(_mm_movehl_ps(footprint,footprint));
+        const vfloat4 at = (madd(s,D,P)
+                            - vfloat4(_mm_movelh_ps(footprint,footprint)))*vfloat4(_mm_movehl_ps(footprint,footprint));
         return max(min(at,vfloat4(one)),vfloat4(zero));
       }
 
-      /*! ranges: of the leaves' boxes; started, ended: whether the segment starts and ends in the leaf's */
-      __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile, uint32_t leaf, const BoxRanges<16>& ranges, bool started, bool ended)
+      /*! ranges: ranges of the leaves' boxes. started, ended: the segment starts or ends in the box of the leaf. */
+      __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile,
+                                                      uint32_t leaf, const BoxRanges<16>& ranges, bool started,
+                                                      bool ended)
       {
         const LeafSurfaces& surfaces = tile.surfaces;
         const float sNear = ranges.sNear[leaf], sFar = ranges.sFar[leaf];
@@ -48,7 +52,7 @@ namespace embree
         x.event.ended = ended;
         bool above0 = x.f.f0 >= 0.0f, above1 = x.f.f1 >= 0.0f;
         x.event.changes = above0 != above1;
-        /* through the upper or the lower face, where z is what bounds the part in the box */
+        /* Through the upper or the lower face, if z bounds the part of the ray in the box. */
         if (ray.enter(tile.grandchildren,2,leaf) >= sNear && !started) above0 = ray.descends();
         if (ray.leave(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
         x.event.enter = above0 ? sideAbove : sideBelow;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF: groups of 2 x 2 cells. */
+/* Encoder of the leaves of cLEAF: groups of 2 x 2 cells. */
 
 #include "../block_geometry.h"
 #include "group_encoder.h"
@@ -16,18 +16,19 @@ namespace embree
     class LeafEncoder
     {
     public:
-      /*! sharpSides: of the block, see sharpSidesOf() */
+      /*! sharpSides: sides of the block, see sharpSidesOf(). */
       LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
-        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides), statistics(statistics) {}
+        : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides),
+          statistics(statistics) {}
 
-      /*! writes the heights of group m, in this box, and returns its word */
+      /*! Stores the heights of group m, whose box is `box`, and returns its word. */
       uint32_t group(uint32_t m, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
         return add(m,quads,encodeGroup(box,quads),box);
       }
 
-      /*! the same of groups m to m+3, children of one node */
+      /*! As above, for groups m to m+3, the children of one node. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.isWhole()) {
@@ -60,7 +61,8 @@ namespace embree
           if (lattices.encoded >> c & 1) continue;
           const QuadGroup quads = quadsOf(m+c);
           EncodedGroup encoded;
-          if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded)) encoded = encodeLoose(boxes[c],quads);
+          if (!(lattices.undecided >> c & 1) || !encodeLattice(boxes[c],quads,encoded))
+            encoded = encodeLoose(boxes[c],quads);
           encoded.borderWidth = cbvh::borderWidth(quads,encoded,boxes[c]);
           words[c] = add(m+c,quads,encoded,boxes[c]);
         }
@@ -70,7 +72,7 @@ namespace embree
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
-      /*! bits of the header for a border width: of the smallest code that is not less, or of the whole box */
+      /*! Returns the header bits for a border width: the smallest code that is not less, or the entire box. */
       static uint32_t encodeBorderWidth(double width)
       {
         uint32_t code = 0;
@@ -79,7 +81,7 @@ namespace embree
       }
 
     private:
-      /*! keeps an encoded group, and measures its leaves; returns its word */
+      /*! Stores an encoded group, and measures its leaves. Returns its word. */
       uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
         groups[m] = encoded.heights;
@@ -122,14 +124,15 @@ namespace embree
           slope[0] = 0.5*(leaf.z[1]+leaf.z[3]-leaf.z[0]-leaf.z[2])/leaf.box.extent[0];
           slope[1] = 0.5*(leaf.z[2]+leaf.z[3]-leaf.z[0]-leaf.z[1])/leaf.box.extent[1];
         }
-        const float thickness = statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
+        const float thickness =
+          statistics.addThickness(geometry,leaf.box,slope,leaf.solid ? leaf.box.extent[2] : leaf.thickness);
         if (geometry.cellLevels == geometry.height)
           statistics.fit.addQuad(geometry,mortonX(cell),mortonY(cell),leaf.box,slope,loose,thickness);
         else if (cell == 0) // one of four parts of the only quad
           statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
       }
 
-      /*! how far a leaf goes on beyond the edges of its quad on sharp sides of the block */
+      /*! Measures how far a leaf extends past the edges of its quad on sharp sides of the block. */
       void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
       {
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
@@ -152,7 +155,7 @@ namespace embree
       Heights* groups;
       uint32_t sharpSides;
       BlockStatistics& statistics;
-      double borderWidth = 0;  //!< the largest of all groups
+      double borderWidth = 0;  //!< maximum over all groups
     };
   }}
 }

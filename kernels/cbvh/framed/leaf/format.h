@@ -1,11 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves of cLEAF: groups of 2 x 2. A group has one word, in the place of a node of the
- * last level, and 64 bits of heights.
+/* Leaves of cLEAF: groups of 2 x 2 leaves. A group has one word, in place of a node of the last level, and 64 bits of
+ * heights.
  *
- * Lattice. Nine heights over three planes of x and three of y: one bilinear patch a leaf,
- * and patches that share their edges.
+ * Lattice. Nine heights over three planes of x and three of y: one bilinear patch per leaf, and adjacent patches share
+ * their edges.
  *
  *    y2 +-------+--------+   x0, x2, y0, y2 bound the group's quads; x1 and y1 run
  *       |   2   |    3   |   along its middle column and row of vertices. The surface
@@ -14,15 +14,13 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Loose. Where quads fold over each other, or have holes: a word like any other node's,
- * and in each child's box a plane of its own, or the whole box (solid), or nothing (empty).
+ * Loose. Used if quads fold over each other or have holes: a word like any other node's, and in each child's box a
+ * plane of its own, the entire box (solid), or nothing (empty).
  *
- * Either way a leaf's surface bounds the edges of its quad to half a thickness, up and
- * down in z.
+ * In both forms, a leaf's surface, widened by half a thickness up and down in z, contains the edges of its quad.
  *
- * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision
- * Surfaces with Displacement", 2018, section 4.1, which stores each corner of each quad, in
- * 4 bits. */
+ * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
+ * 2018, section 4.1, which stores each corner of each quad in 4 bits. */
 
 #ifndef CBVH_LEAF_H
 #define CBVH_LEAF_H
@@ -31,9 +29,9 @@
 
 CBVH_BEGIN
 
-/*! The 64 bits of a group, as they lie in memory. Lattice: byte i holds in its lower 7 bits
- *  the height of vertex i, row by row without the middle one; the upper bits of bytes 0 to 6
- *  are the middle one's, that of byte 7 says loose. */
+/*! The 64 bits of a group, as stored in memory. Lattice: the lower 7 bits of byte i are the height of vertex i, row by
+ *  row without the middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of
+ *  byte 7 is set for loose groups. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
@@ -45,7 +43,8 @@ CVERT_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0
 /* --- lattices ------------------------------------------------------------------------ */
 
 CVERT_CONSTANT int latticeBins = 128;
-CVERT_CONSTANT float latticeRange = 1.5f; //!< of the bins, in heights of the parent's box: patches are extrapolated to the corners
+/*! Range of the bins, in heights of the parent's box. Exceeds 1, because patches are extrapolated to the corners. */
+CVERT_CONSTANT float latticeRange = 1.5f;
 
 CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
@@ -61,24 +60,24 @@ CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
   return int(h);
 }
 
-/* Word of a lattice: 15 bits an axis, of 5 bits each the outer planes' distances from the
- * parent's, lower and upper, and the middle plane; then the thickness. */
+/* Word of a lattice. 15 bits per axis: 5 bits each for the distances of the lower and upper outer plane from the
+ * parent's planes, and for the middle plane. Then the thickness. */
 CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
 CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
-/*! outer planes, in parent extents: fine steps for what the parent's own rounding lost, up
- *  to a third for quads that do not fill their parent */
+/*! Outer planes, in parent extents. Fine steps compensate for the rounding of the parent; codes extend to a third, for
+ *  quads that do not fill their parent. */
 CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
-/*! the middle plane bounds nothing, it is the nearest */
+/*! The middle plane. It bounds nothing, so it is rounded to the nearest code. */
 CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! thickness in bins: heights are rounded by up to half a bin either way, the rest is how
- *  far edges are from straight over the lattice */
-CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); } //!< 1, 2, 5 or 16
+/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin up or down. The rest is the distance of
+ *  straight edges from the lattice. */
+CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
-/*! plane 0, 1 or 2 of a lattice along an axis */
+/*! Returns plane 0, 1 or 2 of a lattice along an axis. */
 CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
@@ -90,21 +89,21 @@ CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox p
 
 /* --- loose leaves -------------------------------------------------------------------- */
 
-/* Heights of loose leaves: 15 bits a child, 5 bits each for corners (0,0), (1,0) and (0,1)
- * of its box, and from bit 60 the thickness. */
+/* Heights of loose leaves: 15 bits per child, 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness
+ * begins at bit 60. */
 CVERT_CONSTANT int looseBits = 15;
 CVERT_CONSTANT uint32_t looseMask = 0x7FFFu;
 CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu;
 CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CVERT_CONSTANT int looseBins = 32;
-CVERT_CONSTANT float looseRange = 2.0f; //!< of the bins, in heights of the leaf's box
+CVERT_CONSTANT float looseRange = 2.0f; //!< range of the bins, in heights of the leaf's box
 CVERT_CONSTANT int looseThicknessShift = 60;
-/*! in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12 */
+/*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CVERT_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
-  int shift = looseBits*child; // 0, 15, 30, 45: the third lies across both halves
+  int shift = looseBits*child; // 0, 15, 30, 45: the third field crosses both halves
   if (shift >= 32) return (heights.high >> (shift-32)) & looseMask;
   uint32_t bits = heights.low >> shift;
   if (shift != 0) bits |= heights.high << (32-shift);
@@ -112,11 +111,13 @@ CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 }
 
 CVERT_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CVERT_FUNCTION float looseThicknessOf (Heights heights) { return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u); }
+CVERT_FUNCTION float looseThicknessOf (Heights heights) {
+  return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u);
+}
 
 /* --- surfaces ------------------------------------------------------------------------ */
 
-/*! bins of heights: the range is centred on the box, height q is at lower + (q+1/2) size */
+/*! Bins of heights. The range is centered on the box, and height q is at lower + (q+1/2) size. */
 struct HeightBins { float lower, size; };
 
 CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
@@ -129,14 +130,14 @@ CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 
 CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
-/*! a leaf: its box, and the surface in it */
+/*! A leaf: its box, and the surface in it. */
 struct LeafPatch
 {
   NodeBox box;
-  float z[4];       //!< at the corners of the box, column + 2 row
+  float z[4];       //!< at the corners of the box: column + 2 row
   float thickness;
-  bool solid;       //!< the whole box is the surface
-  bool empty;       //!< there is none
+  bool solid;       //!< the entire box is the surface
+  bool empty;       //!< no surface
 };
 
 CVERT_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
@@ -172,7 +173,7 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
     lowest = lesser(lowest,leaf.z[c]);
     highest = greater(highest,leaf.z[c]);
   }
-  /* a bilinear patch stays between its corners; the box ends where its parent's does */
+  /* A bilinear patch stays between its corners. The box is clipped to its parent's. */
   float lower = greater(lowest-0.5f*leaf.thickness,parent.lower[2]);
   float upper = lesser(highest+0.5f*leaf.thickness,upperOf(parent,2));
   leaf.box.lower[2] = lower;
@@ -180,7 +181,7 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
   return leaf;
 }
 
-/*! leaf of a group, from its word, its heights and the decoded bounds of the group */
+/*! Decodes a leaf of a group from the group's word, heights and decoded bounds. */
 CVERT_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (isLoose(heights)) return decodeLooseLeaf(word,heights,child,parent);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of cLEAF's groups: a lattice, or loose leaves where none is near enough. */
+/* Encoder of cLEAF groups: a lattice, or loose leaves if no lattice is accurate enough. */
 
 #include "lattice_encoder.h"
 #include "loose_encoder.h"
@@ -12,7 +12,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! how far the edges on the border reach into their leaves' boxes */
+    /*! Returns how far the edges on the border extend into their leaves' boxes. */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;
@@ -27,7 +27,8 @@ namespace embree
           for (int c=0; c<4; c++) {
             if (childColumn(c,axis) != upper) continue;
             const double u = (group.vertexOf(quad,c)[axis]-box.lower[axis])/box.extent[axis];
-            width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3); // rounding of the ray's u
+            // 1e-3: rounding of the ray's u
+            width = std::max(width,(upper ? 1-u : u) + group.rounding[axis]/box.extent[axis] + 1e-3);
           }
         }
       }

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Four groups of 2 x 2 cells that are children of one node, a lane each: what the encoder of
- * lattices reads. */
+/* Four groups of 2 x 2 cells that are children of one node, one per lane: input of the encoder of lattices. */
 
 #include "../block_geometry.h"
 #include "quad_group.h"
@@ -16,13 +15,13 @@ namespace embree
     struct GroupLanes
     {
       Double4 vertices[9][3]; //!< row by row
-      Double4 lower[2], upper[2]; //!< of the quads and their rounding
-      double rounding[3];     //!< how far vertices may be from where a neighbouring face has them
-      uint32_t border[2][2];  //!< [axis][upper]: lanes that have that side on the border of the block
+      Double4 lower[2], upper[2]; //!< bounds of the quads and their rounding
+      double rounding[3];     //!< largest distance between a vertex and the same vertex of a neighboring face
+      uint32_t border[2][2];  //!< [axis][upper]: lanes with that side on the border of the block
 
       GroupLanes() {}
 
-      /*! m: the first of the groups; all cells finite */
+      /*! m: first of the groups. All cells must be finite. */
       GroupLanes(const BlockGeometry& geometry, uint32_t m)
       {
         const uint32_t side = (1u << geometry.cellLevels)+1, x = 2*mortonX(m), y = 2*mortonY(m);

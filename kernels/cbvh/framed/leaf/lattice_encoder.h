@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of lattices, framed/leaf/format.h: fits nine heights whose surface passes through the
- * vertices, and bounds how far the quads' edges are from it. */
+/* Encoder of lattices (framed/leaf/format.h). Fits nine heights whose surface passes through the vertices, and bounds
+ * the distance of the quads' edges from this surface. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -14,21 +14,21 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! narrower cells of a lattice would extrapolate their patches too far */
+    /*! Relative width of the narrowest cells of a lattice. Narrower cells would extrapolate their patches too far. */
     static constexpr double minCellWidth = 1.0/16;
 
-    /*! fitting ends when the surface is this near to every vertex, in bins: rounding to bins
-     *  moves it by up to a half */
+    /*! Fitting ends when the surface is this close to every vertex, in bins. Rounding to bins moves the surface by up
+     *  to half a bin. */
     static constexpr double fitTolerance = 0.0625;
     static constexpr int maxFitTurns = 16;
 
-    /*! piecewise bilinear surface over 3 x 3 heights, in double */
+    /*! Piecewise bilinear surface over 3 x 3 heights, in double. */
     struct Lattice
     {
       double planes[2][3];
       double z[9];
 
-      struct Position { int corner; double u, v; }; //!< lower vertex of the cell, position in it
+      struct Position { int corner; double u, v; }; //!< lower vertex of the cell, and position in the cell
 
       Position find(double x, double y) const {
         return in(x >= planes[0][1],y >= planes[1][1],x,y);
@@ -37,7 +37,7 @@ namespace embree
         return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
       }
-      /*! largest slope along an axis: that of a bilinear patch is largest on its sides */
+      /*! Returns the largest slope along an axis: a bilinear patch is steepest on its sides. */
       double steepest(int axis) const
       {
         double slope = 0;
@@ -60,9 +60,9 @@ namespace embree
         double largest() const { return std::max(-lower,upper); }
       };
 
-      /*! Distance in z of the surface from the straight edge from a to b, positive where
-       *  the surface is above. Between the planes that it crosses the surface is a
-       *  parabola over the edge, off its chord by at most a quarter of its quadratic term. */
+      /*! Returns the distance in z of the surface from the straight edge from a to b, positive where the surface is
+       *  above. Between the planes that it crosses, the surface over the edge is a parabola, which differs from its
+       *  chord by at most a quarter of its quadratic term. */
       Range distance(const double a[3], const double b[3]) const
       {
         double cut[4] = { 0,1,1,1 };
@@ -79,7 +79,8 @@ namespace embree
           auto point = [&](double t, int axis) { return a[axis] + t*(b[axis]-a[axis]); };
           const double middle = 0.5*(cut[i]+cut[i+1]);
           const int column = point(middle,0) >= planes[0][1], row = point(middle,1) >= planes[1][1];
-          const Position p = in(column,row,point(cut[i],0),point(cut[i],1)), q = in(column,row,point(cut[i+1],0),point(cut[i+1],1));
+          const Position p = in(column,row,point(cut[i],0),point(cut[i],1)),
+            q = in(column,row,point(cut[i+1],0),point(cut[i+1],1));
           const double d0 = at(p)-point(cut[i],2), d1 = at(q)-point(cut[i+1],2);
           const double sag = -0.25*twist(p.corner)*(q.u-p.u)*(q.v-p.v);
           range.extend({ std::min(d0,d1) + std::min(sag,0.0), std::max(d0,d1) + std::max(sag,0.0) });
@@ -88,7 +89,7 @@ namespace embree
       }
     };
 
-    /*! the two edges of a row or column of the group: 0 and 2 its sides, 1 the middle */
+    /*! The two edges of a row or column of the group. Lines 0 and 2 are its sides, 1 is the middle. */
     struct GroupLine
     {
       int vertex[3];
@@ -102,11 +103,11 @@ namespace embree
       }
     };
 
-    /*! Planes of the lattice: the outer ones keep the slack to all vertices, the middle
-     *  ones are nearest to the mean of the vertices on them. False if the vertices of
-     *  an outer side on the block's border are not all in the cells on that side: the
-     *  intersector looks for the border there. */
-    inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word, double planes[3])
+    /*! Encodes the planes of the lattice. The outer planes keep the slack to all vertices, the middle planes are
+     *  nearest to the mean of the vertices on them. Returns false if a vertex of an outer side on the block's border is
+     *  not in the cells on that side, because the intersector searches for the border there. */
+    inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
+      double planes[3])
     {
       const int along = axis == 0 ? 1 : 3, across = axis == 0 ? 3 : 1;
       double lower = group.boxes[0].lower[axis], upper = group.boxes[0].upper[axis];
@@ -131,16 +132,17 @@ namespace embree
       const double narrowest = (planes[2]-planes[0])*minCellWidth;
       if (!(planes[1]-planes[0] > narrowest) || !(planes[2]-planes[1] > narrowest)) return false;
       for (int i=0; i<3; i++) {
-        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack-group.rounding[axis]) return false;
-        if (group.border[axis][1] && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack+group.rounding[axis]) return false;
+        if (group.border[axis][0] && group.vertices[i*across][axis] > planes[1]-containmentSlack-group.rounding[axis])
+          return false;
+        if (group.border[axis][1]
+          && group.vertices[2*along + i*across][axis] < planes[1]+containmentSlack+group.rounding[axis]) return false;
       }
       return true;
     }
 
-    /*! Fits heights whose surface passes through the vertices: each vertex moves the
-     *  height at its own node by what the surface is off there, in turns. That
-     *  converges where its own node has most weight at a vertex; where it does not, the
-     *  deviation tells. */
+    /*! Fits heights whose surface passes through the vertices: in each turn, each vertex moves the height of its own
+     *  node by the distance of the surface from the vertex. This converges if each vertex's own node has the largest
+     *  weight there. If it does not converge, the measured deviation is large. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position at[9];
@@ -176,8 +178,8 @@ namespace embree
       }
     };
 
-    /*! Raises the heights of one side of a group until the surface is nowhere below the edges
-     *  there, by a slack: first each at its vertex, */
+    /*! Raises the heights of one side of a group until the surface is above the edges there everywhere, by a slack.
+     *  First step: raises each height at its vertex. */
     inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       for (int v : side.vertex) {
@@ -186,11 +188,11 @@ namespace embree
       }
     }
 
-    /*! then all together; false if that takes too much */
+    /*! Second step: raises all heights together. Returns false if they would be raised too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
-      /* in turns, as a height that was raised raises what is beside it too; edges that bulge over
-       * their vertices by more than a few bins are better loose */
+      /* Repeats, because raising a height also raises the surface next to it. Edges that bulge over their vertices by
+       * more than a few bins should be loose. */
       const int maxTurns = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int turn=0; ; turn++) {
@@ -201,7 +203,7 @@ namespace embree
       }
     }
 
-    /*! code of the smallest thickness that bounds all edges of a group; 4 if none does */
+    /*! Returns the code of the smallest thickness that bounds all edges of a group, or 4 if none does. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };
@@ -219,13 +221,13 @@ namespace embree
       uint64_t bits = 0;
       for (int v=0; v<9; v++)
         if (v != 4) bits |= uint64_t(heights[v]) << (8*latticeByte(v));
-      /* its copies, 7 bits apart, do not overlap, and bit i of copy i is bit 8i+7 */
+      /* The copies are 7 bits apart and do not overlap, and bit i of copy i is bit 8i+7. */
       const uint64_t copies = 0x0002040810204081u << 7;
       bits |= uint64_t(heights[4])*copies & 0x0080808080808080u;
       return { uint32_t(bits), uint32_t(bits >> 32) };
     }
 
-    /*! false if no lattice is near enough to the group's quads */
+    /*! Returns false if no lattice is close enough to the group's quads. */
     inline bool encodeLattice(const NodeBox& parent, const QuadGroup& group, EncodedGroup& out)
     {
       for (const ExactBox& box : group.boxes)
@@ -239,7 +241,7 @@ namespace embree
       fitLattice(group,lattice.surface,fitTolerance*lattice.bins.size);
       for (int v=0; v<9; v++) lattice.set(v,std::floor((lattice.surface.z[v]-lattice.bins.lower)/lattice.bins.size));
 
-      /* on the border the surface may not be below the edge */
+      /* On the border, the surface must not be below the edge. */
       const double slopes[2] = { lattice.surface.steepest(0),lattice.surface.steepest(1) }, slack = group.slack(slopes);
       for (int axis=0; axis<2; axis++)
         for (int upper=0; upper<2; upper++)

@@ -3,18 +3,18 @@
 
 #pragma once
 
-/* The encoder of lattices (lattice_encoder.h) for four groups at a time: the same operations in the
- * same order, so the same bits. It knows regular groups, whose vertices are each in the cell on
- * their own side of the middle planes, but for those of the middle column and row:
+/* The encoder of lattices (lattice_encoder.h) for four groups at a time. Uses the same operations in the same order,
+ * and therefore computes the same bits. It supports regular groups, each of whose vertices is in the cell on its own
+ * side of the middle planes, except for the vertices of the middle column and row:
  *
  *    6 .   7   . 8      6 is in cell 2, 7 in 2 or 3, 4 in any.
- *      .       .        Then all positions in cells are from 0 to 1.
+ *      .       .        All positions in cells are then from 0 to 1.
  *    3     4     5
  *      .       .
  *    0 .   1   . 2
  *
- * How far the edges are from the surface is not computed to the bit but between two bounds. Where
- * these do not agree, and for groups that are not regular, the other encoder has to. */
+ * The distance of the edges from the surface is not computed exactly, but between two bounds. If these lead to
+ * different results, and for irregular groups, lattice_encoder.h is used. */
 
 #include "group_lanes.h"
 #include "lattice_encoder.h"
@@ -27,7 +27,7 @@ namespace embree
     {
     public:
       uint32_t encoded = 15;   //!< lanes that have a lattice
-      uint32_t undecided = 0;  //!< lanes that the other encoder has to look at
+      uint32_t undecided = 0;  //!< lanes that require lattice_encoder.h
 
       LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
         : parents(parents), groups(groups),
@@ -53,7 +53,8 @@ namespace embree
       void store(uint32_t words[4], Heights out[4]) const
       {
         const Int4* const h = heights;
-        Int4 low  = h[0] | (h[1] << 8) | (h[2] << 16) | (h[3] << 24), high = h[5] | (h[6] << 8) | (h[7] << 16) | (h[8] << 24);
+        Int4 low  = h[0] | (h[1] << 8) | (h[2] << 16) | (h[3] << 24),
+          high = h[5] | (h[6] << 8) | (h[7] << 16) | (h[8] << 24);
         for (int i=0; i<7; i++) {
           Int4& half = i < 4 ? low : high;
           half = half | ((h[4] >> i << 31) >> (24-8*(i%4)));
@@ -71,7 +72,8 @@ namespace embree
       Double4 thickness() const { return thick; }
 
     private:
-      /*! highest code, up to 31, for which closure(latticeOuter) holds, which it does for all below; or 0 */
+      /*! Returns the highest code, up to 31, for which closure(latticeOuter) is true, or 0. The closure must be true
+       *  for all lower codes. */
       template<typename Closure>
       static Int4 highest(const Closure& closure)
       {
@@ -83,7 +85,7 @@ namespace embree
         return q;
       }
 
-      /*! as encodeLatticePlanes() */
+      /*! As encodeLatticePlanes(). */
       void encodePlanes(int axis)
       {
         const int along = axis == 0 ? 1 : 3, across = axis == 0 ? 3 : 1;
@@ -107,12 +109,14 @@ namespace embree
         const Double4 narrowest = (p[2]-p[0])*minCellWidth;
         encoded &= ((narrowest < width[axis][0]) & (narrowest < width[axis][1])).bits();
         for (int i=0; i<3; i++) {
-          encoded &= ~(groups.border[axis][0] & (p[1]-containmentSlack-groups.rounding[axis] < groups.vertices[i*across][axis]).bits());
-          encoded &= ~(groups.border[axis][1] & (groups.vertices[2*along+i*across][axis] < p[1]+containmentSlack+groups.rounding[axis]).bits());
+          encoded &= ~(groups.border[axis][0]
+            & (p[1]-containmentSlack-groups.rounding[axis] < groups.vertices[i*across][axis]).bits());
+          encoded &= ~(groups.border[axis][1]
+            & (groups.vertices[2*along+i*across][axis] < p[1]+containmentSlack+groups.rounding[axis]).bits());
         }
       }
 
-      /*! columns and rows of the vertices, and positions there */
+      /*! Finds the columns and rows of the vertices, and their positions in the cells. */
       void findCells()
       {
         uint32_t irregular = 0;
@@ -126,13 +130,14 @@ namespace embree
             else irregular |= isUpper.bits() ^ (step == 2 ? 15 : 0);
             at[v][axis] = step == 0 ? (x-planes[axis][0])/width[axis][0]
                         : step == 2 ? (x-planes[axis][1])/width[axis][1]
-                        : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],width[axis][0]);
+                        : (x-select(isUpper,planes[axis][1],planes[axis][0]))/select(isUpper,width[axis][1],
+                          width[axis][0]);
           }
         undecided = irregular & encoded;
         encoded &= ~irregular;
       }
 
-      /*! height at a corner, (dx,dy), of the cell of vertex v */
+      /*! Returns the height at corner (dx,dy) of the cell of vertex v. */
       template<int v, int dx, int dy>
       Double4 corner() const
       {
@@ -140,7 +145,7 @@ namespace embree
         return v/3 == 1 ? select(upper[1][v%3],row(dy+1),row(dy)) : row(dy+v/3/2);
       }
 
-      /*! height of the surface at vertex v */
+      /*! Returns the height of the surface at vertex v. */
       template<int v>
       Double4 surface() const
       {
@@ -156,7 +161,7 @@ namespace embree
         worst = max(worst,abs(off));
       }
 
-      /*! as fitLattice() */
+      /*! As fitLattice(). */
       void fit()
       {
         for (int v=0; v<9; v++) z[v] = groups.vertices[v][2];
@@ -173,7 +178,7 @@ namespace embree
         }
       }
 
-      /*! height v becomes that of bin q, rounded down */
+      /*! Sets height v to bin q, rounded down. */
       void set(int v, Double4 q)
       {
         heights[v] = toInt(min(max(q,0.0),double(latticeBins-1)));
@@ -185,7 +190,7 @@ namespace embree
         Double4 slope[2];
         for (int axis=0; axis<2; axis++)
         {
-          Double4 rise[2] = { 0.0,0.0 }; // largest of the cells on both sides
+          Double4 rise[2] = { 0.0,0.0 }; // maximum over the cells on both sides
           for (int line=0; line<3; line++)
             for (int i=0; i<2; i++) {
               const int v = axis == 0 ? i+3*line : line+3*i;
@@ -193,13 +198,14 @@ namespace embree
             }
           slope[axis] = max(rise[0]/width[axis][0],rise[1]/width[axis][1]);
         }
-        return Double4(containmentSlack + groups.rounding[2]) + slope[0]*groups.rounding[0] + slope[1]*groups.rounding[1];
+        return Double4(containmentSlack + groups.rounding[2]) + slope[0]*groups.rounding[0]
+          + slope[1]*groups.rounding[1];
       }
 
-      /*! point where the straight edge from vertex a to b crosses the middle plane of an axis */
+      /*! The point where the straight edge from vertex a to b crosses the middle plane of an axis. */
       struct LineCrossing
       {
-        Double4 t, across, z; //!< part of the edge, position along the other axis
+        Double4 t, across, z; //!< fraction of the edge, position along the other axis
 
         LineCrossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
         {
@@ -209,19 +215,21 @@ namespace embree
         }
       };
 
-      /*! distance in z of the surface from a point on the middle plane of an axis, which is in these cells along
-       *  the other one */
+      /*! Returns the distance in z of the surface from a point on the middle plane of an axis. isUpper: the point is in
+       *  the upper cells along the other axis. */
       Double4 distance(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
         const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // of the heights over the plane
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
-        const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,reciprocal[other][1],reciprocal[other][0]);
+        const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,
+          reciprocal[other][1],reciprocal[other][0]);
         return from + u*(to-from) - p.z;
       }
 
-      /*! How far the surface is above the two edges of a row or column, at least and at most: the true range
-       *  is between those from ...[0] and from ...[1], which differ in the middle rows and columns only. */
-      struct Range4
+      /*! Bounds of the height of the surface above the two edges of a row or column. The exact range contains lowest[0]
+       *  to
+     *  highest[0], and lies within lowest[1] to highest[1]. These differ only in the middle rows and columns. */
+    struct Range4
       {
         Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
 
@@ -231,25 +239,27 @@ namespace embree
         }
       };
 
-      /*! Of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane in one point x, before or
-       *  behind vertex b: three pieces. A piece is off its chord by its sag.
+      /*! Returns the bounds of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane at one point
+       *  x, before or after vertex b, which results in three pieces. A piece differs from its chord by its sag.
        *
-       *    a-----x--b--------c    the plane is at x        */
+       *    a-----x--b--------c    the plane is at x */
       template<int axis, int line>
       Range4 rangeOf() const
       {
         constexpr int along = 1-axis, step = axis == 0 ? 3 : 1, v = axis == 0 ? line : 3*line;
-        const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step], *const c = groups.vertices[v+2*step];
+        const Double4 *const a = groups.vertices[v], *const b = groups.vertices[v+step],
+          *const c = groups.vertices[v+2*step];
         const Double4 da = off[v], db = off[v+step], dc = off[v+2*step];
         Range4 range;
 
-        const Mask4 first = upper[along][line]; // whether x is before b
+        const Mask4 first = upper[along][line]; // x is before b
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
         const LineCrossing x(*this,along,from,to);
-        const Double4 dx = distance(x,along,line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
+        const Double4 dx = distance(x,along,
+          line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
 
-        /* products of what the pieces go along both axes */
+        /* Products of the extents of the pieces along both axes. */
         const Double4 t2 = x.t*x.t, rest2 = (1.0-x.t)*(1.0-x.t);
         const Double4 ab = (b[0]-a[0])*(b[1]-a[1]), bc = (c[0]-b[0])*(c[1]-b[1]);
         const Double4 piece[3] = { ab*select(first,t2,1.0),select(first,ab*rest2,bc*t2),bc*select(first,1.0,rest2) };
@@ -259,7 +269,8 @@ namespace embree
         for (int i=0; i<3; i++)
         {
           const Double4 low = min(ends[i],ends[i+1]), high = max(ends[i],ends[i+1]);
-          auto factor = [&](int j) { return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j)); };
+          auto factor = [&](int j) { return i == 0 ? cell(0,j) : i == 2 ? cell(1,j) : select(first,cell(1,j),cell(0,j));
+            };
           if (line != 1) {
             const Double4 sag = piece[i]*factor(line/2);
             for (int bound=0; bound<2; bound++) range.add(low+min(sag,0.0),high+max(sag,0.0),bound);
@@ -271,7 +282,7 @@ namespace embree
             largest = max(largest,sag);
           }
         }
-        /* these edges may cross the other plane, too; parts of pieces have less sag */
+        /* These edges may cross the other plane, too. Parts of pieces have less sag. */
         if (line == 1)
           for (int i=0; i<2; i++) {
             const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
@@ -283,7 +294,7 @@ namespace embree
         return range;
       }
 
-      /*! distance of the surface above a vertex */
+      /*! Sets the distance of the surface above a vertex. */
       template<int v>
       void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
 
@@ -295,19 +306,20 @@ namespace embree
         }
       }
 
-      /*! Bounds have to be apart by more than this from what they are compared with. Positions in cells, which are
-       *  at least 2^-23 wide, are off by less than 2^-25, and heights by that part of 128 bins. */
+      /*! Bounds must differ from what they are compared with by more than this. Positions in cells, which are at least
+       *  2^-23 wide, have errors below 2^-25, and heights have errors below this fraction of 128 bins. */
       Double4 margin() const { return Double4(size)*(1.0/8192); }
 
       template<int v>
       void raiseToVertex(Mask4 lanes, Double4 slack)
       {
         const Double4 below = slack + groups.vertices[v][2] - surface<v>();
-        const Double4 bins = min(below/size,double(latticeBins)), down = toDouble(toInt(bins)), up = down + ((down < bins) & Double4(1.0));
+        const Double4 bins = min(below/size,double(latticeBins)), down = toDouble(toInt(bins)),
+          up = down + ((down < bins) & Double4(1.0));
         set(v,toDouble(heights[v]) + ((lanes & (Double4(0.0) < below)) & up));
       }
 
-      /*! as raiseToVertices() and raiseToEdges() */
+      /*! As raiseToVertices() and raiseToEdges(). */
       template<int axis, int upper>
       void raise(Double4 slack)
       {
@@ -370,14 +382,15 @@ namespace embree
         for (int lane=0; lane<4; lane++) encoded &= ~(uint32_t(codes[lane] == 4) << lane);
         const Int4 coded = Int4::load(codes);
         word = word | (coded << latticeThicknessShift);
-        thick = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),latticeThickness(codes[3]&3))*size;
+        thick = Float4(latticeThickness(codes[0]&3),latticeThickness(codes[1]&3),latticeThickness(codes[2]&3),
+          latticeThickness(codes[3]&3))*size;
       }
 
-      /*! one lane as the other encoder has it */
+      /*! One lane, in the form of lattice_encoder.h. */
       struct Exact
       {
         CodedLattice lattice;
-        QuadGroup group; //!< only vertices
+        QuadGroup group; //!< only the vertices are set
 
         Exact(const LatticeLanes& l, int lane)
         {
@@ -419,12 +432,12 @@ namespace embree
       Float4 lower, size;      //!< of the bins
       Int4 word;
       Double4 planes[2][3], width[2][2], reciprocal[2][2];
-      Mask4 upper[2][3];       //!< [axis][line]: which of the middle vertices are in the upper of both cells
+      Mask4 upper[2][3];       //!< [axis][line]: middle vertices that are in the upper of both cells
       Double4 at[9][2];        //!< position of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
-      Double4 off[9];          //!< of the surface above each vertex, see measure()
-      Double4 bend[4];         //!< of a cell: sag of a straight line through it that goes on by 1 along both axes
+      Double4 off[9];          //!< distance of the surface above each vertex, see measure()
+      Double4 bend[4];         //!< of a cell: sag of a straight line through it that advances by 1 along both axes
       Double4 thick;
     };
   }}

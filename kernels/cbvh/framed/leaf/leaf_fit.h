@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* How well the leaves of a frame hold their quads. A leaf is a height field over a box of its
- * frame, and what is not one it holds badly: a wall that stands on end in the frame gets the
- * normal of something else, a fold is a thick plane or a whole box, and where the surface
- * ends or bends the box goes on. Patches with many such quads are better stored exactly, as
- * cVERT; docs/paper.md has the measurements behind the limits below. */
+/* Measures how well the leaves of a frame represent their quads. A leaf is a height field over a box of its frame, and
+ * represents anything else badly: a wall that is vertical in the frame gets a wrong normal, a fold becomes a thick
+ * plane or an entire box, and the box extends past the edges where the surface ends or bends. Patches with many such
+ * quads should be stored as cVERT. docs/paper.md has the measurements behind the limits below. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
@@ -16,26 +15,27 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! A leaf's normal may be turned from its quad's by this: cosine. */
+    /*! Smallest cosine of the angle between the normals of a leaf and its quad. */
     static constexpr double minNormalCosine = 0.7;
 
-    /*! in sides of a square of the quad's area */
+    /*! Largest thickness of a leaf, relative to the side of a square with the quad's area. */
     static constexpr double maxLeafThickness = 0.25;
 
-    /*! how far a leaf may go on beyond an edge where the surface ends or bends, in its own extent */
+    /*! Largest distance that a leaf may extend past an edge where the surface ends or bends, relative to its own
+     *  extent. */
     static constexpr double maxOverhang = 1.0/16;
 
-    /*! of a patch's quads, and of the edges where it ends or bends */
+    /*! Largest fractions of a patch's quads, and of its edges where the surface ends or bends. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! quads of a patch that stand for the others */
+    /*! Number of quads of a patch that are a sufficient sample. */
     static constexpr size_t minQuadsSeen = 1024;
 
     struct LeafFit
     {
-      uint32_t quads = 0, poorQuads = 0; //!< poor: turned, thick, loose or solid
+      uint32_t quads = 0, poorQuads = 0; //!< poor: with a wrong normal, thick, loose or solid
       uint32_t edges = 0, poorEdges = 0; //!< where the surface ends or bends
-      uint32_t flippedQuads = 0;         //!< normal turned by more than 90 degrees
+      uint32_t flippedQuads = 0;         //!< normal differs by more than 90 degrees
 
       void merge(const LeafFit& other)
       {
@@ -46,26 +46,29 @@ namespace embree
 
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
-      /*! Whether a patch of so many quads and edges is given up on before all of it is seen. The first quarter of it stands
-       *  of the quads of the rest, if that is enough of them and from all over the patch; edges are counted to the end. */
+      /*! True if a patch with this number of quads and edges is poor before all of it was measured. The first quarter
+       *  is a sample of the remaining quads, if it is large enough and distributed over the patch. All edges are
+       *  counted. */
       bool isGivenUp(size_t allQuads, size_t allEdges) const
       {
         const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
-        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough)) || poorEdges > maxPoorEdges*double(allEdges);
+        return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough))
+          || poorEdges > maxPoorEdges*double(allEdges);
       }
 
-      /*! A quad of cLEAF, (x,y) in its block, and its leaf. isRough: loose or solid; thickness: in the world. */
-      void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2], bool isRough, double thickness)
+      /*! Adds quad (x,y) of a cLEAF block, and its leaf. isRough: loose or solid. thickness: in world space. */
+      void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
+        bool isRough, double thickness)
       {
         const QuadNormal quad(geometry,x,y);
-        if (!(quad.length > 0)) return; // of no area, or not finite
+        if (!(quad.length > 0)) return; // no area, or not finite
         const double cosine = quad.cosine(geometry.frame,box,slope);
         quads++;
         flippedQuads += cosine < 0;
         poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);
       }
 
-      /*! a quad whose normal is its frame's axis */
+      /*! Adds a quad whose normal is the axis of its frame. */
       void addFlatQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };
@@ -75,7 +78,7 @@ namespace embree
         flippedQuads += quad.cosine(geometry.frame,box,flat) < 0;
       }
 
-      /*! overhang: of a leaf beyond its edge */
+      /*! overhang: distance that a leaf extends past its edge. */
       void addEdge(double overhang)
       {
         edges++;
@@ -83,7 +86,7 @@ namespace embree
       }
 
     private:
-      /*! cross product of a quad's diagonals in the world: its length is twice the area */
+      /*! Cross product of the diagonals of a quad, in world space. Its length is twice the area. */
       struct QuadNormal
       {
         double n[3], length;
@@ -102,10 +105,11 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! between this and the plane of those slopes through the middle of a box */
+        /*! Returns the cosine of the angle to the plane with these slopes through the middle of a box. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
-          const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+          const double c[3] =
+            { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
           const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
           double dot = 0, square = 0;
           for (int i=0; i<3; i++) {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* What is measured of the leaves of four lattices at a time. Most leaves are as they should be and
- * thinner than the thickest of their block: that is asked without divisions and roots, with some room
- * for rounding, and only for the others are numbers computed (LeafFit, BlockStatistics). */
+/* Measures the leaves of four lattices at a time. Most leaves are good, and thinner than the thickest leaf of their
+ * block. This is tested without divisions and roots, with a margin for rounding. Only for other leaves, values are
+ * computed (LeafFit, BlockStatistics). */
 
 #include "lattice_lanes.h"
 #include "leaf_thickness.h"
@@ -17,8 +17,9 @@ namespace embree
     class LeafLanes
     {
     public:
-      /*! m: the first of the groups */
-      LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups, const LatticeLanes& lattices)
+      /*! m: first of the groups. */
+      LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups,
+        const LatticeLanes& lattices)
         : geometry(geometry), parents(parents), groups(groups), lattices(lattices)
       {
         const uint32_t w = geometry.width;
@@ -29,7 +30,7 @@ namespace embree
         }
       }
 
-      /*! Lanes whose leaf of quad c is good, and no thicker than that. */
+      /*! Returns the lanes whose leaf of quad c is good and not thicker than maxThickness. */
       uint32_t good(int c, float maxThickness) const
       {
         const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;
@@ -40,9 +41,11 @@ namespace embree
         const Double4 x[3] = { 0.5*(lattices.plane(0,column)+lattices.plane(0,column+1)),
                                0.5*(lattices.plane(1,row)+lattices.plane(1,row+1)),
                                0.5*(max(lowest-half,bottom)+min(highest+half,top)) };
-        const Double4 slope[2] = { 0.5*(z[1]+z[3]-z[0]-z[2])*lattices.reciprocalWidth(0,column), 0.5*(z[2]+z[3]-z[0]-z[1])*lattices.reciprocalWidth(1,row) };
+        const Double4 slope[2] =
+          { 0.5*(z[1]+z[3]-z[0]-z[2])*lattices.reciprocalWidth(0,column),
+            0.5*(z[2]+z[3]-z[0]-z[1])*lattices.reciprocalWidth(1,row) };
 
-        /* normals of the leaf's plane and of the quad */
+        /* Normals of the leaf's plane and of the quad. */
         const Double4 k = x[2] - slope[0]*x[0] - slope[1]*x[1];
         Double4 leaf[3], quad[3], a[3], b[3];
         for (int i=0; i<3; i++) {
@@ -58,15 +61,16 @@ namespace embree
         const Double4 rcpW = x[0]*w.n.x + x[1]*w.n.y + x[2]*w.n.z + w.d;
 
         const double room = 1-1e-6;
-        const Double4 thickness2 = thickness*thickness, unit2 = room*rcpW*rcpW*leaf2; // in the world: thickness2/unit2
-        const double limit2 = 0.5*maxLeafThickness*maxLeafThickness;                  // of a quad of length 1
+        const Double4 thickness2 = thickness*thickness, unit2 = room*rcpW*rcpW*leaf2; // squared thickness in world
+                                                                                      // space: thickness2/unit2
+        const double limit2 = 0.5*maxLeafThickness*maxLeafThickness;                  // for a quad of length 1
         return ((Double4(0.0) < cosine)
               & (Double4(minNormalCosine*minNormalCosine)*leaf2*quad2 < room*cosine*cosine)
               & (thickness2*thickness2 < limit2*limit2*quad2*unit2*unit2)
               & (thickness2 < double(maxThickness)*maxThickness*unit2)).bits();
       }
 
-      /*! as borderWidth() of the groups in these lanes */
+      /*! As borderWidth(), for the groups in these lanes. */
       double borderWidth(uint32_t lanes) const
       {
         double width = 0;
@@ -76,8 +80,11 @@ namespace embree
             const uint32_t border = groups.border[axis][upper] & lanes;
             if (!border) continue;
             const GroupLine side(axis,2*upper);
-            const Double4 p[3] = { groups.vertices[side.vertex[0]][axis],groups.vertices[side.vertex[1]][axis],groups.vertices[side.vertex[2]][axis] };
-            const Double4 lower = lattices.plane(axis,upper), extent = Double4(toFloat(lattices.plane(axis,upper+1))-toFloat(lower));
+            const Double4 p[3] =
+              { groups.vertices[side.vertex[0]][axis],groups.vertices[side.vertex[1]][axis],
+                groups.vertices[side.vertex[2]][axis] };
+            const Double4 lower = lattices.plane(axis,upper),
+              extent = Double4(toFloat(lattices.plane(axis,upper+1))-toFloat(lower));
             const Double4 u = ((upper ? min(min(p[0],p[1]),p[2]) : max(max(p[0],p[1]),p[2]))-lower)/extent;
             double widths[4];
             ((upper ? Double4(1.0)-u : u) + groups.rounding[axis]/extent + 1e-3).store(widths);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the encoders report of a block, first of all how thick its leaves are in the world. */
+/* Statistics that the encoders collect of a block, in particular the world-space thickness of its leaves. */
 
 #include "leaf_fit.h"
 
@@ -13,19 +13,20 @@ namespace embree
   {
     struct BlockStatistics
     {
-      uint32_t invalidQuads = 0;   //!< with a vertex that is not finite
+      uint32_t invalidQuads = 0;   //!< quads with a vertex that is not finite
       uint32_t solidLeaves = 0;
       bool affine = false;
       float maxThickness = 0;      //!< world units
       LeafFit fit;
 
-      /*! World distance between the planes z = slope (x,y) through the middle of a box and the
-       *  same moved up by thickness. A plane a.(x,y,z) = k of the frame is the plane
-       *  (a_x Rx + a_y Ry + a_z Rz - k Rw).p = const of the world, R the rows of the
-       *  map; its normal's length over W is the frame's distance a unit of the world. Returns it. */
+      /*! Adds and returns the world-space distance between the plane z = slope (x,y) through the middle of a box and
+       *  the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the plane (a_x Rx + a_y Ry + a_z
+       *  Rz - k Rw).p = const in world space, where R are the rows of the map. The length of its normal divided by W is
+       *  the distance in the frame per unit of world space. */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
-        const double c[3] = { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
+        const double c[3] =
+          { box.lower[0]+0.5*box.extent[0], box.lower[1]+0.5*box.extent[1], box.lower[2]+0.5*box.extent[2] };
         const double k = c[2] - slope[0]*c[0] - slope[1]*c[1];
         double n2 = 0;
         for (int i=0; i<3; i++) {
@@ -38,7 +39,7 @@ namespace embree
         return t;
       }
 
-      /*! a leaf whose box is the surface */
+      /*! Adds a leaf whose box is the surface. */
       void addBoxThickness(const BlockGeometry& geometry, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What an encoder of cLEAF's groups is given, and what it makes of it. */
+/* Input and output of the encoders of cLEAF groups. */
 
 #include "format.h"
 #include "../node_encoder.h"
@@ -12,13 +12,14 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! 2 x 2 quads in the frame of their block */
+    /*! 2 x 2 quads in the frame of their block. */
     struct QuadGroup
     {
       double vertices[9][3]; //!< row by row
-      ExactBox boxes[4];     //!< of the quads and their rounding, empty for those with a vertex that is not finite
-      double rounding[3];    //!< how far vertices may be from where a neighbouring face has them
-      bool border[2][2];     //!< [axis][upper]: whether that side is on the border of the block
+      ExactBox boxes[4];     //!< bounds of the quads and their rounding; empty for quads with a vertex that is not
+                             //!< finite
+      double rounding[3];    //!< largest distance between a vertex and the same vertex of a neighboring face
+      bool border[2][2];     //!< [axis][upper]: that side is on the border of the block
 
       bool isOnBorder(int quad, int corner) const {
         for (int axis=0; axis<2; axis++) {
@@ -28,7 +29,7 @@ namespace embree
         return false;
       }
 
-      /*! distance in z that a surface of these slopes keeps from what it bounds */
+      /*! Returns the distance in z that a surface with these slopes must keep from what it bounds. */
       double slack(const double slope[2]) const {
         return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }
@@ -42,7 +43,7 @@ namespace embree
     {
       uint32_t word;
       Heights heights;
-      double borderWidth; //!< see Block::borderWidth; 0 without a side on the border
+      double borderWidth; //!< see borderWidthOf(); 0 without a side on the border
     };
   }}
 }

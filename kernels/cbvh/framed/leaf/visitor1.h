@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Leaves of cLEAF. crossing1.h measures how the ray crosses them, framed/leaf/hit_rule.h
- * decides where it hits, and this reports it. */
+/* Leaves of cLEAF, for a single ray. crossing1.h computes how the ray crosses them, framed/leaf/hit_rule.h decides
+ * where it hits, and this class reports the hits. */
 
 #include "crossing1.h"
 
@@ -20,7 +20,8 @@ namespace embree
         typedef NodeEntries::LeafTile LeafTile;
         static const uint32_t kind = kindLeaf;
 
-        /*! what the ray has hit in other blocks does not shorten the walk: what a ray passes behind it decides on hits before it */
+        /*! Hits in other blocks do not shorten the walk: the boxes that a ray passes after them affect hits before
+         *  them. */
         template<typename... Args>
         __forceinline LeafVisitor1 (Args&&... args) : BlockVisitor1<RayType>(args...) { this->sBest = 1.0f; }
 
@@ -38,7 +39,9 @@ namespace embree
 
         __forceinline bool leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
         {
-          const Crossing<float> x = crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),this->endsInside(ranges,child));
+          const Crossing<float> x =
+            crossDecodedLeaf(this->frameRay,tile,child,ranges,this->startsInside(ranges,child),
+              this->endsInside(ranges,child));
           const Verdict v = crossLeaf(state,x.event);
           float s;
           if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
@@ -53,7 +56,7 @@ namespace embree
         }
 
       private:
-        /* where the ray left the last leaf */
+        /* Where the ray left the last leaf. */
         uint32_t exitM, exitChild;
         float exitS;
 
@@ -70,14 +73,14 @@ namespace embree
           passedMask = wantsPassed(state) ? ~0u : 0u;
         }
 
-        /*! after a hit was reported; true when the walk may end */
+        /*! Call after a hit was reported. Returns true if the walk may end. */
         __forceinline bool accept (bool accepted)
         {
           if (accepted) setState(afterHit(state));
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! whether the ray meets what the verdict says, and where */
+        /*! Returns true if the ray intersects what the verdict selects, and sets s. */
         __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           if (hit == hitNone) return false;
@@ -94,17 +97,18 @@ namespace embree
           return at.met;
         }
 
-        /*! s of a place from entry to exit */
+        /*! Returns s of a position between entry and exit. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
-        /*! a hit at s in a leaf */
+        /*! Returns the hit at s in a leaf. */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
           const vfloat4 uv = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));
           const float* h = surfaces.height[child];
           const float u = uv[0], v = uv[1];
           const bool flat = (surfaces.solid >> child) & 1u;
-          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[child][2], slopeY = fused(u,h[3],h[2])*surfaces.footprint[child][3];
+          const float slopeX = fused(v,h[3],h[1])*surfaces.footprint[child][2],
+            slopeY = fused(u,h[3],h[2])*surfaces.footprint[child][3];
           return LeafHit1{ s,u,v,flat ? 0.0f : slopeX,flat ? 0.0f : slopeY,from == sideAbove,from == sideBelow };
         }
       };

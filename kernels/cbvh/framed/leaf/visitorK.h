@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF for packets: visitor1.h, crossing1.h and framed/leaf/hit_rule.h with a ray in a lane. */
+/* Leaves of cLEAF, for packets: visitor1.h, crossing1.h and framed/leaf/hit_rule.h with one ray per lane. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
@@ -14,11 +14,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! WalkState */
+      /*! WalkState of each ray. */
       template<int K>
       struct WalkStates
       {
-        vbool<K> known, above; //!< side: of those that know it, whether they are above
+        vbool<K> known, above; //!< known: rays that know their side; above: their side is above
         vbool<K> pending, fromSurface, found;
 
         __forceinline WalkStates () : known(false), above(false), pending(false), fromSurface(false), found(false) {}
@@ -32,14 +32,15 @@ namespace embree
         }
       };
 
-      /*! Crossing<float> of one leaf, whose events are masks */
+      /*! Crossing<float> of each ray with one leaf. Events are masks. */
       template<int K>
       struct Crossings
       {
         vfloat<K> s0, s1, u0, v0, u1, v1, f0, f1, saddle;
         vbool<K> enterAbove, leaveAbove, changes, nearEntry, near, started, ended;
 
-        __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf, const BoxMeeting<K>& box,
+        __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf,
+                                 const BoxMeeting<K>& box,
                                  const vbool<K>& started, const vbool<K>& ended) : started(started), ended(ended)
         {
           s0 = max(box.sNear,vfloat<K>(zero));
@@ -53,7 +54,7 @@ namespace embree
           enterAbove = f0 >= vfloat<K>(zero);
           leaveAbove = f1 >= vfloat<K>(zero);
           changes = enterAbove ^ leaveAbove;
-          /* through the upper or the lower face, where z is what bounds the part in the box */
+          /* Through the upper or the lower face, if z bounds the part of the ray in the box. */
           enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.down[2],enterAbove);
           leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.down[2],leaveAbove);
           const vfloat<K> reach = vfloat<K>(surfaces.reach[leaf]) + rays.epsilonZ;
@@ -61,10 +62,12 @@ namespace embree
           near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
         }
 
-        /*! in the box of a leaf; axis 0: u, 1: v */
-        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4], const vfloat<K>& s)
+        /*! Returns the position in the box of a leaf. axis 0: u, 1: v. */
+        static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4],
+                                                 const vfloat<K>& s)
         {
-          const vfloat<K> at = (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(footprint[axis]))*vfloat<K>(footprint[2+axis]);
+          const vfloat<K> at =
+            (madd(s,rays.D[axis],rays.P[axis]) - vfloat<K>(footprint[axis]))*vfloat<K>(footprint[2+axis]);
           return max(min(at,vfloat<K>(1.0f)),vfloat<K>(zero));
         }
 
@@ -78,10 +81,11 @@ namespace embree
         }
 
       private:
-        /*! height over the patch */
-        static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s, const vfloat<K>& u, const vfloat<K>& v)
+        static __forceinline vfloat<K> over (const FrameRays<K>& rays, const float h[4], const vfloat<K>& s,
+                                             const vfloat<K>& u, const vfloat<K>& v)
         {
-          const vfloat<K> patch = madd(u,vfloat<K>(h[1]),madd(v,madd(u,vfloat<K>(h[3]),vfloat<K>(h[2])),vfloat<K>(h[0])));
+          const vfloat<K> patch =
+            madd(u,vfloat<K>(h[1]),madd(v,madd(u,vfloat<K>(h[3]),vfloat<K>(h[2])),vfloat<K>(h[0])));
           return madd(s,rays.D[2],rays.P[2]) - patch;
         }
       };
@@ -91,7 +95,7 @@ namespace embree
       {
         WalkStates<K> state;
 
-        /* where rays left their last leaf */
+        /* Where rays left their last leaf. */
         vint<K> exitLeaf;
         vfloat<K> exitS;
 
@@ -101,14 +105,15 @@ namespace embree
         static const bool countsPassed = true;
 
         template<typename... Args>
-        __forceinline LeafVisitorK (Args&&... args) : BlockVisitorK<K,Rays>(args...) { this->sBest = vfloat<K>(1.0f); } // as of one ray
+        // see LeafVisitor1
+        __forceinline LeafVisitorK (Args&&... args) : BlockVisitorK<K,Rays>(args...) { this->sBest = vfloat<K>(1.0f); }
 
         __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 
-        /*! wantsPassed of framed/leaf/hit_rule.h */
+        /*! As wantsPassed() of framed/leaf/hit_rule.h. */
         __forceinline vbool<K> wantsPassed () const { return state.pending | !(state.known | state.found); }
 
-        /*! passBox */
+        /*! As passBox(). */
         __forceinline void pass (const vbool<K>& above, const vbool<K>& lanes)
         {
           const vbool<K> step = lanes & state.pending & (state.above ^ above);
@@ -125,12 +130,12 @@ namespace embree
           const Crossings<K> x(this->frameRays,surfaces,child,box,this->startInside(box),this->endInside(box));
           WalkStates<K> next = state;
           const vbool<K> first = andn(lanes,state.found);
-          vbool<K> hit;                  // where they hit: at the entry, but for these
+          vbool<K> hit;                  // rays that hit, at the entry unless root or lip
           vbool<K> root(false), lip(false);
           LeafHits<K> hits;
           hits.fromAbove = hits.fromBelow = vbool<K>(false);
 
-          /* crossLeaf of framed/leaf/hit_rule.h */
+          /* As crossLeaf() of framed/leaf/hit_rule.h. */
           if (unlikely(((surfaces.solid | surfaces.empty) >> child) & 1u)) {
             hit = (surfaces.solid >> child) & 1u ? andn(lanes,x.started) : vbool<K>(false);
             next.known = next.pending = vbool<K>(false);
@@ -170,14 +175,14 @@ namespace embree
         }
 
       private:
-        /*! afterHit of framed/leaf/hit_rule.h */
+        /*! As afterHit() of framed/leaf/hit_rule.h. */
         __forceinline void found (const vbool<K>& accepted)
         {
           state.found |= accepted;
           state.pending = andn(state.pending,accepted);
         }
 
-        /*! part of leafHit in visitor1.h */
+        /*! Sets a part of the hits, as leafHit in visitor1.h. */
         __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
         {
           const float* h = surfaces.height[child];
@@ -190,7 +195,7 @@ namespace embree
           hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(footprint[3]);
         }
 
-        /*! hits where rays left their last leaf; above: their side there */
+        /*! Reports hits where rays left their last leaf. above: their side there. */
         __noinline void reportExits (const vbool<K>& lanes, const vbool<K>& above)
         {
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
@@ -213,8 +218,9 @@ namespace embree
           return x == 0 || y == 0 || x == last || y == last;
         }
 
-        /*! meetsLips: sets s; those that meet none */
-        __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf, vfloat<K>& s) const
+        /*! As meetsLips of visitor1.h: sets s. Returns the rays that intersect no lip. */
+        __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
+                                      vfloat<K>& s) const
         {
           uint32_t missed = 0;
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
@@ -229,7 +235,7 @@ namespace embree
           return vbool<K>(int(missed));
         }
 
-        /*! s of a place from entry to exit */
+        /*! Returns s of a position between entry and exit. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
       };
     }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cVOXEL: none, the nodes say all. */
+/* cVOXEL has no leaves: the nodes are the surface. */
 
 #include "../leaf/leaf_thickness.h"
 
@@ -14,7 +14,8 @@ namespace embree
     class VoxelEncoder
     {
     public:
-      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics) : geometry(geometry), statistics(statistics) {}
+      VoxelEncoder(const BlockGeometry& geometry, Block*, BlockStatistics& statistics)
+        : geometry(geometry), statistics(statistics) {}
 
       void fourGroups(uint32_t, const NodeBoxes&, uint32_t*) {}
       uint32_t group(uint32_t, const NodeBox&) { return 0; }

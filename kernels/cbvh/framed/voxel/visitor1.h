@@ -13,8 +13,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! cVOXEL: the ray hits a leaf where it enters its box. A ray that starts inside
-       *  a box does not hit that box: it left, or was left behind by, that surface. */
+      /*! The ray hits a leaf where it enters its box. A ray that starts inside a box does not hit that box, because it
+       *  comes from, or is already past, the surface in it. */
       template<typename RayType>
       struct VoxelVisitor1 : public BlockVisitor1<RayType>
       {
@@ -25,13 +25,14 @@ namespace embree
         {
           if (this->startsInside(ranges,child)) return false;
           const float s = max(ranges.sNear[child],0.0f);
-          if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false; // of those as near, the first along the ray
+          // of hits at the same distance, the first along the ray counts
+          if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false;
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
           return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;
         }
 
       private:
-        /*! in a leaf's box */
+        /*! Returns the position in the box of a leaf. */
         __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cVOXEL for packets, as visitor1.h. */
+/* Leaves of cVOXEL, for packets, see visitor1.h. */
 
 #include "../block_visitorK.h"
 
@@ -19,11 +19,13 @@ namespace embree
         static const uint32_t kind = kindVoxel;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box,
+                                 const vbool<K>& lanes)
         {
           LeafHits<K> hits;
           hits.s = max(box.sNear,vfloat<K>(zero));
-          const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit); // of those as near, the first along the ray
+          // of hits at the same distance, the first along the ray counts
+          const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit);
           const vbool<K> hit = andn(lanes & nearer,this->startInside(box));
           if (none(hit)) return;
           hits.u = position(tile.grandchildren,0,child,hits.s);
@@ -34,11 +36,13 @@ namespace embree
         }
 
       private:
-        /*! in a leaf's box */
-        __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, const vfloat<K>& s) const
+        /*! Returns the position in the box of a leaf. */
+        __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf,
+                                          const vfloat<K>& s) const
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];
-          const vfloat<K> at = (madd(s,this->frameRays.D[axis],this->frameRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
+          const vfloat<K> at =
+            (madd(s,this->frameRays.D[axis],this->frameRays.P[axis]) - vfloat<K>(lower))/vfloat<K>(upper-lower);
           return min(max(at,vfloat<K>(zero)),vfloat<K>(1.0f));
         }
       };
