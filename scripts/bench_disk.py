@@ -1,21 +1,21 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Whether a folder has room for what is measured, so that a run stops before something finished is lost."""
+"""Checks whether a folder has room for further results, so that a run stops before finished results are lost."""
 
 import shutil
 
-NEEDED = 32 * 2**20  # bytes: a record, its pictures, and what else is written meanwhile
+NEEDED = 32 * 2**20  # bytes: a record, its pictures, and temporary files
 
 
 def nearly_full(folder):
-    """In words, or empty. Asks the file system alone, and may be called often."""
+    """Returns a message if the file system is nearly full, else "". Cheap enough to call often."""
     free = shutil.disk_usage(folder).free
     return f"{free / 2**20:.0f} MiB are free" if free < NEEDED else ""
 
 
 def full(folder):
-    """In words, or empty. Writes a file, so that quotas and limits are seen, too."""
+    """Returns a message if the folder is full, else "". Writes a file, so that quotas and limits count as well."""
     probe = folder / ".room"
     try:
         probe.write_bytes(bytes(2**16))

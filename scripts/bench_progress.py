@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""How far a run of jobs is, and how long the rest will take."""
+"""Progress of a run of jobs, and an estimate of the remaining time."""
 
 import shutil
 import sys
@@ -9,10 +9,10 @@ import time
 
 
 class Progress:
-    """A bar with the time left on a terminal, else a line a job."""
+    """Shows a bar with the remaining time on a terminal, otherwise one line per job."""
 
     def __init__(self, expected):
-        self.left = dict(expected)  # job: seconds by the plan
+        self.left = dict(expected)  # seconds by job, as planned
         self.total = sum(expected.values())
         self.planned = self.spent = 0.0  # of finished jobs
         self.terminal = sys.stdout.isatty()
@@ -28,7 +28,7 @@ class Progress:
         self.current = None
 
     def pace(self):
-        """How much slower than planned this machine is."""
+        """Duration of the finished jobs on this machine as a multiple of the planned duration."""
         known = self.planned + 10
         return (self.spent + 10) / known
 

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Reading what cbvh_bench writes."""
+"""Reads the records that cbvh_bench writes."""
 
 import json
 
@@ -9,11 +9,11 @@ VERSION = 2
 
 
 class Damaged(Exception):
-    """A record that cannot be used; its text says why, in a few words."""
+    """A record cannot be used. The text gives the reason in a few words."""
 
 
 def name_leaves(record):
-    """Calls cLEAF-only what was measured with --leaves-only, an option of before that had a name."""
+    """Renames cLEAF to cLEAF-only in records made with --leaves-only, a former option."""
     if record["run"].get("settings", {}).pop("leaves_only", False):
         for result in (result for group in record["groups"] for result in group["results"]):
             for key in ("representation", "kind"):
@@ -23,18 +23,18 @@ def name_leaves(record):
 
 
 def read(path):
-    """The contents of a record, checked for what its readers rely on."""
+    """Returns the contents of a record. Checks the entries that callers rely on; raises Damaged."""
     try:
         with open(path, encoding="utf-8") as file:
             record = json.load(file)
     except OSError as error:
         raise Damaged(f"cannot be read: {error.strerror}") from error
     except ValueError as error:
-        raise Damaged("truncated or no JSON") from error
+        raise Damaged("truncated, or not JSON") from error
     if not isinstance(record, dict) or record.get("format") != "cbvh-bench":
-        raise Damaged("no measurement of cbvh_bench")
+        raise Damaged("not a record of cbvh_bench")
     if record.get("version") != VERSION:
-        raise Damaged(f"of format version {record.get('version')}, this reads {VERSION}")
+        raise Damaged(f"format version {record.get('version')}: expected {VERSION}")
     try:
         record["run"]["commit"], record["run"]["command"]
         for group in record["groups"]:

@@ -4,20 +4,18 @@
 
 """Measures a named set of scenes and representations with cbvh_bench.
 
-    scripts/benchmark.py quick        what the report begins with
-    scripts/benchmark.py paper        everything that the paper shows
-    scripts/benchmark.py full         that, and packets, threads, instruction sets, large scenes, and gpu-quick
-    scripts/benchmark.py gpu          speed and memory on a Vulkan device, and the same on one thread
-    scripts/benchmark.py gpu-quick    less of that, for any device, llvmpipe among them
+    scripts/benchmark.py quick        the data for the first page of the report
+    scripts/benchmark.py paper        all figures of the paper
+    scripts/benchmark.py full         paper, packets, threads, instruction sets, large scenes, and gpu-quick
+    scripts/benchmark.py gpu          speed and memory on a Vulkan device, and the same on one CPU thread
+    scripts/benchmark.py gpu-quick    a shorter version of gpu for any device, including llvmpipe
 
-With --list it says what a set measures and how long that takes on this machine.
+--list prints what a set measures and how long that takes on this machine.
 
-Each scene is a record of its own under output/benchmark/SET, written anew after each
-level. A run that was stopped, or that found the disk full, goes on where it was when the
-same command is given again; a record that is damaged, or of another build, is measured
-again, and kept as *.json.old until that is done.
-scripts/report.py makes a page of the records. Where there is no Vulkan device, what needs one is
-left out with a line.
+Each scene has its own record under output/benchmark/SET, which is rewritten after each level. If a run was stopped or
+the disk was full, the same command continues with the first missing level. A record that is damaged or belongs to
+another build is measured again; the old one is kept as *.json.old until then. scripts/report.py makes a page of the
+records. Jobs that require a Vulkan device are skipped with a message if there is none.
 """
 
 import argparse
@@ -44,7 +42,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 class Failure(Exception):
-    """Its text is one line for the user."""
+    """An error with a message of one line for the user."""
 
 
 def read_arguments():
@@ -55,26 +53,38 @@ def read_arguments():
     )
     names = f"{', '.join(sets.NAMES[:-1])} or {sets.NAMES[-1]}"
     parser.add_argument("set", nargs="?", default="quick", metavar="SET", help=f"{names} (default: quick)")
-    parser.add_argument("--scene", action="append", metavar="NAME", help="only what shows this scene; may be repeated")
-    parser.add_argument("--job", action="append", metavar="NAME", help="only this job, as --list names it, or a pattern such as 'frames_*'; may be repeated")
+    parser.add_argument("--scene", action="append", metavar="NAME", help="only jobs with this scene; may be repeated")
+    parser.add_argument(
+        "--job",
+        action="append",
+        metavar="NAME",
+        help="only this job, as --list names it, or a pattern such as 'frames_*'; may be repeated",
+    )
     parser.add_argument("--cage", metavar="FILE", help="measure this OBJ instead of the set's scenes")
     parser.add_argument("--height", metavar="FILE", help="height map of the cage")
     parser.add_argument("--amplitude", metavar="A", help="displacement of the cage, in diagonals of its bounding box")
     parser.add_argument(
-        "--level", metavar="LIST",
+        "--level",
+        metavar="LIST",
         help="levels of the cage, with commas between them (default: 4,5 in the set quick, else 4,5,6)",
     )
-    parser.add_argument("--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)")
+    parser.add_argument(
+        "--output", metavar="DIR", help="folder of the records (default: output/benchmark/SET, or the name of the cage)"
+    )
     parser.add_argument("--bench", metavar="FILE", help="program (default: build/release/tutorials/bench/cbvh_bench)")
-    parser.add_argument("--device", metavar="NAME", help="Vulkan device of the sets for one: its index or a part of its name")
+    parser.add_argument(
+        "--device", metavar="NAME", help="Vulkan device of the sets for one: its index or a part of its name"
+    )
     parser.add_argument("--fresh", action="store_true", help="measure again what has been measured")
-    parser.add_argument("--list", action="store_true", help="say what the set measures and how long that takes, and end")
+    parser.add_argument(
+        "--list", action="store_true", help="say what the set measures and how long that takes, and end"
+    )
     parser.add_argument("--print-commands", action="store_true", help="print the command line of each job, and end")
     return parser.parse_args()
 
 
 def about(bench):
-    """What the program says of itself."""
+    """Returns the program's own description of its build."""
     if not bench.is_file():
         raise Failure(f"{bench}: no such program; build it first: cmake --build build/release")
     try:
@@ -89,7 +99,7 @@ def base_name(scene):
 
 
 def fits(job, name):
-    """Whether a job has this name, or a pattern's: frames_*."""
+    """True if a job has this name or matches this pattern, such as frames_*."""
     return fnmatch.fnmatchcase(job.name, name)
 
 
@@ -97,7 +107,7 @@ MAX_LEVEL = 8
 
 
 def levels_of(text):
-    """The levels of --level, in ascending order."""
+    """Returns the levels of --level in ascending order."""
     try:
         levels = sorted({int(word) for word in text.split(",")})
     except ValueError:
@@ -108,7 +118,8 @@ def levels_of(text):
 
 
 def faces_of(path):
-    """About how many faces of four corners a cage has: a face of another number of corners becomes as many quads."""
+    """Approximate number of quads of a cage at level 0: a face with n corners, n != 4, becomes n quads of a quarter
+    face each."""
     count = 0
     with open(path, encoding="utf-8", errors="replace") as file:
         for line in file:
@@ -119,7 +130,7 @@ def faces_of(path):
 
 
 def choose_jobs(options, build):
-    """The jobs of the command line; what this build cannot show is left out with a line."""
+    """Returns the jobs of the command line. Prints a line for each job that this build does not support."""
     if options.set not in sets.NAMES:
         raise Failure(f"unknown set '{options.set}', known are {', '.join(sets.NAMES)}")
     if options.cage:
@@ -142,7 +153,9 @@ def choose_jobs(options, build):
             raise Failure(f"scene '{name}' is not in the set '{options.set}'")
     for name in options.job or []:
         if not any(fits(job, name) for job in jobs):
-            raise Failure(f"job '{name}' is not in the set '{options.set}', which has {', '.join(job.name for job in jobs)}")
+            raise Failure(
+                f"job '{name}' is not in the set '{options.set}', which has {', '.join(job.name for job in jobs)}"
+            )
     if options.scene:
         jobs = [job for job in jobs if base_name(job.scene) in options.scene]
     if options.job:
@@ -160,7 +173,8 @@ def choose_jobs(options, build):
 
 
 def probe(bench, representation, which):
-    """Opens a Vulkan device, and traces a representation. Returns its name and "", or "" and why that does not go."""
+    """Opens a Vulkan device and traces a representation. Returns the device's name and "", or "" and the
+    error message."""
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "probe.json"
         words = ["--scene", "cube", "--level", "1", "--representation", representation, "--device", which]
@@ -176,7 +190,8 @@ def probe(bench, representation, which):
 
 
 def on_this_machine(jobs, bench, named):
-    """The jobs that the Vulkan device takes, and its name. named: by the user, and so has to be there."""
+    """Returns the jobs that the Vulkan device supports, and its name. named: the device that the user
+    requires, if any."""
     wanted = [job.name for job in jobs if job.needs_vulkan]
     if not wanted:
         return jobs, ""
@@ -197,7 +212,7 @@ def on_this_machine(jobs, bench, named):
 
 
 def measured_less(path, levels):
-    """Levels that a process which gave up has not written."""
+    """Returns the levels that a process which ended early has not written."""
     try:
         written = [group["level"] for group in records.read(path)["groups"]]
     except records.Damaged:
@@ -210,18 +225,18 @@ def level_text(levels):
 
 
 def devices_of(record):
-    """Names of the Vulkan devices that a record is of."""
+    """Returns the names of the Vulkan devices in a record."""
     results = [result for group in record["groups"] for result in group["results"]]
     return {result["on_device"]["device"] for result in results if "on_device" in result}
 
 
 def old(path):
-    """Where a record waits until the one that takes its place is there."""
+    """Path of a record that is kept until its replacement is complete."""
     return path.with_name(path.name + ".old")
 
 
 def why_again(record, job, build, device):
-    """Why a record does not count, or nothing."""
+    """Returns the reason why a record must be measured again, or ""."""
     if record["run"]["commit"] != build["commit"] or not asks_the_same(job, record["run"]["command"]):
         return f"of commit {record['run']['commit']} or other settings"
     others = devices_of(record) - {device}
@@ -229,7 +244,7 @@ def why_again(record, job, build, device):
 
 
 def finished_levels(job, folder, build, device, progress, fresh):
-    """Levels of a job that are on disk, whole, and measured in the same way."""
+    """Returns the levels of a job for which complete records of the same build and settings exist."""
     done = set()
     for path in sorted(folder.glob(f"{job.name}_L*.json")):
         try:
@@ -255,13 +270,13 @@ def record_of(job, levels, folder):
 
 
 def command_of(bench, job, levels, folder):
-    """Paths are relative, so that the record names no folder of this machine."""
+    """Returns the command line of a job. Paths are relative, so that the record contains no folder of this machine."""
     command = [str(bench)] + (["--scene", job.scene] if job.scene else [])
     command += ["--level", ",".join(map(str, levels))] + job.arguments
-    if job.pictures:  # in a folder of its own: jobs may show the same scene and view in other sizes
+    if job.pictures:  # a folder per job: jobs may show the same scene and view in different sizes
         command += ["--pictures", os.path.relpath(folder / "pictures" / job.name)]
     command += ["--json", os.path.relpath(record_of(job, levels, folder))]
-    return command + ["--maps", os.path.relpath(folder / "maps")]  # one skin of trex for all jobs
+    return command + ["--maps", os.path.relpath(folder / "maps")]  # jobs share trex's displacement map
 
 
 class Runner:
@@ -269,7 +284,7 @@ class Runner:
         self.bench, self.folder, self.progress = bench, folder, progress
         self.process = None
         self.stopped = False
-        self.no_room = ""  # in words
+        self.no_room = ""  # a message if the disk is full
 
     def stop(self, *_):
         self.stopped = True
@@ -277,15 +292,15 @@ class Runner:
             self.process.send_signal(signal.SIGINT)
 
     def measure(self, job, levels):
-        """Runs one process. Returns the exit status and the last line of its complaint."""
+        """Runs one process. Returns its exit status and the last line that it wrote to standard error."""
         self.no_room = disk.full(self.folder)
         if self.no_room:
             return 1, self.no_room
         command = command_of(self.bench, job, levels, self.folder)
         last = []
-        # Without a buffer, which could not be written at the end, either.
+        # Unbuffered: buffered output could not be written to a full disk at the end, either.
         with open(self.folder / f"{job.name}.log", "ab", buffering=0) as log:
-            # In a group of its own: Ctrl-C reaches it through us, once.
+            # In its own process group: only this script receives Ctrl-C, and interrupts the process once.
             self.process = subprocess.Popen(
                 command, stdout=log, stderr=subprocess.PIPE, text=True, start_new_session=True
             )
@@ -303,7 +318,7 @@ class Runner:
         return self.process.returncode, last[-1].strip() if last else ""
 
     def look_for_room(self):
-        """Ends the process before it has a level that it cannot write."""
+        """Stops the process if there is no room left to write its next level."""
         if not self.no_room:
             self.no_room = disk.nearly_full(self.folder)
             if self.no_room:
@@ -314,14 +329,14 @@ class Runner:
             try:
                 log.write(line.encode())
             except OSError:
-                pass  # the disk is full: the process goes on as long as it can write what it measured
+                pass  # the disk is full; the process continues until it cannot write its results
             last.append(line)
             if line.startswith("  "):
                 self.progress.doing = line.strip().rsplit(":", 1)[0]
 
 
 def print_list(jobs, times, cage):
-    """What is measured, and how long that takes."""
+    """Prints the jobs and their durations."""
     total = 0
     for job in jobs:
         seconds, measured = times.expected(job, job.levels)
@@ -330,7 +345,11 @@ def print_list(jobs, times, cage):
             f"{job.name:18s} {job.figures:34s} {job.scene or cage}, levels {level_text(job.levels)}, "
             + (f"took {clock(seconds)}" if measured else f"about {clock(seconds)}")
         )
-    measured = f"at {times.pace():.2f} times the planned time, as measured here" if times.known else "as planned for two idle cores; a run notes what it took here"
+    measured = (
+        f"at {times.pace():.2f} times the planned time, as measured here"
+        if times.known
+        else "as planned for two idle cores; a run notes what it took here"
+    )
     print(f"{len(jobs)} jobs, about {clock(total)}, {measured}")
 
 
@@ -338,7 +357,10 @@ def run(options):
     bench = Path(options.bench) if options.bench else ROOT / "build/release/tutorials/bench/cbvh_bench"
     shows_only = options.list or options.print_commands
     if shows_only and not options.bench and not bench.is_file():
-        print(f"there is no build yet, at {bench}: what a build lacks is listed, too", file=sys.stderr)
+        print(
+            f"there is no build yet at {bench}: the list may contain jobs that a build does not support",
+            file=sys.stderr,
+        )
         build = {"scenes": sets.scenes_of(options.set) if options.set in sets.NAMES else [], "isas": list(sets.ISAS)}
     else:
         build = about(bench)
@@ -359,7 +381,7 @@ def run(options):
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Failure(f"{folder}: cannot be made a folder: {error.strerror}") from error
+        raise Failure(f"{folder}: cannot create the folder: {error.strerror}") from error
 
     progress = Progress({})
     todo = []
@@ -372,7 +394,8 @@ def run(options):
     progress = Progress({job.name: seconds for job, _, seconds in todo})
     print(
         f"{options.set}: {len(jobs)} jobs, {kept} of them measured before; about {clock(progress.total)}; "
-        f"{build['hardware_threads']} threads, commit {build['commit']}" + (f"; Vulkan device {device}" if device else ""),
+        f"{build['hardware_threads']} threads, commit {build['commit']}"
+        + (f"; Vulkan device {device}" if device else ""),
         flush=True,
     )
 
@@ -388,11 +411,11 @@ def run(options):
         if runner.no_room:
             progress.clear()
             raise Failure(
-                f"{where}: no room for results: {runner.no_room}; what is measured is kept, and the same command goes on "
-                "from there"
+                f"{where}: no room for results: {runner.no_room}; results so far are kept, and the same command"
+                " continues with the rest"
             )
         if runner.stopped:
-            progress.say("stopped; what is measured is kept, and the same command goes on from there")
+            progress.say("stopped; results so far are kept, and the same command continues with the rest")
             return 130
         too_large = job.heavy and ("not enough memory" in complaint or "out of memory" in complaint)
         if status == 0 or too_large:

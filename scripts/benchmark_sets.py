@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The named sets of scripts/benchmark.py: what is measured for which figure."""
+"""The sets of scripts/benchmark.py: the jobs that each of them measures."""
 
 import shlex
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ from dataclasses import dataclass
 
 @dataclass
 class Job:
-    """One scene in one process of cbvh_bench; a record a level."""
+    """One scene, measured by one process of cbvh_bench. The process writes one record for all levels."""
 
-    name: str  # of its files
-    figures: str  # what it is for, shown when it is done
-    scene: str  # as --scene takes it; empty: options name a cage
+    name: str  # also the base name of its files
+    figures: str  # figures that it provides data for; printed when the job is done
+    scene: str  # value of --scene; empty if the options name a cage
     levels: list
     options: str
-    seconds: float  # on two cores, until bench_times.py knows what it took here
-    heavy: bool = False  # may not fit into memory: then left out, not failed
+    seconds: float  # estimate for two cores, until bench_times.py has measured the job
+    heavy: bool = False  # may exceed the memory; it is skipped then instead of failing
     pictures: bool = True
 
     @property
@@ -26,12 +26,12 @@ class Job:
 
     @property
     def needs_vulkan(self):
-        """Also the processor's half of a pair, which is there for the ratio alone. scripts/report.py knows both by
-        this, too: what begins so is of its section on the GPU, and of no other."""
+        """True for jobs on a Vulkan device and for their CPU counterparts, which serve only as a reference.
+        scripts/report.py uses the same prefix: jobs with it appear only in the GPU section."""
         return self.name.startswith("gpu_")
 
 
-# The paper's third kind is cleaf-only; cleaf, the library's, stands beside it where memory is looked at.
+# The paper's cLEAF is cleaf-only. The library's cleaf is added for comparisons of memory.
 MAIN = "naive,grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf-only^2,cleaf-only^3,cvert"
 FINE_FRAMES = "grid,cgrid^2,cvoxel^2,cvoxel^3,cvoxel^4,cleaf^2,cleaf-only^2,cleaf-only^3,cleaf-only^4,cvert"
 CLOSED = ("cube:0.001", "cube:0.03", "cube", "frog", "knee", "scythe", "trex")
@@ -39,47 +39,50 @@ ENTRANCES = "--query closest,any --mode single,packet4,packet8,packet16,stream -
 
 
 def cube(views, measure, seconds):
-    """Small enough for level 8, and so for errors against it."""
+    """Level 8 of the cube fits into memory, so errors are measured against it."""
     return [
         Job("cube", "figures 1 and 10, error", "cube", [4, 5, 6, 7, 8],
-            f"--representation {FINE_FRAMES},naive --reference-level 8 --view {views} --picture-level 6,8 {measure}", seconds),
-        Job("cube_fivefold", "figure 18", "cube:0.45", [6], f"--representation grid,cvoxel^3,cleaf-only^3,cvert --view full {measure}", 4),
+            f"--representation {FINE_FRAMES},naive --reference-level 8 --view {views} --picture-level 6,8 {measure}",
+            seconds),
+        Job("cube_fivefold", "figure 18", "cube:0.45", [6],
+            f"--representation grid,cvoxel^3,cleaf-only^3,cvert --view full {measure}", 4),
     ]
 
 
 def portraits(measure, seconds):
-    """Pictures and errors, full and close."""
+    """Pictures and errors of the full and the close view."""
     return [Job(scene, f"figure {number}", scene, [6],
                 f"--representation grid,cvoxel^3,cleaf-only^2,cvert --view full,close {measure}", seconds)
             for number, scene in ((13, "frog"), (14, "scythe"), (15, "knee"))]
 
 
 def checks(scenes, level, rays, what, seconds):
-    """Leaks out of closed surfaces, and secondary rays from own hits."""
+    """Leaks from closed surfaces, and secondary rays that start at a representation's own hits."""
     return [Job("checks_" + scene.replace(":", "_"), "leaks and self-shadowing", scene, [level],
-                f"--representation cgrid^2,cvoxel^3,cleaf-only^2,cvert --view full --size 1024x1024 --repeat 0 --check {what} "
-                f"--check-rays {rays}", seconds)
+                f"--representation cgrid^2,cvoxel^3,cleaf-only^2,cvert --view full --size 1024x1024 --repeat 0 "
+                f"--check {what} --check-rays {rays}", seconds)
             for scene in scenes]
 
 
 def hard_checks(rays):
-    """All levels, frame levels that differ from face to face, and far from the origin."""
+    """All levels, frame levels that differ between faces, and positions far from the origin."""
     options = f"--view full --size 64x64 --repeat 0 --true-surface 0 --check leaks --check-rays {rays}"
     mixed = "cgrid^2,cvoxel^auto,cleaf-only^2,cleaf-only^auto,cvert --max-error 0.002"
-    return [Job("checks_levels", "leaks, all levels", "cube", [3, 4, 5, 6, 7], f"--representation {mixed} {options}", 200),
+    return [Job("checks_levels", "leaks, all levels", "cube", [3, 4, 5, 6, 7], f"--representation {mixed} {options}",
+                200),
             Job("checks_far", "leaks, far away", "cube", [3, 4, 5],
                 f"--representation {mixed} --position 148376,1234,-223423 {options}", 120)]
 
 
 def sheets(rays, seconds):
-    """Rays through random sheets; the scene does not matter."""
+    """Rays through random sheets. They do not depend on the scene."""
     return [Job("checks_sheets", "rays through random sheets", "knee", [3],
-                "--representation grid,cgrid^1,cvoxel^1,cleaf-only^1,cvert --view full --size 64x64 --repeat 0 --true-surface 0 "
-                f"--check sheets --check-rays {rays}", seconds)]
+                "--representation grid,cgrid^1,cvoxel^1,cleaf-only^1,cvert --view full --size 64x64 --repeat 0 "
+                f"--true-surface 0 --check sheets --check-rays {rays}", seconds)]
 
 
 def gpu_pair(name, scene, levels, representations, device_rays, cpu_rays, seconds, heavy=False):
-    """The same scenes and views on a Vulkan device, and on one thread of the processor. seconds: of both."""
+    """The same scenes and views on a Vulkan device and on one CPU thread. seconds: estimates for both."""
     options = f"--representation {representations} --view full --query closest,any --true-surface 0"
     return [Job(f"gpu_{name}", "speed and memory on a GPU", scene, levels, f"{options} --device vulkan {device_rays}",
                 seconds[0], heavy, pictures=False),
@@ -91,9 +94,9 @@ GPU = "grid,cgrid^2,cvoxel^2,cvoxel^3,cleaf-only^2,cleaf-only^3,cvert"
 
 
 def gpu():
-    """For a device in hardware: a ray for each pixel, and a bounce for each hit, as it wants many at once. llvmpipe takes
-    half an hour a scene and more. NAIVE of trex is of its own, as what does not fit into the device's memory ends its
-    job."""
+    """For hardware devices, which need many rays per call: one ray per pixel, and one bounce per hit. llvmpipe takes
+    half an hour per scene. NAIVE of trex is a separate job, because a job ends if the device's memory does not
+    suffice."""
     rays = ("--size 1024x1024 --rays 0 --repeat 5", "--size 1024x1024 --rays 200000 --repeat 5")
     every = [4, 5, 6, 7]
     pairs = [gpu_pair(scene, scene, every, f"naive,{GPU}", *rays, seconds, heavy=True)
@@ -104,9 +107,10 @@ def gpu():
 
 
 def gpu_quick():
-    """For any device, llvmpipe among them, whose time the estimates are of."""
+    """For any device, including llvmpipe, for which the times are estimated."""
     rays = ("--size 256x256 --rays 0 --repeat 5",) * 2
-    pairs = [gpu_pair(scene, scene, [4, 5], "naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert", *rays, seconds, heavy=True)
+    pairs = [gpu_pair(scene, scene, [4, 5], "naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert", *rays, seconds,
+                      heavy=True)
              for scene, seconds in (("trex", (130, 40)), ("frog", (90, 20)), ("cube", (50, 12)), ("knee", (50, 12)))]
     return [job for pair in pairs for job in pair]
 
@@ -119,7 +123,8 @@ def quick():
                f"--representation {MAIN} --view full,close --picture-level 6 {small} --rays 50000 --repeat 9", 243)]
         + portraits(f"{small} --rays 50000 --repeat 5", 12)
         + [Job("entrances", "packets, streams, any hit", "trex", [4],
-               f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 768x768 --rays 40000 --repeat 5",
+               f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 768x768 "
+               f"--rays 40000 --repeat 5",
                30)]
         + checks(["knee", "scythe"], 5, 200000, "leaks,shadows", 24)
         + sheets(200000, 2)
@@ -138,7 +143,8 @@ def figures():
         + [Job("trex_levels", "error against speed and memory", "trex", [4, 5, 6],
                f"--representation {FINE_FRAMES} --reference-level 7 --view full {measure} --repeat 5", 198, heavy=True),
            Job("entrances", "packets, streams, any hit", "trex", [5],
-               f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 1024x1024 --rays 100000 --repeat 7",
+               f"--representation grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full {ENTRANCES} --size 1024x1024 "
+               f"--rays 100000 --repeat 7",
                80)]
     )
 
@@ -150,35 +156,41 @@ def paper():
 def full(isas):
     measure = "--size 1024x1024 --rays 200000 --repeat 5"
     jobs = figures() + checks(CLOSED, 6, 10**7, "leaks,offsets", 120) + hard_checks(10**7) + sheets(10**7, 250) + [
-        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6], f"--representation {MAIN} --view full,close {measure}", 165),
+        Job("trex_rough", "strong displacement", "trex:0.02", [5, 6],
+            f"--representation {MAIN} --view full,close {measure}", 165),
         Job("threads", "all threads", "trex", [5],
-            f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full --mode single,stream --threads 1,0 {measure}", 60),
-        Job("herd", "growth", "herd", [4, 5], f"--representation grid,cvoxel^2,cleaf-only^2,cvert --view full {measure}", 120, heavy=True),
+            f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --view full --mode single,stream "
+            f"--threads 1,0 {measure}", 60),
+        Job("herd", "growth", "herd", [4, 5],
+            f"--representation grid,cvoxel^2,cleaf-only^2,cvert --view full {measure}", 120, heavy=True),
     ]
     jobs += frames("--size 1024x1024 --rays 100000 --repeat 5")
     if len(isas) > 1:
         jobs.append(Job("isas", "instruction sets", "trex", [5],
-                        f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --isa {','.join(isas)} --view full {measure}", 180))
+                        f"--representation naive,grid,cgrid^2,cvoxel^2,cleaf-only^2,cvert --isa {','.join(isas)} "
+                        f"--view full {measure}", 180))
     return jobs + gpu_quick()
 
 
 def frames(measure):
-    """Bytes and speed over levels and frame levels. What memory has no room for is left out: level 8 of trex takes 16 GiB
-    in GRID alone."""
-    options = "--representation grid,cgrid,cvoxel,cleaf-only,cvert --frame-level 1,2,3,4 --view full --true-surface 0 " + measure
-    return [Job(f"frames_{scene}", "levels and frame levels", scene, [4, 5, 6, 7, 8], options, seconds, heavy=True, pictures=False)
+    """Bytes and speed over levels and frame levels. Levels that exceed the memory are skipped: level 8 of trex requires
+    16 GiB in GRID alone."""
+    options = "--representation grid,cgrid,cvoxel,cleaf-only,cvert --frame-level 1,2,3,4 --view full --true-surface 0 "
+    options += measure
+    return [Job(f"frames_{scene}", "levels and frame levels", scene, [4, 5, 6, 7, 8], options, seconds,
+                heavy=True, pictures=False)
             for scene, seconds in (("cube", 90), ("trex", 900))]
 
 
-# Seconds of one's own cage on two cores: rays and pictures at each level, and builds by the million quads.
-OWN_SECONDS_A_LEVEL = 58
-OWN_SECONDS_A_MILLION_QUADS = 24
+# Estimated seconds for a user's cage on two cores: rays and pictures per level, and builds per million quads.
+OWN_SECONDS_PER_LEVEL = 58
+OWN_SECONDS_PER_MILLION_QUADS = 24
 
 
 def own_cage(name, options, levels, faces):
-    """What is measured of a cage of the user's. faces: of four corners, for the estimate."""
+    """The job for a cage of the user. faces: number of faces with four corners, for the estimate."""
     quads = faces * sum(4**level for level in levels)
-    seconds = OWN_SECONDS_A_LEVEL * len(levels) + OWN_SECONDS_A_MILLION_QUADS * 1e-6 * quads
+    seconds = OWN_SECONDS_PER_LEVEL * len(levels) + OWN_SECONDS_PER_MILLION_QUADS * 1e-6 * quads
     words = f"--representation {FINE_FRAMES},naive --view full,close {options}"
     return Job(name, "your cage", "", levels, words, seconds, heavy=True)
 
@@ -192,5 +204,5 @@ def jobs_of(name, isas):
 
 
 def scenes_of(name):
-    """What a set shows, by name, in the order of its jobs."""
+    """Names of the scenes of a set, in the order of its jobs."""
     return list(dict.fromkeys(job.scene.split(":")[0] for job in jobs_of(name, ISAS)))

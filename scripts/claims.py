@@ -2,15 +2,15 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures on all generated scenes how much smaller cVERT and cGRID are than GRID (docs/performance.md), and how many pixels of
-cVERT differ (docs/accuracy.md).
+"""Measures on all generated scenes how much smaller cVERT and cGRID are than GRID (docs/performance.md), and how many
+pixels differ in cVERT (docs/accuracy.md).
 
-    scripts/claims.py                            all scenes, some minutes on two cores, and 7 GB for NAIVE of the largest
-    scripts/claims.py --scene cube rough         those: rough is trex with five times the displacement
-    scripts/claims.py --cage body.obj --height skin.png    yours
+    scripts/claims.py                            all scenes: some minutes on two cores, and 7 GB for the largest NAIVE
+    scripts/claims.py --scene cube rough         only these; rough is trex with five times the displacement
+    scripts/claims.py --cage body.obj --height skin.png    a cage of your own
 
-A pixel differs if one of its colors is more than 5% (or 25%) of white away from GRID's, in shaded pictures at level 6. NAIVE has
-GRID's triangles and differs by rounding alone.
+A pixel differs if one of its colors differs from GRID's by more than 5% (or 25%) of white, in shaded pictures at level
+6. NAIVE has GRID's triangles and differs only by rounding.
 """
 
 import argparse
@@ -39,26 +39,41 @@ MODELS["rough"] = ["--scene", "trex", "--rough"]
 
 
 def run(options, model, folder, *words):
-    """The numbers that cbvh_render writes."""
+    """Runs cbvh_render. Returns its results by representation."""
     path = Path(folder) / "numbers.json"
-    command = [options.render, *model, "--true-surface", "0", "--size", SIZE, "--output", folder, "--json", path, *words]
+    command = [
+        options.render,
+        *model,
+        "--true-surface",
+        "0",
+        "--size",
+        SIZE,
+        "--output",
+        folder,
+        "--json",
+        path,
+        *words,
+    ]
     subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
     return {r["representation"]: r for r in json.loads(path.read_text(encoding="utf-8"))["results"]}
 
 
 def differing(folder, one, other):
-    """How many pixels differ by more than each of DIFFERENCES."""
+    """Number of pixels that differ by more than each of DIFFERENCES."""
     pictures = [imread(next(Path(folder).glob(f"*_{name}.png")))[..., :3] for name in (one, other)]
     difference = abs(pictures[0] - pictures[1]).max(axis=-1)
     return [int((difference > d).sum()) for d in DIFFERENCES]
 
 
 def measure(options, model):
-    """Ratios of bytes by kind and level; differing pixels of NAIVE and cVERT, 1 sample and 16; pixels that show the surface."""
+    """Returns ratios of bytes by kind and level; differing pixels of NAIVE and cVERT for each number of samples; pixels
+    that show the surface."""
     ratios, pixels = {}, {}
     for level in LEVELS:
         for samples in SAMPLES if level == LEVELS[-1] else SAMPLES[:1]:
-            kinds = "grid,cvert" + (",cgrid" if samples == SAMPLES[0] else "") + (",naive" if level == LEVELS[-1] else "")
+            kinds = (
+                "grid,cvert" + (",cgrid" if samples == SAMPLES[0] else "") + (",naive" if level == LEVELS[-1] else "")
+            )
             with tempfile.TemporaryDirectory() as folder:
                 results = run(options, model, folder, "--level", level, "--representation", kinds, "--samples", samples)
                 for kind in KINDS:
@@ -67,7 +82,9 @@ def measure(options, model):
                 hits = results["cVERT"]["errors"]["both_hit"]
                 if level == LEVELS[-1]:
                     for kind in ("naive", "cvert"):
-                        pixels[kind, samples] = differing(folder, "grid", kind) if kind.upper() in map(str.upper, results) else None
+                        pixels[kind, samples] = (
+                            differing(folder, "grid", kind) if kind.upper() in map(str.upper, results) else None
+                        )
     return ratios, pixels, hits
 
 
@@ -77,14 +94,21 @@ def counts(found):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--render", type=Path, default=ROOT / "build/release/tutorials/render/cbvh_render", help="the program that measures")
+    parser.add_argument(
+        "--render",
+        type=Path,
+        default=ROOT / "build/release/tutorials/render/cbvh_render",
+        help="the program that measures",
+    )
     parser.add_argument("--scene", nargs="+", metavar="NAME", choices=sorted(MODELS), default=list(MODELS))
     parser.add_argument("--cage", metavar="FILE")
     parser.add_argument("--height", metavar="FILE")
     options = parser.parse_args()
     models = {name: MODELS[name] for name in options.scene}
     if options.cage:
-        models = {Path(options.cage).stem: ["--cage", options.cage, *(["--height", options.height] if options.height else [])]}
+        models = {
+            Path(options.cage).stem: ["--cage", options.cage, *(["--height", options.height] if options.height else [])]
+        }
     rows, all_ratios = [], {(kind, level): [] for kind in KINDS for level in LEVELS}
     for name, model in models.items():
         ratios, pixels, hits = measure(options, model)
@@ -92,8 +116,13 @@ def main():
             all_ratios[found].append(ratios[found])
         cells = [counts(pixels[kind, samples]) for samples in SAMPLES for kind in ("naive", "cvert")]
         rows.append([name, *(f"{ratios['cVERT', level]:.1f}" for level in LEVELS), str(hits), *cells])
-        print(" ".join(rows[-1]), file=sys.stderr)  # what is there if the next one is cancelled
-    heads = ["", *(f"level {level}" for level in LEVELS), "pixels", *(f"{kind}, {n}" for n in ("1 sample", "16 samples") for kind in ("NAIVE", "cVERT"))]
+        print(" ".join(rows[-1]), file=sys.stderr)  # a result even if the next scene is interrupted
+    heads = [
+        "",
+        *(f"level {level}" for level in LEVELS),
+        "pixels",
+        *(f"{kind}, {n}" for n in ("1 sample", "16 samples") for kind in ("NAIVE", "cVERT")),
+    ]
     print(Table(heads, rows).markdown())
     for (kind, level), found in all_ratios.items():
         print(f"{kind}, level {level}: {min(found):.1f} to {max(found):.1f} times smaller than GRID")

@@ -2,13 +2,13 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds what a picture needs on a fresh Debian 12 or 13, renders trex in cVERT, and then trex and cube in every
-# representation, with their speeds and errors.
+# Builds on a fresh Debian 12 or 13 what the pictures require. Renders trex in cVERT, then trex and cube in every
+# representation, with speeds and errors.
 #
-#   scripts/demo.sh [DIRECTORY]    pictures go to DIRECTORY, output/demo by default
+#   scripts/demo.sh [DIRECTORY]    writes the pictures to DIRECTORY (default: output/demo)
 #
-# The library that it builds, in build/demo, has this machine's instruction set alone, subdivision surfaces and
-# triangles, and single rays: scripts/test.sh builds and tests the whole one, in build/release.
+# The library in build/demo supports only this machine's instruction set, subdivision surfaces, triangles and single
+# rays. scripts/test.sh builds the complete library in build/release and tests it.
 
 arguments=1
 . "$(dirname -- "$0")/lib.sh"
@@ -20,7 +20,7 @@ render() {
   build/demo/tutorials/render/cbvh_render --scene "$scene" --output "$output/$directory" "$@"
 }
 
-phase "packages" install_packages "what follows the demo"
+phase "packages" install_packages "the demo does not require"
 phase "configure, get upstream" configure demo
 phase "build for this machine alone" build demo embree cbvh_render
 phase "render trex" render . trex --level 6

@@ -2,12 +2,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Draws which folders include headers of which, and writes the picture into docs/architecture.md.
+"""Draws the includes between folders, and writes the diagram into docs/architecture.md.
 
     scripts/draw_rooms.py            writes the Mermaid diagram between the page's two markers
-    scripts/draw_rooms.py --check    exits with 1 if the page has another diagram
+    scripts/draw_rooms.py --check    exits with 1 if the page has a different diagram
 
-An arrow means "includes". An arrow that follows from two others is left out, so that the order remains readable.
+An arrow means "includes". Arrows that follow from two others are left out to keep the diagram readable.
 """
 
 import argparse
@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/architecture.md"
 BEGIN, END = "<!-- begin: scripts/draw_rooms.py -->", "<!-- end -->"
 
-# Folder and what it is for, from the application down. A file belongs to the longest folder that contains it.
+# Folders and their purposes, from applications down. A file belongs to the longest matching folder.
 ROOMS = {
     "tutorials": "programs, Python module, examples",
     "common": "cages, maps, cameras, ray sets, metrics, images",
@@ -51,13 +51,14 @@ ROOMS = {
 
 
 def room_of(path):
-    """The room of a path relative to the repository, or None."""
+    """Returns the folder of ROOMS that contains a path, or None. The path is relative to the repository."""
     inside = [room for room in ROOMS if path.startswith(room + "/")]
     return max(inside, key=len, default=None)
 
 
 def target_of(file, include):
-    """The repository path that an include of a file names, or None where it is none of the repository's."""
+    """Returns the path of an included file, relative to the repository, or None if the file is not part of the
+    repository."""
     folders = (file.parent, ROOT, ROOT / "include", ROOT / "common", ROOT / "kernels", ROOT / "kernels/vulkan")
     for folder in folders:
         path = (folder / include).resolve()
@@ -72,7 +73,7 @@ def target_of(file, include):
 
 
 def arrows():
-    """Pairs of different rooms of which the first includes a header of the second."""
+    """Returns pairs of different folders where a file of the first includes a header of the second."""
     found = set()
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*")):
@@ -102,12 +103,12 @@ def reaches(graph, start, end):
 
 
 def without_implied(graph):
-    """The arrows that do not follow from the others."""
+    """Removes arrows that follow from others."""
     return {arrow for arrow in graph if not reaches(graph - {arrow}, *arrow)}
 
 
 def diagram():
-    """The picture as a Mermaid flowchart."""
+    """Returns the diagram as a Mermaid flowchart."""
     names = {room: re.sub(r"\W", "_", room) for room in ROOMS}
     lines = ["```mermaid", "flowchart TD"]
     lines += [f'  {names[room]}["<b>{room}</b><br>{purpose}"]' for room, purpose in ROOMS.items()]
@@ -128,7 +129,9 @@ def main():
     if not options.check:
         PAGE.write_text(drawn)
     elif drawn != page:
-        sys.exit(f"{PAGE.relative_to(ROOT)}: the diagram differs from the includes of the code, run scripts/draw_rooms.py")
+        sys.exit(
+            f"{PAGE.relative_to(ROOT)}: the diagram differs from the includes of the code, run scripts/draw_rooms.py"
+        )
 
 
 if __name__ == "__main__":

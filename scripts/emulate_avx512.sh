@@ -2,36 +2,35 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs programs of a build under the emulator Bochs, whose processor has
-# AVX-512, on a machine whose own processor has not.
+# Runs programs of a build in the emulator Bochs, whose processor supports AVX-512, on a machine whose processor does
+# not.
 #
 #   emulate_avx512.sh [options] BUILD COMMAND...
 #
-# BUILD is a build folder. Each COMMAND is one argument: a program, relative to
-# BUILD or absolute, and its arguments separated by blanks, without quotes:
+# BUILD is a build folder. Each COMMAND is one argument: a program, relative to BUILD or absolute, and its arguments
+# separated by blanks, without quotes:
 #   emulate_avx512.sh build/release tests/isa/test_simd_decoding_avx512 \
 #     'tests/library/test_scene_features --gtest_filter=*Packets*'
 #
-#   -o FOLDER   where the image and the logs go (default: a new one in /tmp)
-#   -f PATH     a file or folder that the programs read, absolute; it has the
-#               same path in the emulator (may be given again)
-#   -t SECONDS  ends Bochs after this time (default 3600)
-#   -c MODEL    Bochs's processor (default corei7_skylake_x)
-#   -m MIB      memory (default: by the size of the programs, at least 1024)
-#   -k KERNEL   a Linux kernel (default: the newest of /boot)
+#   -o FOLDER   folder of the image and the logs (default: a new one in /tmp)
+#   -f PATH     a file or folder that the programs read, absolute; it has the same
+#               path in the emulator (may be repeated)
+#   -t SECONDS  stops Bochs after this time (default: 3600)
+#   -c MODEL    Bochs's processor (default: corei7_skylake_x)
+#   -m MIB      memory (default: depends on the size of the programs, at least 1024)
+#   -k KERNEL   a Linux kernel (default: the newest in /boot)
 #
-# What it does: stripped copies of the programs, of the shared libraries that
-# they load and of busybox become an initramfs; kernel and initramfs become a CD
-# that ISOLINUX boots; the emulator's serial port is the file FOLDER/serial.log,
-# which has everything that the programs print. They run one after the other on
-# one processor, as on a machine of 3.5 GHz by its own clock, of which a second
-# takes two or three minutes (25 million instructions a second). This prints a
-# line "== N exit CODE" for each. Exit code: 0 if every program returned 0, 1 if
-# not, 2 if the emulation failed. Programs that use OpenImageIO load 300 MB of
-# libraries, for which there may be too little memory.
+# Stripped copies of the programs, their shared libraries and busybox become an initramfs. Kernel and initramfs become
+# a CD that ISOLINUX boots. The emulator's serial port is the file FOLDER/serial.log, which receives all output of the
+# programs. The programs run one after the other on one processor of 25 million instructions per second. The emulated
+# clock is that of a 3.5 GHz machine: each of its seconds takes two to three minutes. For each program the script
+# prints a line "== N exit CODE".
 #
-# Needs the Debian packages bochs, bochs-term, busybox-static, cpio, isolinux,
-# syslinux-common, xorriso and a kernel such as linux-image-cloud-amd64.
+# Exit code: 0 if every program returned 0, 1 otherwise, 2 if the emulation failed. Programs that use OpenImageIO load
+# 300 MB of libraries, which may not fit into memory.
+#
+# Requires the Debian packages bochs, bochs-term, busybox-static, cpio, isolinux, syslinux-common, xorriso and a
+# kernel such as linux-image-cloud-amd64.
 set -euo pipefail
 
 usage() {
@@ -87,7 +86,7 @@ root=$out/root
 rm -rf "$root" "$out/cd" "$out/serial.log"
 mkdir -p "$root"/{bin,dev,proc,sys,tmp} "$out/cd"
 
-# A stripped copy at the same path.
+# Writes a stripped copy of a file to the same path below $root.
 copy_stripped() {
   local target=$root$1
   [[ -e $target ]] && return
@@ -100,7 +99,7 @@ copy_stripped() {
 copy_program() {
   local libraries library
   copy_stripped "$1"
-  libraries=$(ldd "$1" 2> /dev/null || true) # a static program has none
+  libraries=$(ldd "$1" 2> /dev/null || true) # static programs have no libraries
   [[ $libraries != *'not found'* ]] || fail "$1 lacks libraries: $libraries"
   while read -r library; do
     copy_stripped "$library"
@@ -113,7 +112,7 @@ for path in "${extra[@]}"; do
   cp -rL "$path" "$root$path"
 done
 
-# One line of /commands for each, read by /init.
+# Each command becomes one line of /commands, which /init reads.
 for command in "$@"; do
   [[ $command == /* ]] || command=$build/$command
   program=${command%% *}
@@ -122,8 +121,8 @@ for command in "$@"; do
   echo "$command" >> "$root/commands"
 done
 
-# LD_BIND_NOW: the lazy resolver of glibc saves registers with XSAVEC and loads
-# them with XRSTOR, which Bochs 2.7 answers with a general protection fault.
+# LD_BIND_NOW: glibc's lazy resolver saves registers with XSAVEC and restores them with XRSTOR, for which Bochs 2.7
+# raises a general protection fault.
 cat > "$root/init" << 'INIT'
 #!/bin/busybox sh
 /bin/busybox --install -s /bin
@@ -146,35 +145,35 @@ while read -r command <&3; do
   echo "== $number exit $code after $(($(cut -d . -f 1 /proc/uptime) - start)) s of the emulated clock"
 done 3< /commands
 echo '== all done'
-sleep 1 # until the serial port has sent everything
+sleep 1 # until the serial port has sent all output
 poweroff -f
 INIT
 chmod 755 "$root/init"
 
 (cd "$root" && find . | cpio --quiet -o -H newc -R 0:0) > "$out/cd/initrd"
 size=$(($(stat -c %s "$out/cd/initrd") / 1048576))
-# The archive and what is unpacked of it are there at once, the latter in a file
-# system of at most half the memory.
+# The archive and its unpacked files exist at the same time, the latter in a file system of at most half the memory.
 least=$((3 * size + 512))
 memory=${memory:-$((least < 1024 ? 1024 : least))}
 ((memory <= 2048)) || fail "$size MiB of programs do not fit into 2 GiB"
 
-# Bochs tells a size of XSAVES's and XSAVEC's areas that Linux takes for an
-# error, upon which it would do without AVX: so without these two (numbers 323
-# and 321).
+# Bochs reports a size of the XSAVES and XSAVEC areas that Linux considers an error. Linux would then disable AVX, so
+# these two features (bits 323 and 321) are turned off.
 cp "$kernel" "$out/cd/linux"
 cp "$isolinux" "$ldlinux" "$out/cd/"
-cat > "$out/cd/isolinux.cfg" << 'CFG'
+parameters="console=ttyS0,115200 quiet panic=-1 nokaslr nosmp mitigations=off tsc=reliable clocksource=tsc"
+parameters="$parameters random.trust_cpu=on noxsaves clearcpuid=321,323"
+cat > "$out/cd/isolinux.cfg" << CFG
 DEFAULT linux
 PROMPT 0
 LABEL linux
   KERNEL linux
   INITRD initrd
-  APPEND console=ttyS0,115200 quiet panic=-1 nokaslr nosmp mitigations=off tsc=reliable clocksource=tsc random.trust_cpu=on noxsaves clearcpuid=321,323
+  APPEND $parameters
 CFG
 xorriso -as mkisofs -o "$out/cd.iso" -b isolinux.bin -c boot.cat -no-emul-boot \
   -boot-load-size 4 -boot-info-table "$out/cd" > "$out/xorriso.log" 2>&1 ||
-  fail "no CD could be made; see $out/xorriso.log"
+  fail "cannot create the CD; see $out/xorriso.log"
 
 cat > "$out/bochsrc" << RC
 config_interface: textconfig
@@ -193,7 +192,7 @@ panic: action=fatal
 error: action=report
 info: action=ignore
 RC
-# Debian's Bochs starts in its debugger; "c" lets it go on.
+# Debian's Bochs starts in its debugger; "c" continues.
 echo c > "$out/debugger"
 
 echo "emulate_avx512: $# program(s), $size MiB; they print to $out/serial.log"
@@ -204,8 +203,8 @@ TERM=xterm timeout -k 10 "$limit" nice -n 5 \
 bochs=$!
 reader=
 trap 'kill $bochs $reader 2> /dev/null || true' EXIT
-# Debian's Bochs has no display but windows, VNC and terminals. It opens a
-# terminal of its own and stops once that is full, so something has to read it.
+# The only displays of Debian's Bochs are windows, VNC and terminals. It opens a terminal of its own and blocks once
+# the terminal's buffer is full, so a process must read from it.
 while [[ -z $reader ]] && kill -0 "$bochs" 2> /dev/null; do
   sleep 0.2
   screen=$(sed -n 's/.*connected to screen "\(.*\)".*/\1/p' "$out/bochs.out")
@@ -215,14 +214,14 @@ while [[ -z $reader ]] && kill -0 "$bochs" 2> /dev/null; do
     reader=$!
   fi
 done
-wait "$bochs" || true # powering off is an error, too
+wait "$bochs" || true # powering off also counts as an error
 echo "emulate_avx512: Bochs ran for $((SECONDS - start)) s"
 
 touch "$out/serial.log"
 tr -d '\r' < "$out/serial.log" | grep -aE '^== |^\[ *(PASSED|FAILED|SKIPPED)' || true
 if ! grep -qa '^== all done' "$out/serial.log"; then
   tail -n 20 "$out/serial.log" >&2
-  fail "the emulation did not come to its end; see $out/serial.log and bochs.log"
+  fail "the emulation did not finish; see $out/serial.log and bochs.log"
 fi
 if grep -qaE '^== [0-9]+ exit [1-9]|^== no AVX-512' "$out/serial.log"; then
   exit 1

@@ -4,9 +4,9 @@
 #
 # gpu_bundle.sh [FOLDER]
 #
-# Collects what measuring on a Vulkan device takes into FOLDER (build/gpu_bundle by default), for a
-# machine that has a driver and nothing else: the benchmark without images, the libraries that it
-# needs but libc, and gpu_measure.sh. Copy the folder there, and run
+# Collects into FOLDER (default: build/gpu_bundle) everything that gpu_measure.sh requires to measure on another
+# machine: the benchmark without image libraries, and its shared libraries except for libc. The other machine needs
+# only a Vulkan driver. Copy the folder there, and run
 #
 #   FOLDER/gpu_measure.sh RESULTS
 
@@ -23,13 +23,13 @@ mkdir -p "$folder/bin" "$folder/lib" "$folder/loader"
 cp "$program" "$folder/bin/"
 cp scripts/gpu_measure.sh "$folder/"
 
-# All libraries but those of the C library, which belong to the kernel and the driver there.
+# The C library is left out: it belongs to the kernel and the driver of the other machine.
 ldd "$program" | awk '$2 == "=>" && $3 ~ "^/" { print $1, $3 }' | while read -r name path; do
   case $name in libc.so.* | libm.so.* | libpthread.so.* | libdl.so.* | librt.so.*) continue ;; esac
   cp -L "$path" "$folder/lib/$name"
 done
 
-# Vulkan's loader, for a machine without one.
+# for machines without a Vulkan loader
 loader=$(ldconfig -p | awk '$1 == "libvulkan.so.1" { print $NF; exit }')
 [ -n "$loader" ] && cp -L "$loader" "$folder/loader/libvulkan.so.1"
 

@@ -4,10 +4,10 @@
 #
 # gpu_measure.sh RESULTS [DEVICE] [MINUTES]
 #
-# Measures every representation on a Vulkan device, within MINUTES (20 by default), and writes JSON
-# files that scripts/report.py reads into the folder RESULTS. Runs out of the folder that
-# gpu_bundle.sh made: nothing else has to be installed but a driver. DEVICE: a part of its name, or
-# its index; the first discrete one by default. What matters most comes first, and a run that would
+# Measures every representation on a Vulkan device within MINUTES (default: 20), and writes JSON files for
+# scripts/report.py to the folder RESULTS. It runs inside the folder that gpu_bundle.sh made; the machine needs only a
+# driver. DEVICE is an index or a part of the device's name (default: the first discrete GPU). The most important runs
+# come first. Runs that would start after the deadline are skipped with a message.
 # begin too late is left out, with a line that says so.
 
 set -eu
@@ -29,30 +29,31 @@ if ! ldconfig -p 2> /dev/null | grep -q 'libvulkan\.so\.1'; then
   export LD_LIBRARY_PATH="$LD_LIBRARY_PATH:$here/loader"
 fi
 
-# Vulkan's loader finds drivers by their description, which containers often lack.
+# Vulkan's loader finds drivers by description files, which containers often lack.
 if [ -z "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ]; then
   found=$(ls /etc/vulkan/icd.d/*.json /usr/share/vulkan/icd.d/*.json 2> /dev/null | head -1 || true)
   if [ -z "$found" ]; then
     found=$(ls /usr/local/*/share/vulkan/icd.d/*.json 2> /dev/null | head -1 || true)
     if [ -z "$found" ] && ldconfig -p 2> /dev/null | grep -q 'libGLX_nvidia\.so\.0'; then
       found="$results/nvidia_icd.json"
-      printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "libGLX_nvidia.so.0", "api_version": "1.3.0"}}\n' > "$found"
+      icd='{"library_path": "libGLX_nvidia.so.0", "api_version": "1.3.0"}'
+      printf '{"file_format_version": "1.0.0", "ICD": %s}\n' "$icd" > "$found"
     fi
     [ -n "$found" ] && export VK_DRIVER_FILES="$found" VK_ICD_FILENAMES="$found"
   fi
 fi
 
-# measure NAME SECONDS ARGUMENTS...: one run of the benchmark, at most that long.
+# measure NAME SECONDS ARGUMENTS...: runs the benchmark once, for at most SECONDS.
 measure() {
   name=$1
   seconds=$2
   shift 2
   left=$((end - $(date +%s)))
-  if [ "$left" -lt 30 ]; then echo "$name: left out, the time is over"; return; fi
+  if [ "$left" -lt 30 ]; then echo "$name: skipped, the time is over"; return; fi
   [ "$seconds" -gt "$left" ] && seconds=$left
   started=$(date +%s)
-  if timeout -k 10 "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --rays 0 --size 1024x1024 \
-    "$@" --json "$results/$name.json" > "$results/$name.txt" 2> "$results/$name.log"; then
+  if timeout -k 10 "$seconds" "$here/bin/cbvh_bench_bare" --device "$device" --true-surface 0 --rays 0 \
+    --size 1024x1024 "$@" --json "$results/$name.json" > "$results/$name.txt" 2> "$results/$name.log"; then
     echo "$name: $(($(date +%s) - started)) s"
   else
     echo "$name: exit status $? after $(($(date +%s) - started)) s; $(tail -1 "$results/$name.log")"
@@ -69,8 +70,10 @@ measure others_6 300 --scene frog,cube,knee --level 6 --representation $all $com
 measure trex_7 400 --scene trex --level 7 --representation grid,cgrid,cvoxel,cleaf-only,cvert $common
 measure close_6 200 --scene trex,frog --view close --level 6 --representation grid,cleaf-only,cvert $common
 measure others_4_5_7 200 --scene frog,cube,knee --level 4,5,7 --representation grid,cleaf-only,cvert $common
-measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf-only,cvert --check leaks,sheets,shadows --check-rays 10000000 --repeat 0
+measure leaks 200 --scene cube --level 5 --representation cvoxel,cleaf-only,cvert --check leaks,sheets,shadows \
+  --check-rays 10000000 --repeat 0
 for count in 8 24 64; do
-  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf-only,cvert --set coherent,incoherent --repeat 3
+  measure "herd_$count" 300 --scene herd --count $count --level 6 --representation cleaf-only,cvert \
+    --set coherent,incoherent --repeat 3
 done
 echo "all: $(($(date +%s) - begin)) s"

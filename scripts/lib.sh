@@ -2,21 +2,21 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# What the commands of this directory share; sourced, not run.
+# Functions that the commands of this directory share. Source this file; do not run it.
 
 set -eu
 
-# The comment at the top of a script, which is its help.
+# Prints the help of a script: the comment at its top.
 print_help() { sed -n '5,/^$/s/^# \{0,1\}//p' "$0"; }
 
-# refuse MESSAGE: of a command line that cannot be meant.
+# refuse MESSAGE: ends the script because of an invalid command line.
 refuse() {
   echo "$(basename -- "$0"): $1, see --help" >&2
   exit 2
 }
 
-# Help, if it is asked for. Refuses options, and more arguments than `arguments` says, which a script sets
-# before it sources this; with `any` whatever it passes on is refused by what gets it.
+# Prints the help on request. Rejects options, and more arguments than `arguments` allows. A script sets `arguments`
+# before it sources this file. With `any`, all arguments pass, and the script's command checks them.
 for argument in "$@"; do
   case $argument in
     -h | --help) print_help; exit 0 ;;
@@ -30,8 +30,8 @@ cd "$root"
 jobs=$(nproc)
 summary=
 
-# phase NAME COMMAND...: runs the command, notes how long it took. `set -e` does
-# not reach into a function that runs here.
+# phase NAME COMMAND...: runs the command and notes its duration. `set -e` has no effect inside functions that run
+# here.
 phase() {
   name=$1; shift
   echo "== $name"
@@ -45,17 +45,18 @@ phase() {
   [ "$failed" = 0 ] || { echo "$name failed" >&2; exit "$failed"; }
 }
 
-# Where the time went, also when a phase fails.
+# Prints the durations of all phases, also after a failure.
 print_summary() {
   [ -z "$summary" ] || printf '== time\n%s  %-28s %5d s\n' "$summary" total "${total:-0}"
 }
 trap print_summary EXIT
 
-# Installs the packages of scripts/packages that are missing, but none whose place an installed package
-# takes, as ours take that of Debian's Embree: to install them would remove it.
-#   install_packages [LAST_LINE]    those up to a line of the file; of all without it
+# Installs the missing packages of scripts/packages. Skips a package if an installed one provides it: our packages
+# provide Debian's Embree, and installing Debian's would remove them.
+#   install_packages [LAST_LINE]    only the packages above this line of the file
 install_packages() {
-  command -v dpkg-query > /dev/null || { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
+  command -v dpkg-query > /dev/null ||
+    { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
     tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "
@@ -80,8 +81,8 @@ configure() {
   cmake --preset "${1:-release}" ${EMBREE_UPSTREAM_ARCHIVE:+"-DEMBREE_UPSTREAM_ARCHIVE=$EMBREE_UPSTREAM_ARCHIVE"}
 }
 
-# build [PRESET [TARGET...]]: shows how far it is and about how long it will take, every ten seconds. What is begun
-# first takes longest, so that the first minutes promise more than it takes.
+# build [PRESET [TARGET...]]: prints the progress and an estimate of the remaining time every ten seconds. The first
+# estimates are too high because the largest files are compiled first.
 build() {
   preset=${1:-release}
   [ "$#" = 0 ] || shift
@@ -97,14 +98,15 @@ build() {
           status=${line#@exit }
           exit "${status%@}" ;;
         @[0-9]*)
-          status=${line#@} # built, of all, seconds
+          status=${line#@} # number of finished files, number of all files, seconds
           status=${status%%@*}
           built=${status%% *} of=${status#* } seconds=${status##* }
           of=${of% *} seconds=${seconds%.*}
           [ "$built" -gt 0 ] && [ "$seconds" -ge $((shown + 10)) ] || continue
           shown=$seconds
           left=$((seconds * (of - built) / built))
-          if [ "$left" -ge 90 ]; then left="about $(((left + 30) / 60)) minutes more"; else left="a minute or two more"; fi
+          minutes=$(((left + 30) / 60))
+          if [ "$left" -ge 90 ]; then left="about $minutes minutes left"; else left="a minute or two left"; fi
           echo "  $built of $of files, $left" ;;
         *) printf '%s\n' "$line" ;;
       esac

@@ -2,13 +2,13 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures what Blender's Cycles takes with Debian's Embree and with ours, and writes the sentence into README.md.
+"""Measures Blender's Cycles with Debian's Embree and with ours, and writes the result into README.md.
 
-    scripts/measure_blender.py [--rounds N]     needs Debian 12's `blender` and a built release, some minutes
+    scripts/measure_blender.py [--rounds N]     requires Debian 12's `blender` and a release build; takes some minutes
 
-Renders scripts/blender/suzanne.py with both libraries in turns, and asks Embree through scripts/blender/commit_probe.c:
-memory is everything but the geometry buffers that Blender fills; build is the time of all commits of geometries and scenes. The
-pictures stay in output/blender and are compared.
+Renders scripts/blender/suzanne.py alternately with both libraries. scripts/blender/commit_probe.c reports Embree's
+memory and times. Memory excludes the geometry buffers that Blender fills; build is the time of all commits of
+geometries and scenes. The pictures stay in output/blender and are compared.
 """
 
 import argparse
@@ -28,14 +28,15 @@ BEGIN, END = "<!-- begin: scripts/measure_blender.py -->\n", "<!-- end -->\n"
 
 
 def render(probe, picture, settings):
-    """One render: MiB of the acceleration structure and of geometry buffers, seconds of all commits and of the render."""
+    """Renders once. Returns MiB of acceleration structures and of geometry buffers, and seconds of all commits and of
+    the rendering."""
     environment = {**os.environ, "LD_PRELOAD": str(probe), **settings}
     words = ["blender", "-b", "--python-exit-code", "1", "--python", ROOT / "scripts/blender/suzanne.py", "--", picture]
     done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True)
     commits = re.findall(r"commit: ([\d.]+) s, (\d+) bytes, (\d+) of them buffers", done.stderr)
     took = re.search(r"Time: (\d+):([\d.]+)", done.stdout)
     if done.returncode or not commits or not took:
-        sys.exit(f"blender failed, or its Cycles is without Embree:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
+        sys.exit(f"blender failed, or its Cycles does not use Embree:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
     seconds, everything, buffers = commits[-1]
     return {
         "MiB": (int(everything) - int(buffers)) / 2**20,
@@ -46,7 +47,7 @@ def render(probe, picture, settings):
 
 
 def different_pixels(one, other):
-    """Pixels of two pictures in which a channel differs by more than 5% of full white."""
+    """Number of pixels that differ by more than 5% of white in any channel."""
     difference = abs(imread(one) - imread(other))
     return int((difference.max(axis=-1) > 0.05).sum())
 
@@ -54,33 +55,44 @@ def different_pixels(one, other):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--library", type=Path, default=ROOT / "build/release/embree", help="folder of our libembree3.so.3")
+    parser.add_argument(
+        "--library", type=Path, default=ROOT / "build/release/embree", help="folder of our libembree3.so.3"
+    )
     options = parser.parse_args()
     if not (options.library / "libembree3.so.3").exists():
-        sys.exit(f"{options.library}: no libembree3.so.3, build it first or give --library")
+        sys.exit(f"{options.library}: no libembree3.so.3 in this folder; build it first, or set --library")
     ours = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}
     folder = ROOT / "output/blender"
     folder.mkdir(parents=True, exist_ok=True)
     measured = {"stock": [], "ours": []}
     with tempfile.TemporaryDirectory() as work:
         probe = Path(work) / "commit_probe.so"
-        subprocess.run(["cc", "-shared", "-fPIC", "-O2", ROOT / "scripts/blender/commit_probe.c", "-o", probe, "-ldl"], check=True)
+        subprocess.run(
+            ["cc", "-shared", "-fPIC", "-O2", ROOT / "scripts/blender/commit_probe.c", "-o", probe, "-ldl"], check=True
+        )
         for _ in range(options.rounds):
             for name, settings in (("stock", {}), ("ours", ours)):
                 measured[name].append(render(probe, folder / f"{name}.png", settings))
                 print(name, measured[name][-1], flush=True)
-    before, after = ({key: statistics.median(run[key] for run in runs) for key in runs[0]} for runs in measured.values())
+    before, after = (
+        {key: statistics.median(run[key] for run in runs) for key in runs[0]} for runs in measured.values()
+    )
     version = subprocess.run(["blender", "--version"], capture_output=True, text=True).stdout.split()[1]
     cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())[1]
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True
+    ).stdout.strip()
     text = (
-        f"Blender {version} then renders a subdivided and displaced head of 4 million triangles with an acceleration structure of "
-        f"{after['MiB']:.0f} MiB instead of {before['MiB']:.0f}, built in {after['build']:.2f} s instead of {before['build']:.1f}. Blender's own "
-        f"vertex and index buffers ({before['buffers']:.0f} MiB) stay. (`scripts/measure_blender.py`, {cpu}, {os.cpu_count()} cores, commit {commit})"
+        f"Blender {version} then renders a subdivided and displaced head of 4 million triangles with an acceleration"
+        f" structure of {after['MiB']:.0f} MiB instead of {before['MiB']:.0f}, built in {after['build']:.2f} s instead"
+        f" of {before['build']:.1f}. Blender's own vertex and index buffers ({before['buffers']:.0f} MiB) stay."
+        f" (`scripts/measure_blender.py`, {cpu}, {os.cpu_count()} cores, commit {commit})"
     )
     text = "\n".join(textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False)) + "\n"
-    print(f"{text}render {after['render']:.1f} s instead of {before['render']:.1f}; "
-          f"{different_pixels(folder / 'stock.png', folder / 'ours.png')} of 614400 pixels differ by more than 5%")
+    print(
+        f"{text}render {after['render']:.1f} s instead of {before['render']:.1f}; "
+        f"{different_pixels(folder / 'stock.png', folder / 'ours.png')} of 614400 pixels differ by more than 5%"
+    )
     page = ROOT / "README.md"
     head, rest = page.read_text().split(BEGIN)
     page.write_text(f"{head}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}")

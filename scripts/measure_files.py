@@ -2,12 +2,13 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the table of files in docs/scale.md: how long a saved scene takes to open, and what memory.
+"""Measures the table of files in docs/scale.md: time and memory for opening a saved scene.
 
     scripts/measure_files.py PATH/TO/cbvh_render FOLDER [--repeat N]
 
-The scene is saved to the folder first, if it is not there. No page of a cold file is in memory: the file is flushed to the disk and
-evicted from the page cache (posix_fadvise). Memory is that of the mapping of each process (/proc/PID/smaps).
+Saves the scene to the folder first if the file does not exist. No page of a cold file is in memory: the file is flushed
+to the disk and evicted from the page cache (posix_fadvise). Memory is the memory of the file's mapping in each process
+(/proc/PID/smaps).
 """
 
 import argparse
@@ -21,14 +22,14 @@ from pathlib import Path
 VIEWS = {"all of it": ("full", "512x512"), "one claw": ("0.55,0.2,0.9,0.35,0.05,0.5,6", "768x768")}
 
 
-def letGo(path):
+def evict(path):
     with open(path, "rb") as file:
         os.fsync(file.fileno())
         os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
-def mappingOf(pid, path):
-    """Rss and Pss of a file in a process, in bytes."""
+def mapping_of(pid, path):
+    """Rss and Pss of a mapped file in a process, in bytes; None if no page is resident."""
     sums = {"Rss": 0, "Pss": 0}
     inside = False
     try:
@@ -44,19 +45,45 @@ def mappingOf(pid, path):
 
 
 def cached(path):
-    return int(subprocess.run(["fincore", "--bytes", "--noheadings", "--output", "RES", str(path)], capture_output=True, text=True, check=True).stdout)
+    return int(
+        subprocess.run(
+            ["fincore", "--bytes", "--noheadings", "--output", "RES", str(path)],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+    )
 
 
 def load(program, path, folder, processes, view):
-    """Records of processes at once, with the last that was seen of their mappings while all were there."""
+    """Starts several processes at once. Returns their records, and their mappings at the last moment when all of them
+    ran."""
     runs = []
     for i in range(processes):
         record = folder / f"load-{i}.json"
-        command = [program, "--load", path, "--view", VIEWS[view][0], "--size", VIEWS[view][1], "--samples", "4", "--threads", "1", "--output", folder / f"load-{i}", "--json", record]
-        runs.append((subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL), record))
+        command = [
+            program,
+            "--load",
+            path,
+            "--view",
+            VIEWS[view][0],
+            "--size",
+            VIEWS[view][1],
+            "--samples",
+            "4",
+            "--threads",
+            "1",
+            "--output",
+            folder / f"load-{i}",
+            "--json",
+            record,
+        ]
+        runs.append(
+            (subprocess.Popen([str(c) for c in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL), record)
+        )
     seen = [None] * processes
     while all(run.poll() is None for run, _ in runs):
-        now = [mappingOf(run.pid, path) for run, _ in runs]
+        now = [mapping_of(run.pid, path) for run, _ in runs]
         if all(now):
             seen = now
         time.sleep(0.01)
@@ -77,10 +104,29 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{options.scene}.cbvh"
     if not path.exists():
-        subprocess.run([options.program, "--scene", options.scene, "--level", "6", "--save", path, "--samples", "1", "--output", folder / "save"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(
+            [
+                options.program,
+                "--scene",
+                options.scene,
+                "--level",
+                "6",
+                "--save",
+                path,
+                "--samples",
+                "1",
+                "--output",
+                folder / "save",
+            ],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
     mib = 1 << 20
     print(f"{path.name}: {path.stat().st_size / mib:.1f} MiB\n")
-    print("| view | file | processes | open, ms | processor time, ms | first ray, ms | mapped, MiB | share, MiB | cached, MiB |")
+    print(
+        "| view | file | processes | open, ms | processor time, ms | first ray, ms | mapped, MiB | share, MiB | cached,"
+        " MiB |"
+    )
     print("|:--|:--|--:|--:|--:|--:|--:|--:|--:|")
     for view in VIEWS:
         for isCold in (False, True):
@@ -88,7 +134,7 @@ def main():
                 opened, used, first, rss, pss, inMemory = [], [], [], [], [], []
                 for _ in range(options.repeat):
                     if isCold:
-                        letGo(path)
+                        evict(path)
                     records, seen = load(options.program, path, folder, processes, view)
                     opened += [r["openSeconds"] for r in records]
                     used += [r["openProcessorSeconds"] for r in records]
@@ -97,8 +143,13 @@ def main():
                     pss += [s["Pss"] for s in seen if s]
                     inMemory.append(cached(path))
                 middle = statistics.median
-                print(f"| {view} | {'cold' if isCold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} | {1e3 * middle(used):.1f} | {1e3 * middle(first):.1f} | "
-                      f"{middle(rss) / mib:.1f} | {middle(pss) / mib:.1f} | {middle(inMemory) / mib:.1f} |" if rss else "| the processes ended before they were seen |")
+                print(
+                    f"| {view} | {'cold' if isCold else 'warm'} | {processes} | {1e3 * middle(opened):.1f} |"
+                    f" {1e3 * middle(used):.1f} | {1e3 * middle(first):.1f} | {middle(rss) / mib:.1f} |"
+                    f" {middle(pss) / mib:.1f} | {middle(inMemory) / mib:.1f} |"
+                    if rss
+                    else "| the processes ended before their memory was read |"
+                )
 
 
 if __name__ == "__main__":

@@ -2,15 +2,15 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures what a scene of ten billion quads takes on one machine, and what levels by the view are worth.
+"""Measures memory and time for a scene of ten billion quads on one machine, and the gain of view-dependent levels.
 
-    scripts/measure_scale.py PATH/TO/cbvh_render FOLDER             both; 30 GB of disk, and half an hour on two cores
+    scripts/measure_scale.py PATH/TO/cbvh_render FOLDER             both; 30 GB of disk, half an hour on two cores
     scripts/measure_scale.py PATH/TO/cbvh_render FOLDER --only levels
 
-The herd is built copy by copy into FOLDER/herd.cbvh, interrupted after a third of it and killed after two, taken up again
-each time, and then opened, cold and warm, rendered and traced for speed. GRID and NAIVE trace as much of the same herd as
---memory holds, and cVERT as much as GRID. The file is removed unless --keep is given. Records and pictures go to FOLDER, tables to standard output;
-scripts/report.py --scale FOLDER has them in the report.
+The herd is built copy by copy into FOLDER/herd.cbvh. The build is interrupted after a third, killed after two thirds,
+and resumed each time. The file is then opened cold and warm, rendered, and traced for speed. GRID and NAIVE trace as
+many copies as fit into --memory, cVERT as many as GRID. The file is removed unless --keep is given. Records and
+pictures go to FOLDER, tables to standard output. scripts/report.py --scale FOLDER includes them in the report.
 """
 
 import argparse
@@ -26,18 +26,19 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import whole_file  # noqa: E402
-from measure_files import letGo, mappingOf  # noqa: E402
+from measure_files import evict, mapping_of  # noqa: E402
 from reporting import scale  # noqa: E402
 
 GIB = 2**30
 LEVELS = ("auto", "6", "7")
-FILE_BYTES_A_QUAD = 3  # the disk that is asked for beforehand
-# Bytes a quad that they take while they are built, for the largest herd that is tried; cVERT traces what GRID does.
-PEAK_BYTES_A_QUAD = {"cvert": 40, "grid": 40, "naive": 260}
+FILE_BYTES_PER_QUAD = 3  # estimated size of the file, to check the free disk space
+# Peak bytes per quad during the build, for the largest herd of each representation; cVERT traces as many copies as
+# GRID.
+PEAK_BYTES_PER_QUAD = {"cvert": 40, "grid": 40, "naive": 260}
 
 
 class Run:
-    """A program as it runs: seconds, highest resident memory and record of it."""
+    """A running program: its duration, peak resident memory and record."""
 
     def __init__(self, command, record=None, mapped=None):
         self.command = [str(word) for word in command] + (["--json", str(record)] if record else [])
@@ -48,15 +49,20 @@ class Run:
         self.watcher.start()
 
     def watch(self):
-        """Memory of the process that is its own, and what it has mapped of the file."""
+        """Samples the process's anonymous memory and its resident pages of the mapped file."""
         while self.process.poll() is None:
             try:
                 status = Path(f"/proc/{self.process.pid}/status").read_text()
-                self.peak = max([self.peak] + [1024 * int(line.split()[1]) for line in status.split("\n") if line.startswith("RssAnon:")])
+                self.peak = max(
+                    [self.peak]
+                    + [1024 * int(line.split()[1]) for line in status.split("\n") if line.startswith("RssAnon:")]
+                )
             except (OSError, ValueError):
                 pass
             if self.mapped:
-                self.most_mapped = max(self.most_mapped, (mappingOf(self.process.pid, self.mapped) or {"Rss": 0})["Rss"])
+                self.most_mapped = max(
+                    self.most_mapped, (mapping_of(self.process.pid, self.mapped) or {"Rss": 0})["Rss"]
+                )
             time.sleep(0.1)
 
     def finish(self, *, stopped=False):
@@ -64,12 +70,12 @@ class Run:
         self.watcher.join()
         self.seconds = time.monotonic() - self.start
         if (self.process.returncode == 0) == stopped:
-            raise SystemExit(f"{' '.join(self.command)}: {'ended before it was stopped' if stopped else 'failed'}")
+            raise SystemExit(f"{' '.join(self.command)}: {'ended before it was interrupted' if stopped else 'failed'}")
         return json.loads(Path(self.record).read_text()) if self.record else None
 
 
 def stop_at(program, options, path, bytes_of_part, how):
-    """Builds until the part has so many bytes."""
+    """Builds the herd until the partial file has this size, then sends a signal."""
     run = Run([program, *options, "--save", path])
     part = Path(str(path) + ".part")
     while run.process.poll() is None and not (part.exists() and part.stat().st_size >= bytes_of_part):
@@ -80,29 +86,33 @@ def stop_at(program, options, path, bytes_of_part, how):
 
 
 def beside(program, folder, kind, count, options):
-    """As many copies in another representation, with its speed."""
-    run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", kind, "--speed", "--samples", 1,
-               "--size", options.size, "--output", folder / kind], folder / f"{kind}.json")  # fmt: skip
+    """Traces a number of copies in another representation, from memory."""
+    run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", kind,
+               "--speed", "--samples", 1, "--size", options.size, "--output", folder / kind],
+              folder / f"{kind}.json")  # fmt: skip
     record = run.finish()
     (result,) = record["results"]
-    return {"count": count, "representation": result["representation"], "quads": result["quads"], "bytes": result["live_bytes"],
-            "peak": result["peak_bytes"], "buildSeconds": result["build_seconds"], "speed": result["speed"], "command": " ".join(run.command)}  # fmt: skip
+    return {"count": count, "representation": result["representation"], "quads": result["quads"],
+            "bytes": result["live_bytes"], "peak": result["peak_bytes"], "buildSeconds": result["build_seconds"],
+            "speed": result["speed"], "command": " ".join(run.command)}  # fmt: skip
 
 
 def from_file(program, folder, count, options):
-    """As many copies of cVERT from a file, in the view of those in memory."""
+    """Traces a number of copies of cVERT from a file, in the same view as the copies in memory."""
     path = folder / "some.cbvh"
     path.unlink(missing_ok=True)
-    run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert", "--speed", "--samples", 1,
-               "--size", options.size, "--output", folder / "some", "--save", path], folder / "some.json")  # fmt: skip
+    run = Run([program, "--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert",
+               "--speed", "--samples", 1, "--size", options.size, "--output", folder / "some", "--save", path],
+              folder / "some.json")  # fmt: skip
     record = run.finish()
     path.unlink()
-    return {"count": count, "quads": record["quads"], "bytes": record["liveBytes"], "fileBytes": record["bytes"], "speed": record["speed"],
-            "command": " ".join(run.command)}  # fmt: skip
+    return {"count": count, "quads": record["quads"], "bytes": record["liveBytes"], "fileBytes": record["bytes"],
+            "speed": record["speed"], "command": " ".join(run.command)}  # fmt: skip
 
 
 def quads_of_a_copy(program, folder, level):
-    run = Run([program, "--scene", "herd", "--count", 1, "--level", level, "--representation", "cvert", "--samples", 1, "--size", "64x64",
+    run = Run([program, "--scene", "herd", "--count", 1, "--level", level, "--representation", "cvert", "--samples", 1,
+               "--size", "64x64",
                "--output", folder / "one"], folder / "one.json")  # fmt: skip
     (result,) = run.finish()["results"]
     return result["quads"]
@@ -113,19 +123,27 @@ def measure_herd(program, folder, options):
     copy = quads_of_a_copy(program, folder, options.level)
     count = options.count or -(-options.quads // copy)
     free = os.statvfs(folder).f_bavail * os.statvfs(folder).f_frsize
-    if free < FILE_BYTES_A_QUAD * count * copy:
-        raise SystemExit(f"{folder}: {free / GIB:.0f} GiB are free, and about {FILE_BYTES_A_QUAD * count * copy / GIB:.0f} wanted")
+    if free < FILE_BYTES_PER_QUAD * count * copy:
+        raise SystemExit(
+            f"{folder}: {free / GIB:.0f} GiB are free, but the file needs about"
+            f" {FILE_BYTES_PER_QUAD * count * copy / GIB:.0f}"
+        )
     scene = ["--scene", "herd", "--count", count, "--level", options.level, "--representation", "cvert"]
     small = [*scene, "--size", "64x64", "--samples", 1, "--output", folder / "build"]
     for old in (path, Path(str(path) + ".part")):
         old.unlink(missing_ok=True)
     expected = 2.8 * count * copy
-    stops = [stop_at(program, small, path, expected / 3, signal.SIGINT), stop_at(program, small, path, expected * 2 / 3, signal.SIGKILL)]
+    stops = [
+        stop_at(program, small, path, expected / 3, signal.SIGINT),
+        stop_at(program, small, path, expected * 2 / 3, signal.SIGKILL),
+    ]
     build = Run([program, *small, "--save", path], folder / "build.json")
     built = build.finish()
     view = ["--load", path, "--size", options.size, "--view", options.view]
-    letGo(path)
-    cold = Run([program, *view, "--output", folder / "picture", "--samples", options.samples], folder / "cold.json", path)
+    evict(path)
+    cold = Run(
+        [program, *view, "--output", folder / "picture", "--samples", options.samples], folder / "cold.json", path
+    )
     opened_cold = cold.finish()
     warm = Run([program, *view, "--output", folder / "warm", "--samples", 1, "--speed"], folder / "warm.json")
     opened = warm.finish()
@@ -133,16 +151,21 @@ def measure_herd(program, folder, options):
     record = {
         "count": count, "level": options.level, "quads": opened["quads"], "fileBytes": path.stat().st_size,
         "stops": stops, "found": built["found"], "lastQuads": built["builtQuads"], "lastSeconds": built["buildSeconds"],
-        "deviceBytes": built["buildPeakBytes"], "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"], "ownBytes": max(s["ownBytes"] for s in stops),
-        "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened, "renderOwnBytes": max(cold.peak, warm.peak),
+        "deviceBytes": built["buildPeakBytes"],
+        "buildSeconds": sum(s["seconds"] for s in stops) + built["buildSeconds"],
+        "ownBytes": max(s["ownBytes"] for s in stops),
+        "cold": opened_cold, "coldMapped": cold.most_mapped, "warm": opened,
+        "renderOwnBytes": max(cold.peak, warm.peak),
         "size": options.size, "samples": options.samples, "picture": picture.name, "threads": os.cpu_count(),
         "memory": options.memory * GIB, "commands": [" ".join(run.command) for run in (build, cold, warm)],
     }  # fmt: skip
-    record["some"] = from_file(program, folder, max(1, int(options.memory * GIB / (PEAK_BYTES_A_QUAD["cvert"] * copy))), options)
+    record["some"] = from_file(
+        program, folder, max(1, int(options.memory * GIB / (PEAK_BYTES_PER_QUAD["cvert"] * copy))), options
+    )
     if not options.keep:
         path.unlink()
-    record["beside"] = [beside(program, folder, kind, max(1, int(options.memory * GIB / (bytes_a_quad * copy))), options)
-                        for kind, bytes_a_quad in PEAK_BYTES_A_QUAD.items()]  # fmt: skip
+    counts = {kind: max(1, int(options.memory * GIB / (each * copy))) for kind, each in PEAK_BYTES_PER_QUAD.items()}
+    record["beside"] = [beside(program, folder, kind, count, options) for kind, count in counts.items()]
     return record
 
 
@@ -151,11 +174,21 @@ def measure_levels(program, folder, options):
     for scene in options.scenes.split(","):
         for view in ("full", "close"):
             for level in LEVELS:
-                run = Run([program, "--scene", scene, "--level", level, "--view", view, "--representation", "cvert", "--size", options.size,
-                           "--samples", 1, "--speed", "--true-surface", 20000, "--output", folder / f"{scene}-{view}-{level}"],
+                run = Run([program, "--scene", scene, "--level", level, "--view", view, "--representation", "cvert",
+                           "--size", options.size, "--samples", 1, "--speed", "--true-surface", 20000,
+                           "--output", folder / f"{scene}-{view}-{level}"],
                           folder / f"{scene}-{view}-{level}.json")  # fmt: skip
                 (result,) = run.finish()["results"]
-                rows.append({"scene": scene, "view": view, "level": level, "size": options.size, "command": " ".join(run.command), **result})
+                rows.append(
+                    {
+                        "scene": scene,
+                        "view": view,
+                        "level": level,
+                        "size": options.size,
+                        "command": " ".join(run.command),
+                        **result,
+                    }
+                )
     return rows
 
 
@@ -164,14 +197,21 @@ def main():
     parser.add_argument("program")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", choices=("herd", "levels"))
-    parser.add_argument("--quads", type=int, default=10**10, help="of the herd, at least")
-    parser.add_argument("--count", type=int, help="of its copies, in place of that")
-    parser.add_argument("--level", default="6", help="of the herd")
+    parser.add_argument("--quads", type=int, default=10**10, help="at least this many quads in the herd")
+    parser.add_argument("--count", type=int, help="number of copies, instead of --quads")
+    parser.add_argument("--level", default="6", help="level of the herd")
     parser.add_argument("--size", default="1920x1080")
-    parser.add_argument("--samples", type=int, default=16, help="a pixel, of the picture")
-    parser.add_argument("--view", default="17,9,9,-30,-4,-6,40", help="of the herd's file: full, close or ex,ey,ez,lx,ly,lz,fov")
-    parser.add_argument("--memory", type=float, default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB, help="GiB that GRID and NAIVE may take while they are built (default: 0.8 of what there is)")
-    parser.add_argument("--scenes", default="trex,frog,knee", help="of the levels")
+    parser.add_argument("--samples", type=int, default=16, help="samples per pixel of the picture")
+    parser.add_argument(
+        "--view", default="17,9,9,-30,-4,-6,40", help="view of the herd: full, close or ex,ey,ez,lx,ly,lz,fov"
+    )
+    parser.add_argument(
+        "--memory",
+        type=float,
+        default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB,
+        help="GiB that the builds of GRID and NAIVE may use (default: 0.8 of the machine's memory)",
+    )
+    parser.add_argument("--scenes", default="trex,frog,knee", help="scenes for the comparison of levels")
     parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")
     options = parser.parse_args()
     folder = options.folder.resolve()

@@ -2,18 +2,19 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# A newer lavapipe than Debian 12's, with ray queries, from Debian's backports: unpacked into a folder, not installed. Prints what
-# VK_DRIVER_FILES is to be, as in
+# Unpacks lavapipe from Debian's backports, which supports ray queries, into a folder without installing it. Prints
+# the value for VK_DRIVER_FILES, for example
 #
-#   VK_DRIVER_FILES=$(scripts/newer_mesa.sh build/mesa) build/release/tutorials/pathtracer/cbvh_pathtracer --scene cube --device vulkan --ray-query
+#   export VK_DRIVER_FILES=$(scripts/newer_mesa.sh build/mesa)
+#   build/release/tutorials/pathtracer/cbvh_pathtracer --scene cube --device vulkan --ray-query
 #
-# It needs the package registry of a Debian 12 with mesa-vulkan-drivers, and 60 MB.
+# Requires the package registry of a Debian 12, an installed mesa-vulkan-drivers, and 60 MB of disk.
 #
 #   newer_mesa.sh FOLDER
 
 arguments=1
 . "$(dirname -- "$0")/lib.sh"
-[ "$#" = 1 ] || refuse "there is no folder"
+[ "$#" = 1 ] || refuse "the argument FOLDER is missing"
 
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)
@@ -21,7 +22,7 @@ driver=$folder/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)/libvulkan_lvp.
 icd=$folder/lvp.json
 package=mesa-vulkan-drivers
 
-# apt with lists of its own: those of the machine's registry, and its backports
+# Runs apt with its own lists: the machine's registry and its backports.
 run() {
   "$@" -o Dir::Etc::SourceList="$folder/apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
     -o Dir::State="$folder/apt/state" -o Dir::State::status=/var/lib/dpkg/status -o Dir::Cache="$folder/apt/cache" \
@@ -42,9 +43,9 @@ download() {
 }
 
 if [ ! -e "$driver" ]; then
-  download >&2 || { echo "newer_mesa.sh: $package of the backports cannot be had" >&2; exit 1; }
+  download >&2 || { echo "newer_mesa.sh: $package cannot be downloaded from the backports" >&2; exit 1; }
 fi
-# libraries that the driver needs are those that Debian 12's needs, but for a machine that has none of them
+# The driver depends on the same libraries as Debian 12's, which some machines lack.
 if ldd "$driver" | grep -q "not found"; then
   echo "newer_mesa.sh: $(ldd "$driver" | grep 'not found' | tr -s ' \t' ' ')" >&2
   exit 1

@@ -2,9 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Makes Debian packages in build/package/packages: libembree3-cbvh, libembree-cbvh-dev and
-# embree-cbvh-tools, in place of Debian's libembree3-3, libembree-dev and embree-tools, and
-# python3-embree-cbvh.
+# Builds Debian packages in build/package/packages: libembree3-cbvh, libembree-cbvh-dev and embree-cbvh-tools, which
+# replace Debian's libembree3-3, libembree-dev and embree-tools, and python3-embree-cbvh.
 #
 #   scripts/package.sh && apt install ./build/package/packages/*.deb
 

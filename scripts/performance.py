@@ -2,10 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Measures the tables of docs/performance.md and README.md, all of it in one run of cbvh_bench, and writes them there.
+"""Measures the tables of docs/performance.md and README.md in one run of cbvh_bench, and writes them into the pages.
 
-    scripts/performance.py                  on the widest instruction set, some ten minutes
-    scripts/performance.py --record FILE    from what cbvh_bench --json wrote, with those options at least
+    scripts/performance.py                  measures on the widest instruction set, some ten minutes
+    scripts/performance.py --record FILE    uses a record of cbvh_bench --json, made with at least OPTIONS
 """
 
 import argparse
@@ -25,7 +25,8 @@ PAGE, FRONT = ROOT / "docs/performance.md", ROOT / "README.md"
 TABLE, HEADLINE = "scripts/performance.py", "scripts/performance.py, headline"
 
 SCENES, VIEWS = ("trex", "frog", "scythe", "knee", "cube"), ("full", "close")
-FRONT_SCENES = ("trex", "frog", "cube")  # a large one, one that fits into memory caches in part, the smallest, which is the worst
+# a large one, one that partly fits into the caches, and the smallest, which is the worst case
+FRONT_SCENES = ("trex", "frog", "cube")
 KINDS = ("cVERT", "cLEAF", "cVOXEL", "cGRID")
 OPTIONS = (
     f"--scene {','.join(SCENES)} --level 6 --view {','.join(VIEWS)} --representation grid,cgrid,cvoxel,cleaf,cvert "
@@ -33,7 +34,7 @@ OPTIONS = (
 )
 PACKETS = {"avx512": "packet16", "avx2": "packet8", "avx": "packet8", "sse4.2": "packet4", "sse2": "packet4"}
 
-# What of GRID's speed is shown: ray set, query, and whether packets trace.
+# Speeds relative to GRID's that the tables show: ray set, query, and whether rays are traced in packets.
 COHERENT, INCOHERENT = ("coherent", "closest", False), ("incoherent", "closest", False)
 ANY = (("coherent", "any", False), ("incoherent", "any", False))
 TOGETHER = ("coherent", "closest", True)
@@ -42,7 +43,7 @@ COLUMNS += [(kind, (COHERENT, INCOHERENT)) for kind in KINDS[1:]]
 
 
 def measured(bench):
-    """The record of all scenes, in one process."""
+    """Measures all scenes in one process and returns the record."""
     widest = about(bench)["isas"][-1]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "speeds.json"
@@ -52,17 +53,19 @@ def measured(bench):
 
 
 def rows_of(record):
-    """The pandas table of a record; of several libraries the last one's."""
+    """Returns a record as a pandas table; if it has several libraries, only the last one's rows."""
     rows = rows_of_record(record, "")
     return as_table([row for row in rows if row.get("library") == rows[-1].get("library")])
 
 
 def cell(rows, shown):
-    """rows: of a scene, a kind and a view."""
+    """rows: one scene, kind and view."""
     ratios = []
     for ray_set, query, together in shown:
         modes = rows.isa.map(PACKETS) if together else "single"
-        found = rows[(rows["set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)]
+        found = rows[
+            (rows["set"] == ray_set) & (rows["query"] == query) & (rows["mode"] == modes) & (rows.threads == 1)
+        ]
         ratios.append(f"{found.relative_to_grid_median.iloc[0]:.2f}")
     return " ".join(ratios)
 
@@ -87,14 +90,24 @@ def full_views(rows):
 
 
 def speeds_of_page():
-    """Speeds of cVERT's single rays as docs/performance.md has them: (coherent, incoherent) by "scene, view"."""
+    """Speeds of cVERT's single rays in docs/performance.md: (coherent, incoherent) by "scene, view"."""
     rows = re.findall(r"^\| (\w+, \w+) \| ([\d.]+) ([\d.]+) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     return {name: (coherent, incoherent) for name, coherent, incoherent in rows}
 
 
 def front_table(rows):
-    """GRID beside cVERT in full views of three scenes."""
-    heads = ["scene", "million quads", "MiB: GRID", "cVERT", "build, s: GRID", "cVERT", "coherent rays", "incoherent rays", "error, pixels"]
+    """GRID and cVERT in full views of three scenes."""
+    heads = [
+        "scene",
+        "million quads",
+        "MiB: GRID",
+        "cVERT",
+        "build, s: GRID",
+        "cVERT",
+        "coherent rays",
+        "incoherent rays",
+        "error, pixels",
+    ]
     by, speeds, out = full_views(rows), speeds_of_page(), []
     for scene in FRONT_SCENES:
         pair = [by[scene, kind] for kind in ("GRID", "cVERT")]
@@ -103,28 +116,34 @@ def front_table(rows):
         out.append([*cells, *speeds[f"{scene}, full"], f"{pair[1].errors_p99_pixels:.3f}"])
     run = rows.iloc[0]
     source = (
-        f"Level 6 (64 x 64 quads per face), full views. Error: 99 of 100 rays hit within this many pixels of GRID's hit. Memory, build "
-        f"({run.run_hardware_threads} threads) and error were measured on an {run.run_cpu}, {run.run_date[:10]}, commit {run.run_commit[:12]}. Ray "
-        "speeds are multiples of GRID's, single rays of one thread, from [performance.md](docs/performance.md#how-fast-are-rays). "
-        "`scripts/performance.py` writes this table."
+        "Level 6 (64 x 64 quads per face), full views. Error: 99 of 100 rays hit within this many pixels of GRID's"
+        f" hit. Memory, build ({run.run_hardware_threads} threads) and error were measured on an {run.run_cpu},"
+        f" {run.run_date[:10]}, commit {run.run_commit[:12]}. Ray speeds are multiples of GRID's, single rays of one"
+        " thread, from [performance.md](docs/performance.md#how-fast-are-rays). `scripts/performance.py` writes this"
+        " table."
     )
-    return [*Table(heads, out).markdown().split("\n"), *textwrap.wrap(source, 116, break_long_words=False, break_on_hyphens=False), ""]
+    return [
+        *Table(heads, out).markdown().split("\n"),
+        *textwrap.wrap(source, 116, break_long_words=False, break_on_hyphens=False),
+        "",
+    ]
 
 
 def headline(rows):
-    """The two ranges that matter: memory over all scenes of the record, speed over all scenes and views of the page."""
+    """The two headline ranges: memory over all scenes of the record, speed over all scenes and views of the page."""
     by, scenes = full_views(rows), sorted(set(rows.scene))
     smaller = [by[scene, "GRID"].memory_live_bytes / by[scene, "cVERT"].memory_live_bytes for scene in scenes]
     faster = [float(speed) for pair in speeds_of_page().values() for speed in pair]
     text = (
-        f"**{min(smaller):.0f} to {max(smaller):.0f} times less memory than Embree's own subdivision surfaces; single rays at {min(faster):.2f} to "
-        f"{max(faster):.2f} times their speed**, lowest where the scene fits the caches ({len(scenes)} models; [measurements](docs/performance.md#how-fast-are-rays))."
+        f"**{min(smaller):.0f} to {max(smaller):.0f} times less memory than Embree's own subdivision surfaces; single"
+        f" rays at {min(faster):.2f} to {max(faster):.2f} times their speed**, lowest where the scene fits the caches"
+        f" ({len(scenes)} models; [measurements](docs/performance.md#how-fast-are-rays))."
     )
     return [*textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False), ""]
 
 
 def write(page, name, lines):
-    """Puts lines between the markers of a page."""
+    """Replaces the lines between the markers of a page."""
     begin, end = f"<!-- begin: {name} -->\n", "<!-- end -->\n"
     before, rest = page.read_text(encoding="utf-8").split(begin)
     after = rest.split(end, 1)[1]
@@ -133,9 +152,16 @@ def write(page, name, lines):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bench", type=Path, default=ROOT / "build/release/tutorials/bench/cbvh_bench", help="the program that measures")
+    parser.add_argument(
+        "--bench",
+        type=Path,
+        default=ROOT / "build/release/tutorials/bench/cbvh_bench",
+        help="the program that measures",
+    )
     parser.add_argument("--record", metavar="FILE")
-    parser.add_argument("--front-only", action="store_true", help="write README.md alone, with the speeds that docs/performance.md has")
+    parser.add_argument(
+        "--front-only", action="store_true", help="write only README.md, with the speeds of docs/performance.md"
+    )
     options = parser.parse_args()
     rows = rows_of(records.read(options.record) if options.record else measured(options.bench))
     if not options.front_only:

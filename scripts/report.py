@@ -2,9 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Makes one self-contained HTML page, tables in Markdown and a table of all records of what benchmark.py measured.
+"""Writes what benchmark.py measured as a self-contained HTML page, as Markdown tables and as a CSV file of all records.
 
-    scripts/report.py        output/benchmark/quick to report.html, tables.md and records.csv in it
+    scripts/report.py        reads output/benchmark/quick and writes report.html, tables.md and records.csv there
 """
 
 import argparse
@@ -24,7 +24,7 @@ def fail(path, problem):
 
 
 def write(path, text):
-    """Whole or not at all."""
+    """Writes a file completely or not at all."""
     try:
         whole_file.write(path, text)
     except OSError as error:
@@ -32,18 +32,18 @@ def write(path, text):
 
 
 def check_outputs(outputs, folders):
-    """Refuses to write over a record that is read, or two texts into one file."""
+    """Rejects outputs that would overwrite an input record, or each other."""
     records_read = [file for path in folders for file in (path.glob("*.json") if path.is_dir() else [path])]
     for output in outputs:
         record = whole_file.would_replace(output, records_read)
         if record:
             fail(output, f"would replace the record {record.name}; give another name")
     if len({path.resolve() for path in outputs}) < len(outputs):
-        fail(outputs[0], "is the file of two of --output, --tables and --csv; give another name")
+        fail(outputs[0], "is named by two of --output, --tables and --csv; give another name")
 
 
 def read(folder, gpu=(), beside=()):
-    """The Data of the folders, with a warning about each record that is left out."""
+    """Returns the Data of the folders. Prints a warning for each record that cannot be used."""
     for path, hint in [(folder, "; scripts/benchmark.py makes it"), *((path, "") for path in beside)]:
         if not path.is_dir():
             fail(path, f"no such folder{hint}")
@@ -63,14 +63,14 @@ def arguments():
     default = ROOT / "output/benchmark/quick"
     parser.add_argument("folder", nargs="?", type=Path, default=default, metavar="DIR", help="records of benchmark.py")
     parser.add_argument("--output", type=Path, metavar="FILE", help="the page (default: report.html in DIR)")
-    parser.add_argument("--tables", type=Path, metavar="FILE", help="Markdown (default: tables.md beside the page)")
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="all records (default: records.csv beside the page)")
+    parser.add_argument("--tables", type=Path, metavar="FILE", help="Markdown (default: tables.md next to the page)")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="all records (default: records.csv next to the page)")
     parser.add_argument("--against", type=Path, metavar="DIR", help="records of another run on the same machine")
     text = "record of a Vulkan device, or a folder of them; may be repeated"
     parser.add_argument("--gpu", type=Path, action="append", default=[], metavar="PATH", help=text)
     text = "records of another machine or instruction set, for their section; may be repeated"
     parser.add_argument("--beside", type=Path, action="append", default=[], metavar="DIR", help=text)
-    text = "what scripts/measure_scale.py measured (default: output/benchmark/scale, if it is there)"
+    text = "records of scripts/measure_scale.py (default: output/benchmark/scale, if it exists)"
     parser.add_argument("--scale", type=Path, metavar="DIR", help=text)
     return parser.parse_args()
 

@@ -2,17 +2,18 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs a command on a clean Debian 12 or 13, in a root of its own: what this machine has installed makes no difference.
+# Runs a command on a clean Debian 12 or 13, in a separate root file system that is independent of this machine's
+# packages.
 #
 #   scripts/roots.sh debian12|debian13 [COMPILER] [-- COMMAND [ARGUMENT...]]
 #
-# COMPILER is gcc (the default), clang, or one of a version that the release has, such as gcc-13 or clang-19. COMMAND is
-# scripts/demo.sh by default. It runs in a clone of the committed state, as root, with CC and CXX set.
+# COMPILER is gcc (default), clang, or a version that the release provides, such as gcc-13 or clang-19. COMMAND is
+# scripts/demo.sh by default. It runs as root in a clone of the committed state, with CC and CXX set.
 #
-# The root is made by debootstrap if there is none, from the mirror that this machine's apt uses, in build/roots/NAME;
-# CBVH_ROOTS names another folder than build/roots, DEBIAN_MIRROR another mirror. It stays there, with its packages and
-# one clone and build per compiler. An archive of Embree's source in ../shared/upstream is offered to the root in case
-# that its package registry does not answer. Needs root, debootstrap, git, and 1 GB; 6 GB for scripts/test.sh.
+# If the root file system does not exist, debootstrap creates it in build/roots/NAME from the mirror of this machine's
+# apt. CBVH_ROOTS replaces build/roots; DEBIAN_MIRROR replaces the mirror. It is kept with its packages, and with one
+# clone and build per compiler. An archive of Embree's source in ../shared/upstream is the fallback if the package
+# registry does not answer. Requires root, debootstrap, git, and 1 GB of disk; 6 GB for scripts/test.sh.
 
 distribution=${1:-}
 [ "$#" = 0 ] || shift
@@ -25,7 +26,7 @@ unexpected=
 [ "${1:---}" = -- ] || unexpected=$1
 [ "$#" = 0 ] || shift
 
-# Options of COMMAND are not ours.
+# Options of COMMAND are passed on.
 arguments=2
 load() { . "$(dirname -- "$0")/lib.sh"; }
 load "$distribution" "$compiler"
@@ -35,44 +36,46 @@ load "$distribution" "$compiler"
 case $distribution in
   debian12) suite=bookworm ;;
   debian13) suite=trixie ;;
-  *) refuse "\"$distribution\" is no distribution: expected debian12 or debian13" ;;
+  *) refuse "\"$distribution\" is not a distribution: expected debian12 or debian13" ;;
 esac
 case $compiler in
   gcc | gcc-[0-9]*) cxx=g++${compiler#gcc} ;;
   clang | clang-[0-9]*) cxx=clang++${compiler#clang} ;;
-  *) refuse "\"$compiler\" is no compiler: expected gcc, clang, gcc-VERSION or clang-VERSION" ;;
+  *) refuse "\"$compiler\" is not a compiler: expected gcc, clang, gcc-VERSION or clang-VERSION" ;;
 esac
-[ "$(id -u)" = 0 ] || refuse "only root can make and enter a root"
-command -v debootstrap > /dev/null || refuse "there is no debootstrap, which is a package of that name"
+[ "$(id -u)" = 0 ] || refuse "only root can create and enter a root file system"
+command -v debootstrap > /dev/null || refuse "debootstrap is missing: install the package debootstrap"
 
 roots=${CBVH_ROOTS:-build/roots}
 mkdir -p "$roots"
 roots=$(cd -- "$roots" && pwd)
 base=$roots/$distribution
-home=/root/$compiler # in it: one clone per compiler, as a build folder keeps its compiler
+home=/root/$compiler # one clone per compiler, because a build folder keeps its compiler
 
 make_root() {
   if [ -d "$base" ]; then echo "$base is present"; return; fi
-  # On Debian, apt knows a mirror. Its security updates are elsewhere.
+  # On Debian, apt knows a mirror. Its security updates are on another server.
   mirror=${DEBIAN_MIRROR:-$(apt-get indextargets --format '$(RELEASE) $(SITE)' 'Created-By: Packages' 'Origin: Debian' \
     'Component: main' | sed -n '/^[^ ]*-/!s/^[^ ]* //p' | sort -u | head -n 1)}
-  [ -n "$mirror" ] || { echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2; return 1; }
+  [ -n "$mirror" ] ||
+    { echo "apt has no source of Debian's main component: set DEBIAN_MIRROR to a mirror" >&2; return 1; }
   rm -rf --one-file-system "$base.part"
-  debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" > "$roots/$distribution.log" ||
+  debootstrap --variant=minbase --include=ca-certificates "$suite" "$base.part" "$mirror" > "$roots/$distribution.log" \
+    ||
     { tail "$roots/$distribution.log" >&2; return 1; }
   cp -L /etc/resolv.conf "$base.part/etc/"
   apt-config dump | grep -E '^Acquire::[a-z]+::Proxy' > "$base.part/etc/apt/apt.conf.d/90proxy" || true
   mv "$base.part" "$base"
 }
 
-# inside COMMAND...: in the root, with nothing of this machine's environment. Its mounts end with it.
+# inside COMMAND...: runs a command in the root without this machine's environment. Its mounts end with it.
 inside() {
   unshare --mount sh -euc '
     base=$1; shift
     mount --rbind /proc "$base/proc"
     mount --rbind /dev "$base/dev"
-    exec chroot "$base" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
-      TERM="${TERM:-dumb}" DEBIAN_FRONTEND=noninteractive "$@"' sh "$base" "$@"
+    exec chroot "$base" env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
+      LANG=C.UTF-8 TERM="${TERM:-dumb}" DEBIAN_FRONTEND=noninteractive "$@"' sh "$base" "$@"
 }
 
 get_compiler() {
@@ -86,7 +89,7 @@ get_sources() {
   mkdir -p "$base$home"
   if [ ! -d "$clone" ]; then
     git clone -q --no-hardlinks "$root" "$clone"
-  else # what it has built stays
+  else # keeps earlier builds
     git -C "$clone" fetch -q "$root" HEAD && git -C "$clone" reset -q --hard FETCH_HEAD
   fi || return
   git -C "$clone" log -1 --format='%h %s'

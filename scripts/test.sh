@@ -2,17 +2,17 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds what is missing and passes all tests.
+# Builds what is out of date and runs all tests.
 #
 #   scripts/test.sh [CTEST-OPTION...]    for example -R Abi, or -L quick
 #
-# On Debian 12, tests of Vulkan run on the lavapipe of the backports, which has ray queries. To run them on the one that
-# is installed, set VK_DRIVER_FILES to its description: scripts/test.sh -L gpu
+# On Debian 12 the Vulkan tests use lavapipe from the backports, which supports ray queries. To use another driver,
+# set VK_DRIVER_FILES to its description: scripts/test.sh -L gpu
 
-arguments=any # ctest's
+arguments=any # of ctest
 . "$(dirname -- "$0")/lib.sh"
 
-# The tests; at the end, where a reader of a long log looks first, the last lines of each that failed.
+# Runs the tests. Prints the last lines of each failed test at the end, where a reader of a long log looks first.
 run_tests() {
   ctest --preset release -j "$jobs" "$@" && return
   awk -v lines=40 '

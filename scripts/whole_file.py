@@ -1,8 +1,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Writes files whole or not at all, as the programs do: under a temporary name next to the final one, then renamed.
-What a rename would destroy is written into: devices, pipes, and the file of standard output."""
+"""Writes files completely or not at all, as our programs do: under a temporary name in the same folder, then renamed.
+Devices, pipes and the file of standard output are written in place, because a rename would replace them.
+"""
 
 import os
 import tempfile
@@ -10,7 +11,7 @@ from pathlib import Path
 
 
 def is_written_into(path):
-    """Whether a rename would put a file in the place of something else."""
+    """True if a rename would replace something else than a regular file, or the file of standard output."""
     if not path.exists():
         return False
     if not path.is_file():
@@ -19,7 +20,7 @@ def is_written_into(path):
 
 
 def open_standards():
-    """Descriptors of standard output and standard error that are open."""
+    """Returns the descriptors of standard output and standard error that are open."""
     found = []
     for standard in (1, 2):
         try:
@@ -31,7 +32,7 @@ def open_standards():
 
 
 def permissions_of(path):
-    """Those of the file that is replaced, or of a new one."""
+    """Permissions of the file to replace, or of a new file."""
     if path.exists():
         return path.stat().st_mode & 0o7777
     mask = os.umask(0)
@@ -40,7 +41,7 @@ def permissions_of(path):
 
 
 def write(path, text):
-    """Follows symbolic links. Raises OSError."""
+    """Writes a text file. Follows symbolic links. Raises OSError."""
     path = Path(path)
     if is_written_into(path):
         with open(path, "a", encoding="utf-8") as file:
@@ -59,7 +60,7 @@ def write(path, text):
 
 
 def would_replace(path, inputs):
-    """The first of some files that output to a path would replace, or None."""
+    """Returns the first of the inputs that writing to the path would replace, or None."""
     path = Path(path)
     if not path.is_file():
         return None

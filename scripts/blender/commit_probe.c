@@ -1,9 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Preloaded into a program on Embree 3: after each commit of a scene it prints the seconds that all commits of geometries and
- * scenes took so far, the bytes that Embree's memory monitor reports, and how many of them are geometry buffers that Embree
- * allocated. Works with any libembree3.so.3. Supports one device and any number of threads. */
+/* A library to preload into a program that uses Embree 3. After each commit of a scene it prints the duration of all
+ * commits of geometries and scenes so far, the bytes that Embree's memory monitor reports, and the part of them in
+ * geometry buffers that Embree allocated. Works with any libembree3.so.3. Supports one device and any number of
+ * threads. */
 
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -68,5 +69,6 @@ void rtcCommitGeometry(void* geometry) { commit("rtcCommitGeometry", geometry); 
 void rtcCommitScene(void* scene)
 {
   commit("rtcCommitScene", scene);
-  fprintf(stderr, "commit: %.3f s, %lld bytes, %lld of them buffers\n", 1e-9*atomic_load(&nanoseconds), atomic_load(&live), atomic_load(&buffers));
+  fprintf(stderr, "commit: %.3f s, %lld bytes, %lld of them buffers\n", 1e-9*atomic_load(&nanoseconds),
+          atomic_load(&live), atomic_load(&buffers));
 }

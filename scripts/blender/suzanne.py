@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Renders Suzanne, subdivided six times and displaced (4 million triangles), on a floor, with Cycles on the processor.
+"""Renders Suzanne, subdivided six times and displaced (4 million triangles), on a floor, with Cycles on the CPU.
 
     blender -b --python-exit-code 1 --python suzanne.py -- PICTURE
 """

@@ -1,15 +1,15 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Debian packages that take the place of Debian's own, for scripts/package.sh:
+# Debian packages that replace Debian's own, for scripts/package.sh:
 #
-#   libembree3-cbvh    of libembree3-3     component lib
-#   libembree-cbvh-dev of libembree-dev    component devel
-#   embree-cbvh-tools  of embree-tools     component examples, with CBVH_EMBREE_TOOLS
-#   python3-embree-cbvh, of none           component python, where the module is built
+#   libembree3-cbvh      replaces libembree3-3     component lib
+#   libembree-cbvh-dev   replaces libembree-dev    component devel
+#   embree-cbvh-tools    replaces embree-tools     component examples, with CBVH_EMBREE_TOOLS
+#   python3-embree-cbvh  replaces no package       component python, if the module is built
 #
-# Names of their own keep Debian's updates from replacing them. Each provides the package that it
-# replaces in Embree's version, so that what depends on that stays installed, and conflicts with it.
+# The names differ from Debian's so that updates do not replace our packages. Each package provides the replaced
+# package in Embree's version, so that packages that depend on it stay installed, and conflicts with it.
 
 include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
 
@@ -32,18 +32,18 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# They need one another's library, not the one that this machine has.
+# The packages depend on each other's libraries, not on those installed on this machine.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "$<TARGET_FILE_DIR:embree>" "${CMAKE_BINARY_DIR}/kernels/vulkan")
 
 set(about "Embree CBVH is Embree ${EMBREE_UPSTREAM_VERSION} whose subdivision surfaces with displacement
  can stay compressed in memory and are ray traced from there.")
 
 # cbvh_package(COMPONENT NAME REPLACED MULTIARCH SECTION SUMMARY)
-#   REPLACED: a package of Debian's, or "". MULTIARCH: Debian's field, as Debian's own packages have it.
+#   REPLACED: a package of Debian, or "". MULTIARCH: the value of the field Multi-Arch.
 macro(cbvh_package component name replaced multiarch section summary)
   string(TOUPPER ${component} key)
   set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${name})
-  # CPack has a variable for this field from CMake 3.31 on; a line more in another one does as well.
+  # CMake 3.31 introduces a variable for this field; before, a line break in another field has the same effect.
   set(CPACK_DEBIAN_${key}_PACKAGE_SECTION "${section}\nMulti-Arch: ${multiarch}")
   if(NOT "${replaced}" STREQUAL "")
     set(CPACK_DEBIAN_${key}_PACKAGE_PROVIDES "${replaced} (= ${EMBREE_UPSTREAM_VERSION})")
@@ -59,14 +59,16 @@ cbvh_package(lib libembree3-cbvh libembree3-3 same libs "Ray tracing kernels wit
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_LIB_PACKAGE_RECOMMENDS libvulkan1)
 
-cbvh_package(devel libembree-cbvh-dev libembree-dev same libdevel "Embree CBVH: headers, manual pages, CMake and pkg-config")
+cbvh_package(devel libembree-cbvh-dev libembree-dev same libdevel
+  "Embree CBVH: headers, manual pages, CMake and pkg-config")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION}), libtbb-dev")
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.h, cbvh.glsl
 
-# Beside any Embree, in place of none.
-cbvh_package(beside libembree-cbvh0 "" same libs "Compressed subdivision surfaces beside any Embree")
-cbvh_package(beside_devel libembree-cbvh0-dev "" same libdevel "Compressed subdivision surfaces beside any Embree: headers, manual pages, CMake and pkg-config")
+# next to any Embree; these packages replace none
+cbvh_package(beside libembree-cbvh0 "" same libs "Compressed subdivision surfaces next to any Embree")
+cbvh_package(beside_devel libembree-cbvh0-dev "" same libdevel
+  "Compressed subdivision surfaces next to any Embree: headers, manual pages, CMake and pkg-config")
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_DEPENDS "libembree-cbvh0 (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_SHLIBDEPS OFF)
 
@@ -75,13 +77,13 @@ set(CPACK_DEBIAN_EXAMPLES_PACKAGE_DEPENDS "libembree3-cbvh (= ${PROJECT_VERSION}
 
 if(TARGET embree_cbvh)
   cbvh_package(python python3-embree-cbvh "" same python "Embree CBVH: Python module for NumPy arrays")
-  # built for one version of Python, as its name says
+  # built for a single version of Python
   get_property(python TARGET embree_cbvh PROPERTY CBVH_PYTHON_VERSION)
   string(REGEX MATCH "^3\\.([0-9]+)" python "${python}")
   math(EXPR next "${CMAKE_MATCH_1} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "libembree3-cbvh (= ${PROJECT_VERSION}), python3 (>= 3.${CMAKE_MATCH_1}), python3 (<< 3.${next}), python3-numpy")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib) # its example
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib) # for its example
 endif()
 
 include(CPack)

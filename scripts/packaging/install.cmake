@@ -1,14 +1,13 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# What an installation has of ours besides libraries, headers and programs: manual pages, pkg-config
-# files, and in Embree's own CMake package our version and the target embree_vulkan. Components are
-# upstream's: lib, devel, examples.
+# Installs our files besides libraries, headers and programs: manual pages and pkg-config files. Adds our version and
+# the target embree_vulkan to Embree's CMake package. Components are upstream's: lib, devel, examples.
 
 include(GNUInstallDirs)
 get_target_property(CBVH_EMBREE_VERSION embree VERSION)
 
-# --- CMake package: what is in it of ours, kernels/upstream/patches/package-version.patch writes --
+# --- CMake package: kernels/upstream/patches/package-version.patch writes our part of it ----------
 
 if(TARGET embree_vulkan)
   get_directory_property(folder DIRECTORY "${CMAKE_BINARY_DIR}/upstream" DEFINITION EMBREE_CMAKEEXPORT_DIR)
@@ -28,13 +27,15 @@ foreach(file IN LISTS files)
   install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/${file}" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT devel)
 endforeach()
 configure_file("${CMAKE_CURRENT_LIST_DIR}/embree_cbvh.pc.in" "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" @ONLY)
-install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT beside_devel)
+install(FILES "${CMAKE_BINARY_DIR}/pkgconfig/embree_cbvh.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+  COMPONENT beside_devel)
 
-# --- manual pages: upstream installs its own beside them --------------------------------------
+# --- manual pages, next to upstream's --------------------------------------------------------
 
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(Python3_Interpreter_FOUND)
-  set(headers rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h)
+  set(headers rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h
+    rtcore_compressed_files.h)
   list(TRANSFORM headers PREPEND "${CMAKE_SOURCE_DIR}/include/embree3/")
   if(TARGET embree_vulkan)
     list(APPEND headers "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")
@@ -48,21 +49,22 @@ if(Python3_Interpreter_FOUND)
     DEPENDS "${script}" ${headers} VERBATIM)
   add_custom_target(cbvh_man_pages ALL DEPENDS "${man}/rtcSetGeometryCompression.3embree3")
   install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT devel FILES_MATCHING PATTERN "*.3embree3")
-  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT beside_devel FILES_MATCHING PATTERN "*.3cbvh")
+  install(DIRECTORY "${man}" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT beside_devel
+    FILES_MATCHING PATTERN "*.3cbvh")
 endif()
 
-# Those of the programs are their --help, laid out.
+# The pages of programs show their --help.
 find_program(HELP2MAN help2man)
 mark_as_advanced(HELP2MAN)
 if(HELP2MAN AND NOT CBVH_SANITIZE)
-  set(about_cbvh_render "pictures of displaced subdivision surfaces, and what representations cost")
+  set(about_cbvh_render "pictures of displaced subdivision surfaces, and the cost of representations")
   set(about_cbvh_viewer "displaced subdivision surfaces in a window")
   set(about_cbvh_bench "speed, memory and errors of representations of displaced subdivision surfaces")
   set(about_cbvh_pathtracer "path tracing of displaced subdivision surfaces on a GPU or a processor")
   set(about_cbvh_terrain "sky-view factors of elevation rasters")
   set(programs cbvh_render cbvh_viewer cbvh_bench cbvh_pathtracer)
   if(NOT CBVH_PACKAGES)
-    list(APPEND programs cbvh_terrain) # which is in no package
+    list(APPEND programs cbvh_terrain) # no package contains it
   endif()
   foreach(program ${programs})
     if(TARGET ${program})
@@ -79,11 +81,12 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   install(FILES ${pages} DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT examples)
 endif()
 
-# --- pages, and examples beside those of Python ---------------------------------------------------
+# --- documentation pages, and C and C++ examples next to those in Python ------------------------
 
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh" COMPONENT devel)
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/codec" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples"
+set(examples_folder "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples")
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/codec" DESTINATION "${examples_folder}"
   COMPONENT devel FILES_MATCHING PATTERN "*.cpp")
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/beside/" DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/embree-cbvh/examples"
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/tutorials/beside/" DESTINATION "${examples_folder}"
   COMPONENT beside_devel FILES_MATCHING PATTERN "*.c" PATTERN "*.cpp" PATTERN "*.h")
 install(FILES "${CMAKE_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT lib)

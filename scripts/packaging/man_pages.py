@@ -2,15 +2,15 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Manual pages of the functions that our public headers declare, laid out as Embree's own.
+"""Writes manual pages for the functions of our public headers, in the layout of Embree's own pages.
 
     man_pages.py VERSION FOLDER HEADER...
 
-A page is made of the comment above a function and of all types that its declaration leads to, each with its own comment.
-Functions that follow each other under one comment share a page; the others' pages refer to it. A function without a comment
-is an error. What every function of a header returns, such as an error code, has a page of its own.
+A page consists of the comment above a function and of all types that its declaration refers to, with their comments.
+Consecutive functions under one comment share a page; the pages of the other functions refer to it. A function without a
+comment is an error. The result type of all functions of a header, such as an error code, has a page of its own.
 
-Paragraphs of a comment have a place by how they begin:
+The beginning of a paragraph decides its place on the page:
 
     name: ...            an argument, or several (u, v: ...), if the functions have arguments of these names
     Returns ...          RETURN VALUE
@@ -26,7 +26,8 @@ import sys
 from dataclasses import dataclass
 
 FUNCTION = re.compile(
-    r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>(?:rtc|cbvh)\w+)\s*\((?P<arguments>[^)]*)\)"
+    r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s+(?P<returns>[\w\s*]+?)\s*(?P<name>(?:rtc|cbvh)\w+)\s*"
+    r"\((?P<arguments>[^)]*)\)"
 )
 TYPE = re.compile(
     r"(?P<comment>^/\*(?:(?!\*/).)*\*/\n)?(?P<text>^(?:struct|enum) (?:CBVH_ALIGNED )?(?P<name>\w+)\n\{.*?^\};"
@@ -43,10 +44,10 @@ SECTIONS = {"Returns ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ":
 
 @dataclass(frozen=True)
 class Library:
-    """What the pages of the headers in one folder have in common."""
+    """Settings that the pages of all headers in one folder share."""
 
     section: str
-    failures: str = ""  # said of every function, as Embree's own pages do
+    failures: str = ""  # begins the section ERRORS of every page, as in Embree's own pages
     own_pages: tuple = ()  # types that have a page of their own
 
 
@@ -58,7 +59,7 @@ LIBRARIES = {
 
 @dataclass(frozen=True)
 class Type:
-    """A struct, an enumeration or a callback of a header, as it is declared, with the comment above it."""
+    """A struct, an enumeration or a callback: its declaration and the comment above it."""
 
     name: str
     comment: str
@@ -67,22 +68,23 @@ class Type:
 
 @dataclass(frozen=True)
 class Group:
-    """Functions that follow each other under one comment."""
+    """Consecutive functions under one comment."""
 
-    comment: list  # its lines
+    comment: list  # lines
     names: list
     declarations: list
-    arguments: set  # names of the arguments of all of them
+    arguments: set  # names of the arguments of all functions
 
 
 def comment_lines(text):
-    """The lines of a /* comment */ without what makes them one."""
+    """Returns the lines of a /* comment */ without its delimiters."""
     text = re.sub(r"^/\*|\*/$", "", text.strip())
     return [re.sub(r"^ ?\*? ?", "", line).rstrip() for line in text.strip().split("\n")]
 
 
 def paragraphs(lines, arguments):
-    """Joined lines. A paragraph ends at an empty line, and before an argument, a section or an entry of a list."""
+    """Joins lines to paragraphs. A paragraph ends at an empty line, and before an argument, a section or an entry of a
+    list."""
     result, begins = [], True
     for line in map(str.strip, "\n".join(lines).replace(" Thread safety: ", "\nThread safety: ").split("\n")):
         label = LABEL.match(line)
@@ -98,14 +100,14 @@ def paragraphs(lines, arguments):
 
 
 def types_of(header):
-    """All types of a header by name."""
+    """Returns all types of a header by name."""
     header = SIZE_OF.sub("", header)
     found = (Type(m["name"] or m["callback"], m["comment"] or "", m["text"]) for m in TYPE.finditer(header))
     return {type_.name: type_ for type_ in found}
 
 
 def groups_of(header):
-    """All documented functions of a header."""
+    """Returns all documented functions of a header."""
     result, comment, group = [], None, None
     lines = header.split("\n")
     i = 0
@@ -126,7 +128,9 @@ def groups_of(header):
             group.names.append(function["name"])
             returns = " ".join(function["returns"].split())
             group.declarations.append("%s %s(\n  %s\n);" % (returns, function["name"], ",\n  ".join(arguments)))
-            group.arguments.update(re.sub(r"\[\d*\]$", "", argument).split(" ")[-1].strip("*") for argument in arguments)
+            group.arguments.update(
+                re.sub(r"\[\d*\]$", "", argument).split(" ")[-1].strip("*") for argument in arguments
+            )
         elif not lines[i].strip():
             comment = None  # functions after an empty line have a comment of their own
         i += 1
@@ -134,7 +138,7 @@ def groups_of(header):
 
 
 def types_used(texts, types, without):
-    """The types that declarations lead to, each after those that it needs."""
+    """Returns the types that declarations refer to, each after the types that it depends on."""
     result = []
 
     def visit(text):
@@ -190,7 +194,7 @@ def page_of(group, version, include, library, types, others):
     parts = {section: [] for section in ("DESCRIPTION", *SECTIONS.values())}
     for text in texts:
         begin = next((begin for begin in SECTIONS if text.startswith(begin)), None)
-        # The first paragraph says what the function does, even if that is to return something.
+        # The first paragraph is always the description, even if it begins with "Returns".
         section = SECTIONS[begin] if begin and text != texts[0] else "DESCRIPTION"
         if section in ("ERRORS", "NOTES"):
             text = text.split(": ", 1)[1] if section == "ERRORS" else text
@@ -207,7 +211,9 @@ def page_of(group, version, include, library, types, others):
         if found:
             out += [".SS " + section] + prose(found, group.arguments)
     named = [name for name in library.own_pages if re.search(r"\b%s\b" % name, "\n".join(group.declarations))]
-    return "\n".join(out + see_also(named + [name for name in others if name != group.names[0]], library.section)) + "\n"
+    return (
+        "\n".join(out + see_also(named + [name for name in others if name != group.names[0]], library.section)) + "\n"
+    )
 
 
 def page_of_type(type_, version, include, library, others):

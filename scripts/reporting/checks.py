@@ -1,8 +1,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Leaks, crossed sheets and self-shadowing of the benchmark, and the hard cases of the tests: scripts/test.sh leaves an
-XML file of GoogleTest for each case, representation and instruction set; the sentence of a case is the test's own."""
+"""Leaks, crossed sheets and self-shadowing from the benchmark, and the hard cases of the tests. scripts/test.sh writes
+an XML file of GoogleTest for each case, representation and instruction set. The sentence that describes a case comes
+from the test."""
 
 import xml.etree.ElementTree as xml
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 from .data import in_order
 from .formats import Table, table
 
-# The tests' name of a kind, and ours: their cLEAF has leaves for all faces.
+# Names of representations in the tests and here. The tests use cLEAF with leaves for all faces.
 COMPRESSED = {"cGRID": "cGRID", "cVOXEL": "cVOXEL", "cLEAF": "cLEAF-only", "cVERT": "cVERT"}
 COMMAND = "scripts/test.sh -R 'hard_cases|invalid_vertices'"
 
@@ -25,7 +26,7 @@ DARK = ("false_occlusions", "false_passes")
 
 
 def of_thousand(errors, rays="rays", keys=DARK):
-    """A function that returns how many of a thousand rays have errors of these keys."""
+    """Returns a function that computes how many of a thousand rays have errors of these keys."""
     return lambda row: 1000 * sum(row[f"shadow_{errors}_{key}"] for key in keys) / max(1, row[f"shadow_{rays}"])
 
 
@@ -44,12 +45,12 @@ SHADOWS += [(head, of_thousand(*errors), "{:.3f}") for head, errors in WRONG.ite
 
 
 def tables(frame):
-    """Tables of leaks, sheets and shadows, where these were checked."""
+    """Tables of leaks, sheets and shadows, as far as they were measured."""
     rows = in_order(frame, "scene", "level", "representation", "job")
     once, shadows = rows.drop_duplicates("result"), rows[rows.what == "shadow"]
     found = [table(once[once.leaks_rays.notna()], LEAKS, 1, "Leaks")]
     found += [table(once[once.sheets_rays.notna()], SHEETS, 1, "Crossed sheets")]
-    return [one for one in [*found, table(shadows, SHADOWS, 3, "Shadows, of a thousand rays")] if one.rows]
+    return [one for one in [*found, table(shadows, SHADOWS, 3, "Shadows, per thousand rays")] if one.rows]
 
 
 def section(data):
@@ -59,13 +60,14 @@ def section(data):
 
 
 def read_tests(folder):
-    """{(case, sentence): {(kind, instruction set): passed, failed or skipped}}, of tests of no kind ("", "")."""
+    """Returns {(case, sentence): {(kind, instruction set): passed, failed or skipped}}. Tests without a kind have ("",
+    "")."""
     cases = {}
     for path in sorted(Path(folder).rglob("*.xml")):
         try:
             tests = list(xml.parse(path).getroot().iter("testcase"))
         except xml.ParseError:
-            continue  # a test that was stopped while it wrote: as if not run
+            continue  # incomplete because the test was interrupted: counts as not run
         for test in [test for test in tests if test.find("./properties/property[@name='property']") is not None]:
             name, _, tracer = test.get("name").partition("/")
             kind, _, isa = tracer.partition("_")
@@ -77,7 +79,7 @@ def read_tests(folder):
 
 
 def cell(results, kind):
-    """Whether a case holds for a kind, and on how many instruction sets."""
+    """Verdict on a case and a kind: whether it holds, and on how many instruction sets."""
     found = {isa: result for (of, isa), result in results.items() if of in (kind, "")}
     failed, passed = ([isa for isa, result in found.items() if result == what] for what in ("failed", "passed"))
     if failed:

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The sections of the report: their texts are in templates/sections.txt, in their order."""
+"""The sections of the report. templates/sections.txt has their texts, in this order."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,8 @@ TEXTS = Path(__file__).parent / "templates/sections.txt"
 
 @dataclass
 class Section:
-    """missing: what has to be measured for it. parts: what it shows. commands: what measured that."""
+    """missing: the measurement that an empty section asks for. parts: contents. commands: the commands that measured
+    them."""
 
     name: str
     group: str
@@ -26,7 +27,7 @@ class Section:
 
 
 def texts(main):
-    """Sections without parts. main: the main scene."""
+    """Returns all sections without parts. main: the main scene."""
     found = []
     for line in TEXTS.read_text(encoding="utf-8").replace("{main}", main).splitlines():
         if line.startswith(" "):
@@ -37,7 +38,7 @@ def texts(main):
 
 
 def sections(data, against=None, source="", scale_folder=""):
-    """All Sections; of one's own cages those that show something. source: name of the folder of records."""
+    """Returns all Sections; for a user's cages only those with contents. source: name of the folder of records."""
     found = {
         "tradeoffs": tradeoffs.section(data), "levels": levels.section(data), "isas": levels.isas(data),
         "gpu": gpu.section(data), "errors": errors.section(data), "relations": relations.section(data),

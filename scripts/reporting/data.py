@@ -1,8 +1,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What the sections ask for: the table of all records, and of several rows that measured the same the one with most
-rounds, most views, errors against the true surface, or the latest date."""
+"""The data of the sections: the table of all records. If several rows measured the same, one of them is kept: the one
+with the most rounds, the most views, errors against the true surface, or the latest date."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ def label_order(label):
 
 
 def in_order(frame, *keys):
-    """The frame sorted by the keys; representations in the order of KINDS."""
+    """Returns the frame sorted by the keys; representations are in the order of KINDS."""
     ranks = {label: rank for rank, label in enumerate(sorted(set(frame.representation), key=label_order))}
     return frame.sort_values([*keys], key=lambda column: column.map(ranks) if column.name == SAME[2] else column)
 
@@ -40,9 +40,9 @@ def with_speeds(table):
 
 
 class Data:
-    """Records of a folder. table: all rows; those of Vulkan devices and of other machines have other origins than the
-    rows in `here`, so that only their own sections show them. full: a row for each scene, level and representation in
-    the full view on the widest instruction set."""
+    """The records of a folder. table: all rows. Rows of Vulkan devices and of other machines have a different origin
+    than the rows in `here`, so that only their own sections show them. full: a row for each scene, level and
+    representation in the full view on the widest instruction set."""
 
     def __init__(self, folder, gpu=(), beside=()):
         rows, self.runs, self.problems = records.read(Path(folder), "here")
@@ -63,7 +63,7 @@ class Data:
         self.found = {tuple(row[key] for key in [*SAME, "view"]): row for _, row in self.views().iterrows()}
 
     def views(self, view=None, scene=None, job=None):
-        """A row for each scene, level, representation and view; those of a view, a scene or a job alone."""
+        """A row for each scene, level, representation and view; optionally only those of a view, a scene or a job."""
         frame = self.every_view[self.every_view.result.isin(self.of_isa.result)]
         for column, value in (("view", view), ("scene", scene), ("job", job)):
             frame = frame if value is None else frame[frame[column] == value]
@@ -71,11 +71,11 @@ class Data:
         return in_order(frame, *SAME, "view")
 
     def pick(self, scene, level, label, view="full"):
-        """The row of a representation in a view, or None."""
+        """Returns the row of a representation in a view, or None."""
         return self.found.get((scene, level, label, view))
 
     def scenes(self):
-        """The main one first: trex, or else the largest."""
+        """Returns the scenes, the main one first: trex, or else the largest."""
         sizes = self.here.groupby("scene").quads.max().to_dict()
         return sorted(sizes, key=lambda scene: (scene != "trex", -sizes[scene], scene))
 
@@ -86,20 +86,20 @@ class Data:
         return sorted(set(self.here[self.here.scene == scene].level))
 
     def finest(self, scene):
-        """The finest level up to 6, or else the finest."""
+        """Returns the finest level up to 6, or else the finest."""
         levels = self.levels(scene)
         return max([level for level in levels if level <= 6] or levels)
 
     def is_own(self):
-        """Whether all that was measured is of the user's own cages."""
+        """True if all records are of the user's own cages."""
         return len(self.here) > 0 and not self.here.run_command.str.contains("--scene ", regex=False).any()
 
     def picture_level(self):
-        """The level of the paper's pictures, or of one's own cage the finest below it."""
+        """The level of the paper's pictures, or the finest level below it that was measured for a user's cage."""
         return self.finest(self.main_scene()) if self.is_own() else 6
 
     def skipped(self, *origins):
-        """Lines on what was not measured."""
+        """Lines that list what was skipped."""
         rows = self.table[(self.table.what == "skipped") & self.table.origin.isin(origins)]
         places = zip(rows.scene, rows.level, rows.representation, rows.device, rows.skipped)
         return [f"{scene}, level {level}, {label} {device}: {why}" for scene, level, label, device, why in places]

@@ -1,14 +1,14 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Errors of compression alone, of compression and tessellation, and of what heights of 4 bits could give."""
+"""Errors of compression, errors of compression and tessellation, and the errors that heights of 4 bits could reach."""
 
 from . import figures as f
 from .formats import EXACT, Fold, is_known, pixels, signed, table
 
 MESH, TRUE = "errors", "errors_to_true_surface"  # against GRID's mesh of the same level, against the true surface
 SERIES = {MESH: ("against the mesh", f.BLUE, "o"), TRUE: ("against the true surface", f.ORANGE, "D")}
-TARGET = 1.5  # times the error of 4 bits, at most
+TARGET = 1.5  # largest accepted ratio to the error of 4 bits
 AWAY = "away_from_silhouettes_rmse_of_others_pixels"
 COMPARED = {  # columns of cLEAF-only and of 4 bits
     "median": ("errors_median_pixels", "bins_of_4_bits_median_pixels"),
@@ -18,12 +18,12 @@ COMPARED = {  # columns of cLEAF-only and of 4 bits
 
 
 def known_errors(row, kind):
-    """Whether a row has errors of a kind that mean something: GRID has none against itself."""
+    """True if a row has meaningful errors of a kind; GRID has none against itself."""
     return is_known(row[f"{kind}_p99_pixels"]) and (kind, row.kind) != (MESH, "GRID")
 
 
 def ruling(row):
-    """The larger error along the ray. Independent errors add up as squares."""
+    """The larger of the errors along the ray. Independent errors add up as squares."""
     total, tessellation = row[f"{TRUE}_rmse_along_ray_pixels"], row.along_of_grid
     if row.kind == "GRID" or not is_known(tessellation):
         return None
@@ -31,7 +31,7 @@ def ruling(row):
 
 
 def over(row, name):
-    """Error of cLEAF-only over that of 4 bits, or None where 4 bits leave none."""
+    """Error of cLEAF-only divided by the error of 4 bits, or None if the latter is 0."""
     ours, bins = COMPARED[name]
     return row[ours] / row[bins] if row[bins] else None
 
@@ -62,7 +62,7 @@ BINS += [(f"up to {TARGET}", verdict, str)]
 
 
 def draw(axes, rows, title, kinds):
-    """The p99 of errors as marks with their values, medians as hollow marks. rows: the first at the top."""
+    """Draws the p99 of errors as marks with their values, and medians as hollow marks. rows: from top to bottom."""
     shifts = dict(zip(kinds, (-0.2, 0.2) if len(kinds) > 1 else (0,)))
     marks = [
         (i + shifts[kind], row[f"{kind}_median_pixels"], row[f"{kind}_p99_pixels"], *SERIES[kind][1:])
@@ -77,7 +77,7 @@ def draw(axes, rows, title, kinds):
         for value, fill in ((median, "none"), (p99, color)):
             axes.plot([value] * (value >= EXACT), [y] * (value >= EXACT), mark, color=color, mfc=fill, markersize=5.5)
         axes.text(1.3 * max(p99, low), y, f"{p99:.2g}" if p99 >= EXACT else "none", va="center", fontsize=8)
-    f.rows_beside(axes, [row.representation for row in rows])
+    f.row_labels(axes, [row.representation for row in rows])
     f.log_axis(axes, "x", low, 6 * high)
     f.names(axes, title, "pixels, p99 (hollow: median)", columns=2)
 
@@ -98,7 +98,7 @@ def section(data):
 
 
 def draw_bins(axes, rows):
-    """How large bins are, a line for each row."""
+    """Draws the distribution of bin sizes, a line for each row."""
     for row in rows.itertuples():
         name = f"{row.scene}, level {row.level}"
         axes.plot(row.bins_of_4_bits_quantiles_pixels, range(5, 100, 5), label=name, linewidth=1.4)

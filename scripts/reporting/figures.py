@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What the charts of the report have in common: SVG, colors, axes and legends."""
+"""Helpers for the charts of the report: SVG, colors, axes and legends."""
 
 import base64
 import io
@@ -15,7 +15,7 @@ import matplotlib.image  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator  # noqa: E402
 
-# Colors of Okabe and Ito, which color-blind readers tell apart, and marks.
+# Marks, and the colors of Okabe and Ito, which are distinguishable for color-blind readers.
 KINDS = {
     "NAIVE": ("#999999", "P"), "GRID": ("#56B4E9", "X"), "cGRID": ("#0072B2", "s"), "cVOXEL": ("#D55E00", "^"),
     "cLEAF": ("#E69F00", "v"), "cLEAF-only": ("#009E73", "o"), "cVERT": ("#CC79A7", "D"),
@@ -31,7 +31,7 @@ STYLE = {
 
 @dataclass
 class Picture:
-    """text: for readers who do not see it. kind: of the image, as MIME types call it."""
+    """text: the alternative text. kind: the MIME subtype of the image."""
 
     text: str
     kind: str
@@ -44,7 +44,7 @@ class Picture:
 
 
 def chart(text, height, draw, *arguments):
-    """The Picture of what draw(axes, *arguments) draws. height: in inches."""
+    """Returns a chart as a Picture. draw(axes, *arguments) draws it. height: in inches."""
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(figsize=(4.6, height), layout="constrained")
         figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
@@ -56,14 +56,14 @@ def chart(text, height, draw, *arguments):
 
 
 def photo(path, text, caption):
-    """The Picture of a PNG, as WebP, which is a quarter of its size."""
+    """Returns a PNG as a Picture in WebP, which is a quarter of its size."""
     out, pil = io.BytesIO(), {"quality": 87, "method": 4}
     matplotlib.image.imsave(out, matplotlib.image.imread(path), format="webp", pil_kwargs=pil)
     return Picture(text, "webp", out.getvalue(), caption)
 
 
 def math_label(label):
-    """A representation with its frame level raised."""
+    """Returns the name of a representation with the frame level as a superscript."""
     kind, _, frame = label.partition("^")
     return f"{kind}$^{{{frame}}}$" if frame.isdigit() else label.replace("^", " ")
 
@@ -74,7 +74,7 @@ def plain_number(value, _=None):
 
 
 def log_ticks(low, high):
-    """Three to seven round values from low to high."""
+    """Returns three to seven round values from low to high."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     choices = [[step * 10.0**decade for decade in decades for step in steps] for steps in ((1,), (1, 3), (1, 2, 5))]
     for ticks in [*choices, MaxNLocator(6).tick_values(low, high)]:
@@ -85,7 +85,7 @@ def log_ticks(low, high):
 
 
 def log_axis(axes, which, low=None, high=None):
-    """Makes the axis x or y logarithmic, from low to high, or as far as what was drawn reaches."""
+    """Makes the axis x or y logarithmic. The default range is that of the drawn data."""
     axis = getattr(axes, f"{which}axis")
     axes.set(**{f"{which}scale": "log"})
     if low is not None:
@@ -96,7 +96,7 @@ def log_axis(axes, which, low=None, high=None):
 
 
 def names(axes, title, x="", y="", columns=3):
-    """Title, names of the axes, and the legend in a strip below everything else, so that it covers nothing."""
+    """Sets title and axis labels. The legend is in a strip below the chart, so that it covers nothing."""
     axes.set(title=title, xlabel=x, ylabel=y)
     handles, texts = axes.get_legend_handles_labels()
     strip = (15 * math.ceil(len(handles) / columns) + 4) / (72 * axes.figure.get_figheight()) if handles else 0
@@ -104,8 +104,8 @@ def names(axes, title, x="", y="", columns=3):
     axes.figure.legend(handles, texts, ncols=columns, loc="lower center", columnspacing=1.0, handlelength=1.4)
 
 
-def rows_beside(axes, labels):
-    """Names of horizontal bars, the first at the top."""
+def row_labels(axes, labels):
+    """Labels of horizontal bars, from top to bottom."""
     axes.set_yticks(range(len(labels)), [math_label(label) for label in labels])
     axes.set_ylim(len(labels) - 0.4, -0.6)
     axes.grid(axis="y", visible=False)

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Numbers as text, and tables of text out of pandas frames."""
+"""Formats numbers as text, and pandas frames as tables of text."""
 
 import math
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ def is_known(value):
 
 
 def pixels(value):
-    """An error; less than a tenth of EXACT is not shown."""
+    """An error in pixels; 0 if it is less than a tenth of EXACT."""
     if value < EXACT / 10:
         return "0" if value == 0 else f"<{EXACT / 10:.4f}"
     return f"{value:.{4 if value < 1 else 3 if value < 10 else 1}f}"
 
 
 def signed(value):
-    """With four digits and its sign, which rounding to nothing does not leave behind."""
+    """Four digits and a sign; no sign if the value rounds to zero."""
     text = f"{value:+.4f}"
     return text if float(text) else "0.0000"
 
@@ -34,7 +34,7 @@ def digits(value):
 
 
 def ratio(value):
-    """Two digits after the point, but three digits of large ratios."""
+    """Two digits after the point; large ratios have three digits in total."""
     return f"{value:.2f}" if value < 10 else digits(value)
 
 
@@ -47,18 +47,18 @@ def mib(count):
 
 
 def spans(values, form):
-    """From the smallest to the largest known value; a dash without one."""
+    """The range of the known values; a dash if there are none."""
     found = sorted(value for value in values if is_known(value))
     return " to ".join(dict.fromkeys(form(value) for value in found[:1] + found[-1:])) or "-"
 
 
 class Title(str):
-    """A heading among the parts of a section."""
+    """A heading inside a section."""
 
 
 @dataclass
 class Table:
-    """Text. words: columns of words, from the left."""
+    """A table of text. words: number of columns of words, from the left."""
 
     heads: list
     rows: list
@@ -73,7 +73,7 @@ class Table:
 
 @dataclass
 class Fold:
-    """Parts of a section that the page shows on demand. in_markdown: whether tables in Markdown have them."""
+    """Parts of a section that the page shows on demand. in_markdown: True if the Markdown tables contain them."""
 
     title: str
     parts: list
@@ -88,12 +88,13 @@ def cells_of(row, columns):
 
 
 def table(frame, columns, words=1, title=""):
-    """A Table with a row for each of the frame. columns: as of cells_of."""
+    """A Table with a row for each row of the frame. columns: see cells_of."""
     return Table([head for head, *_ in columns], [cells_of(row, columns) for _, row in frame.iterrows()], words, title)
 
 
 def pivoted(frame, across, columns, name, title):
-    """A Table with a row for each representation, and these columns for each value of a column, called name(value)."""
+    """A Table with a row for each representation. The columns are repeated for each value of a column and named
+    name(value)."""
     values, none = sorted(set(frame[across])), ["-"] * len(columns)
     cells = {(row.representation, row[across]): cells_of(row, columns) for _, row in frame.iterrows()}
     labels = in_order(frame, "representation").representation.drop_duplicates()

@@ -1,8 +1,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Speed and memory on Vulkan devices. A device is one on one machine; ratios to the processor are to one thread of the
-same machine, in the same pictures."""
+"""Speed and memory on Vulkan devices. The same device on different machines counts as different devices. Ratios to the
+CPU refer to one thread of the same machine and the same pictures."""
 
 from . import checks
 from . import figures as f
@@ -12,7 +12,7 @@ from .noise import noise
 
 RAYS = {"coherent": "coherent", "incoherent": "incoherent", "coherent_any": "coherent, any hit"}
 RAYS |= {"incoherent_any": "incoherent, any hit"}
-SHARED_BUFFER = 2**20  # bytes of a buffer that many things share: Arena in kernels/vulkan/host/memory.cpp
+SHARED_BUFFER = 2**20  # bytes of a shared buffer: Arena in kernels/vulkan/host/memory.cpp
 MACHINE, PLACE = ["run_cpu", "run_hardware_threads"], ["scene", "view", "level", "quads"]
 SAME = [*PLACE, *MACHINE, "representation", "position"]
 SAME += [f"run_settings_{key}" for key in ("width", "height", "max_error_diagonals")]
@@ -31,7 +31,7 @@ BUILDS = [
 
 
 def measured(data):
-    """Views that devices measured, with bytes that these hold, and ratios to GRID, to NAIVE and to one thread."""
+    """Views that devices measured, with the bytes on the device, and ratios to GRID, to NAIVE and to one CPU thread."""
     views = data.every_view.assign(position=data.every_view.run_settings_position.map(str))
     views = views.sort_values(["run_settings_repeat", "run_date"], kind="stable")
     rows = views[(views.origin == "gpu") & views.on_device_device_bytes.notna() & (views["speeds"] > 0)]
@@ -52,13 +52,14 @@ def measured(data):
 
 
 def smallest(rows):
-    """Those that need least memory, up to buffers that are not full; none if GRID or all rows are among them."""
+    """Returns the rows with the least memory, within the granularity of shared buffers; none if GRID or all rows are
+    among them."""
     found = rows[rows.held_bytes < rows.held_bytes.min() + SHARED_BUFFER]
     return found[:0] if "GRID" in set(found.kind) or len(found) == len(rows) else found
 
 
 def draw(axes, rows, title, rays):
-    """A line for each representation, a mark with its number for each level."""
+    """Draws a line for each representation, with a numbered mark for each level."""
     seen = set()
     for label, found in rows.sort_values("level").groupby("representation", sort=False):
         kind = found.kind.iloc[0]
@@ -74,7 +75,8 @@ def draw(axes, rows, title, rays):
 
 
 def facts(rows, known):
-    """A sentence on the smallest, the fastest, and the ratio to one thread. known: ray sets that were measured."""
+    """A sentence on the smallest and the fastest representation and on the ratio to one CPU thread. known: ray sets
+    that were measured."""
     small, words = smallest(rows), []
     if len(small):
         times = ", ".join(f"{spans(small[f'{rays}_of_grid'], ratio)} ({RAYS[rays]})" for rays in known)
@@ -82,7 +84,7 @@ def facts(rows, known):
         names = ", ".join(small.representation)
         words += [f"smallest: {names} with {size} bytes per quad, {part} of GRID, at {times} times GRID's speed"]
     else:
-        words += ["memory is that of a few buffers, and does not tell representations apart"]
+        words += ["memory consists of a few shared buffers and does not distinguish representations"]
     for rays in known[:2]:
         speeds = rows.set_index("representation")[f"{rays}_of_grid"]
         words += [f"fastest with {RAYS[rays]} rays: {speeds.idxmax()} ({ratio(speeds.max())} times GRID)"]
@@ -91,7 +93,7 @@ def facts(rows, known):
 
 
 def of_scene(rows, name):
-    """Facts at the finest level with most representations, charts where memory tells these apart, and the table."""
+    """Facts at the finest level with the most representations, charts if memory distinguishes these, and the table."""
     rows = in_order(rows, "level", "quads", "representation")
     known = [rays for rays in RAYS if rows[rays].notna().any()]
     counts = rows.groupby(["level", "quads"]).representation.nunique()
@@ -108,7 +110,7 @@ def of_scene(rows, name):
 
 
 def section(data):
-    """Devices: GPUs before devices in software; of each its scenes: trex first, or else the largest."""
+    """Devices, GPUs before software devices. The scenes of each device: trex first, or else the largest."""
     rows, parts, every = measured(data), [], data.table[data.table.on_device_device_bytes.notna()]
     every = every.assign(software=every.device.str.contains("llvmpipe"))
     for (_, device, cpu, threads), found in every.groupby(["software", "device", *MACHINE]):

@@ -19,12 +19,12 @@ CHARTS = {  # unit, column, whether its axis is logarithmic
 
 
 def exact_share(row):
-    """The part of cLEAF's quads that is stored exactly, as cVERT; None for other representations."""
+    """Share of cLEAF's quads that are stored exactly, as in cVERT; None for other representations."""
     return row.memory_compression_exact_quads / max(1, row.memory_compression_quads) if row.kind == "cLEAF" else None
 
 
 def speed(rays):
-    """A function that returns multiples of GRID's speed, and of GRID itself millions of rays per second."""
+    """Returns a function that computes multiples of GRID's speed, and for GRID millions of rays per second."""
     return lambda row: row[rays] if row.kind == "GRID" else row[f"{rays}_of_grid"]
 
 
@@ -33,7 +33,8 @@ TABLES |= {f"speed, {rays} rays": (speed(rays), "{:.2f}") for rays in RAY_SETS}
 
 
 def section(data):
-    """Of scenes with several levels, or frame levels of one kind. What cLEAF stores exactly is a table of cLEAF."""
+    """Tables of scenes with several levels, or with several frame levels of one kind. Only cLEAF has a table of quads
+    that are stored exactly."""
     parts, commands = [], []
     for scene in data.scenes():
         rows = data.full[data.full.scene == scene]
@@ -48,7 +49,7 @@ def section(data):
 
 
 def draw(axes, title, unit, column, is_log, rows):
-    """A line for each scene and representation."""
+    """Draws a line for each scene and representation."""
     scenes, seen = dict(zip(sorted(set(rows.scene)), list(STYLES) * len(rows))), set()
     for (scene, label), found in rows.groupby(["scene", "representation"], sort=False):
         color, mark = f.KINDS[found.kind.iloc[0]]
@@ -73,8 +74,8 @@ def growth(data):
 
 
 def compared(data):
-    """Frames by scene and level of what was measured on several instruction sets or processors, here and elsewhere.
-    Of each processor they have the job that measured most instruction sets, in turns in one process."""
+    """Frames by scene and level of measurements on several instruction sets or CPUs, of this and other machines. For
+    each CPU they contain the job that measured the most instruction sets alternately in one process."""
     rows, keys = data.every_view, ["scene", "level", "run_cpu", "isa", "representation"]
     rows = rows[(rows.origin == "elsewhere") | rows.result.isin(data.here.result)]
     rows = rows[(rows["view"] == "full") & (rows["speeds"] > 0)]
@@ -85,7 +86,7 @@ def compared(data):
 
 
 def isa_table(rows, rays, title):
-    """A table with columns for each instruction set, and for each processor where there are several."""
+    """A table with columns for each instruction set, and for each CPU if there are several."""
     columns = [("Mrays/s", rays, "{:.2f}"), ("of GRID", f"{rays}_of_grid", "{:.2f}")]
     short, several = re.compile(r"\(R\)|\(TM\)| CPU| Processor(?= @|$)| @.*"), rows.run_cpu.nunique() > 1
     rows = rows.assign(column=list(zip(rows.isa.map(ISAS.index), rows.run_cpu)))
@@ -95,7 +96,7 @@ def isa_table(rows, rays, title):
 
 
 def isas(data):
-    """Tables, and after records of other machines a line on each processor."""
+    """Tables, and a line for each CPU if there are records of other machines."""
     parts, commands, table = [], [], data.table
     for (scene, level), rows in compared(data).items():
         parts += [isa_table(rows, rays, f"{scene}, level {level}, {rays}") for rays in RAY_SETS]

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Tables of all measurements: memory and errors of each scene, and speeds through each entrance of the API."""
+"""Tables of all measurements: memory and errors of each scene, and speeds of each function of the API."""
 
 from .data import RAY_SETS, in_order
 from .formats import Fold, percent, pixels, signed, table
@@ -51,7 +51,7 @@ def section(data):
 
 
 def entrances(data):
-    """Speeds through each entrance of the API: millions per second, and percent of GRID's through the same."""
+    """Speeds of each function of the API: millions per second, and percent of GRID's speed with the same function."""
     rows, keys = data.of_isa[data.of_isa.what == "speed"], ["scene", "level", "representation", "view", "set", "query"]
     rows = rows[rows.job.isin(("entrances", "threads")) | rows.result.isin(rows[rows["mode"] != "single"].result)]
     text = rows.mrays_per_second_median.map("{:.2f}".format) + rows.relative_to_grid_median.map(" ({:.0%})".format)

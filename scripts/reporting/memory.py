@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Figure 17 of the paper: memory, as bars whose parts add up to all that the device holds after the commit."""
+"""Figure 17 of the paper: memory, as bars whose parts add up to all memory of the device after the commit."""
 
 from . import figures as f
 from .formats import digits, is_known, percent
@@ -13,13 +13,14 @@ COLORS = {"leaves": "#9ec9e2", "nodes of blocks": f.BLUE, "frames": f.ORANGE, "t
 
 
 def parts(row):
-    """Bytes of each part. They add up to the row's live bytes."""
+    """Bytes of each part. Their sum is the row's live bytes."""
     found = {name: row[f"memory_{key}"] if is_known(row[f"memory_{key}"]) else 0 for name, key in COLUMNS.items()}
     return {**found, "tree above": row.memory_live_bytes - sum(found.values())}
 
 
 def stack(axes, rows, title, unit, scale, texts):
-    """Horizontal bars of rows, the first at the top. scale: of a row's bytes; texts: at the ends of the bars."""
+    """Draws horizontal bars, from top to bottom. scale: maps bytes of a row to its unit; texts: labels at the ends of
+    the bars."""
     widest = max(scale(row) * row.memory_live_bytes for row in rows)
     for i, (row, text) in enumerate(zip(rows, texts)):
         begin = 0.0
@@ -27,13 +28,14 @@ def stack(axes, rows, title, unit, scale, texts):
             axes.barh(i, scale(row) * count, 0.7, left=begin, color=COLORS[name], label=name if i == 0 else None)
             begin += scale(row) * count
         axes.text(begin + 0.01 * widest, i, text, va="center", fontsize=8.5)
-    f.rows_beside(axes, [row.representation for row in rows])
+    f.row_labels(axes, [row.representation for row in rows])
     axes.set_xlim(0, 1.3 * widest)
     f.names(axes, title, unit, columns=2)
 
 
 def section(data):
-    """Charts of each level: all representations, and those up to a quarter of GRID. Lines on what was skipped."""
+    """Charts of each level, for all representations and for those up to a quarter of GRID. Lines that list what was
+    skipped."""
     levels, commands = [], []
     for level in LEVELS:
         rows, charts = [data.pick(data.main_scene(), level, label) for label in LABELS], []

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The run: where and when it measured, and how noisy its speeds are."""
+"""The run: machine, date, and noise of its speeds."""
 
 COMBINATION = ["job", "scene", "level", "representation", "isa", "view", "set", "query", "mode", "threads"]
 
@@ -13,18 +13,19 @@ def period(runs):
 
 
 def uncertainty(spread, rounds):
-    """Twice the standard deviation of the median of the ratios to GRID, as a part of it, if their noise is normal: the
-    middle half of a normal distribution is 1.35 deviations wide, the deviation of the median of n is 1.25 / sqrt(n)."""
+    """Twice the standard deviation of the median of the ratios to GRID, relative to the median, for normally
+    distributed noise. The interquartile range of a normal distribution is 1.35 standard deviations; the standard
+    deviation of the median of n is 1.25 / sqrt(n)."""
     return 2 * 1.25 * spread / 1.35 / rounds**0.5
 
 
 def speeds(table):
-    """Rows of speeds that were compared with GRID's; a device without a clock has none."""
+    """Rows of speeds that have ratios to GRID's. Devices without a clock have none."""
     return table[(table.what == "speed") & (table.kind != "GRID") & table.relative_to_grid_spread.notna()]
 
 
 def noise(table):
-    """A sentence on how far ratios to GRID spread and how sure their medians are."""
+    """A sentence on the spread of ratios to GRID and on the accuracy of their medians."""
     spread, rounds = speeds(table).relative_to_grid_spread, speeds(table).seconds.map(len)
     if spread.empty:
         return "No speeds were measured."
@@ -39,7 +40,7 @@ def noise(table):
 
 
 def compare_runs(table, other):
-    """How far the medians of ratios to GRID of two runs are apart, as parts of them."""
+    """Relative differences between the median ratios to GRID of two runs."""
     pairs = speeds(table).merge(speeds(other).drop_duplicates(COMBINATION), "inner", COMBINATION)
     a, b = pairs.relative_to_grid_median_x, pairs.relative_to_grid_median_y
     return (a - b).abs() / (0.5 * (a + b))

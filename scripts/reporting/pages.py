@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The page in HTML and the tables in Markdown, by the templates beside this file."""
+"""Renders the HTML page and the Markdown tables with the templates next to this file."""
 
 import re
 from pathlib import Path
@@ -15,17 +15,17 @@ VERDICTS = {"holds": "yes", "does not hold": "no", "fails": "no", "not measured"
 
 
 def raised(text):
-    """Words whose frame levels are raised: cLEAF^2."""
+    """Text with frame levels as superscripts: cLEAF^2."""
     return Markup(re.sub(r"\^(\w+)", r"<sup>\1</sup>", str(escape(text))))
 
 
 def verdict_of(cell):
-    """The style of a cell that says whether something holds."""
+    """Style class of a cell with a verdict."""
     return next((style for words, style in VERDICTS.items() if str(cell).startswith(words)), "")
 
 
 def kind_of(part):
-    """How a template shows a part of a section."""
+    """Name of the kind of a part, by which a template chooses how to show it."""
     if type(part) is str:
         return "missing" if part.startswith("No data") else "text"
     return {Title: "title", Table: "table", Fold: "fold", list: "pictures", dict: "facts"}[type(part)]

@@ -1,8 +1,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Figures 10 to 16 and 18 of the paper. Errors are the paper's RMSE, and what it hides. The paper's cLEAF is cLEAF-only
-here."""
+"""Figures 10 to 16 and 18 of the paper. Errors are the paper's RMSE, and values that it hides. The paper's cLEAF is
+cLEAF-only here."""
 
 from pathlib import Path
 
@@ -13,12 +13,12 @@ from .memory import LABELS, LEVELS
 from .relations import ratios
 
 PAPER_SPEEDS = {"cGRID": (65, 84, 99), "cVOXEL": (73, 86, 105), "cLEAF-only": (69, 80, 92)}
-LEVEL_COLORS = {4: "#4daf4a", 5: "#4682c8", 6: "#d9534f"}  # the paper's
+LEVEL_COLORS = {4: "#4daf4a", 5: "#4682c8", 6: "#d9534f"}  # the paper's colors
 PORTRAIT = ("GRID", "cVOXEL^3", "cLEAF-only^2")
 
 
 def caption(row, grid, what):
-    """What a picture shows: memory of a shaded one, and the errors of what is not GRID."""
+    """Caption of a picture: memory of a shaded picture, and errors of all representations except for GRID."""
     texts = [f"{row.representation}, level {row.level}:"]
     if what == "picture":
         part = f", {percent(row.mib / grid.mib)} of GRID" if grid is not None else ""
@@ -32,8 +32,8 @@ def caption(row, grid, what):
 
 
 def pictures(data, wanted, what):
-    """Pictures, a line on absent ones, and commands. wanted: (scene, level, representation, view); what: picture or
-    error_map."""
+    """Pictures, a line that lists missing pictures, and commands. wanted: (scene, level, representation, view); what:
+    picture or error_map."""
     found, absent, commands = [], [], []
     for scene, level, label, view in wanted:
         row, name = data.pick(scene, level, label, view), f"{scene} in {label}, level {level}, {view} view"
@@ -54,7 +54,7 @@ def figure_10(data):
 
 
 def figure_11(data):
-    """The third picture is of the finest level that was measured; the paper's is of level 8."""
+    """The third picture shows the finest measured level; the paper's shows level 8."""
     main, level = data.main_scene(), data.picture_level()
     fine = max([n for n in data.levels(main) if data.pick(main, n, "cVOXEL^4", "close") is not None] or [8])
     wanted = [(main, level, label, "close") for label in ("cVOXEL^3", "cLEAF-only^2")]
@@ -62,7 +62,7 @@ def figure_11(data):
 
 
 def portraits(data):
-    """Figures 12 to 15 and 18, each after a title; for one's own cage, the figures of the main scene."""
+    """Figures 12 to 15 and 18, each after a title; for a user's cage, the figures of the main scene."""
     main, parts, commands = data.main_scene(), [], []
     shown = [("12", main, "close", PORTRAIT), ("12, whole", main, "full", PORTRAIT), ("13", "frog", "close", PORTRAIT)]
     shown += [("14", "scythe", "close", PORTRAIT), ("15", "knee", "close", PORTRAIT)]
@@ -76,7 +76,7 @@ def portraits(data):
 
 
 def bars(axes, title, rows):
-    """Grouped bars of medians, with whiskers from the slowest to the fastest round."""
+    """Draws grouped bars of medians, with whiskers from the slowest to the fastest round."""
     labels, levels = [label for label in LABELS if label in set(rows.representation)], sorted(set(rows.level))
     width, style = 0.8 / len(levels), {"ecolor": f.INK, "elinewidth": 0.8, "capsize": 1.5}
     for k, level in enumerate(levels):

@@ -1,8 +1,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Records of cbvh_bench as one flat table. A row is one measurement: a speed with the errors of its view and the memory
-of its representation; a view, a check or a representation without speeds; or what was skipped."""
+"""Records of cbvh_bench as one flat table. Each row is one measurement: a speed with the errors of its view and the
+memory of its representation; a view, a check or a representation without speeds; or an entry for something that was
+skipped."""
 
 import json
 import re
@@ -25,11 +26,11 @@ COLUMNS = """what origin job scene level representation kind isa device quads re
     memory_compression_exact_quads memory_compression_quads on_device_device_bytes on_device_imported_bytes leaks_rays
     sheets_rays bins_of_4_bits_hits bins_of_4_bits_quantiles_pixels run_command run_cpu run_date run_end run_commit
     run_hardware_threads run_settings_repeat run_settings_true_surface_hits run_settings_reference_level""".split()
-COLUMNS += [f"{kind}_{key}" for kind in KINDS_OF_ERRORS for key in ERRORS]  # they exist even where no record has them
+COLUMNS += [f"{kind}_{key}" for kind in KINDS_OF_ERRORS for key in ERRORS]  # columns exist even if no record has them
 
 
 def flat(nested, prefix=""):
-    """A dictionary without dictionaries in it: {"memory": {"live_bytes": 1}} becomes {"memory_live_bytes": 1}."""
+    """Flattens nested dictionaries: {"memory": {"live_bytes": 1}} becomes {"memory_live_bytes": 1}."""
     out = {}
     for key, value in nested.items():
         out.update(flat(value, f"{prefix}{key}_") if isinstance(value, dict) else {prefix + key: value})
@@ -37,7 +38,7 @@ def flat(nested, prefix=""):
 
 
 def rows_of_result(result):
-    """Dictionaries of what one result adds to the columns of its run and group."""
+    """Returns dictionaries with the columns that a result adds to those of its run and group."""
     base = flat({key: value for key, value in result.items() if key not in ("views", "speed", *CHECKS)})
     if "skipped" in result:
         return [{**base, "what": "skipped"}]
@@ -52,7 +53,7 @@ def rows_of_result(result):
 
 
 def rows_of_record(record, job, numbers=count()):
-    """The rows of a record, each with a number of its result that no other result has."""
+    """Returns the rows of a record. `result` numbers are unique for each result."""
     run = {**flat(record["run"], "run_"), "command": OUTPUTS.sub("", record["run"]["command"]), "job": job}
     asked = record["run"].get("settings", {}).get("device", "cpu")
     rows = []
@@ -66,8 +67,9 @@ def rows_of_record(record, job, numbers=count()):
 
 
 def read(path, origin):
-    """Rows of a record or of a folder of them, the runs, and a line about each record that cannot be read. The origin
-    of what a device measured is "gpu", of what the processor measured for comparison with it "beside gpu"."""
+    """Returns the rows of a record or of a folder of records, the runs, and a line for each record that cannot be read.
+    The origin is "gpu" for measurements on a device and "beside gpu" for the CPU measurements that they are compared
+    with."""
     rows, runs, problems = [], [], []
     for file in sorted(path.glob("*.json")) if path.is_dir() else [path]:
         try:
@@ -85,12 +87,12 @@ def read(path, origin):
 
 
 def as_table(rows):
-    """A pandas table with every column of COLUMNS and of the rows."""
+    """Returns a pandas table with all columns of COLUMNS and of the rows."""
     return pandas.DataFrame(rows, columns=list(dict.fromkeys([*COLUMNS, *(name for row in rows for name in row)])))
 
 
 def csv(table):
-    """The table as text. Lists are JSON. Columns that are empty throughout, and local folders, are left out."""
+    """Returns the table as CSV. Lists are JSON. Leaves out empty columns and local folders."""
     out = table.drop(columns=["folder", "run_command"]).dropna(axis=1, how="all")
     for name in [name for name in out if out[name].map(lambda value: isinstance(value, list)).any()]:
         out[name] = out[name].map(json.dumps, na_action="ignore")

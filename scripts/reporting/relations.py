@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Claims of the paper (Lier, Martinek, Stamminger, Selgrad 2018), compared with measurements. The paper's cLEAF, with
+"""Compares claims of the paper (Lier, Martinek, Stamminger, Selgrad 2018) with measurements. The paper's cLEAF, with
 leaves for all faces, is cLEAF-only here."""
 
 from collections import namedtuple
@@ -9,16 +9,16 @@ from collections import namedtuple
 from .formats import Table, mib
 
 LEAF, VOXEL2, VOXEL3, VOXEL4 = "cLEAF-only^2", "cVOXEL^2", "cVOXEL^3", "cVOXEL^4"
-VALUES = {  # what is compared: column, form
+VALUES = {  # compared value: column, format
     "memory": ("mib", "{:.1f} against {:.1f} MiB"), "RMSE": ("errors_rmse_pixels", "{:.3f} against {:.3f} pixels"),
     "p99": ("errors_p99_pixels", "{:.3f} against {:.3f} pixels"),
 }  # fmt: skip
-# holds: None if it was not measured; reason: why it does not hold, "" if that is not known
+# holds: None if it was not measured; reason: why it does not hold, or "" if the reason is unknown
 Relation = namedtuple("Relation", "claim paper ours holds command reason", defaults=("not measured", None, "", ""))
 
 
 def part_of_grid(data, scene, label, paper, level=6):
-    """Holds if the part is not larger than the paper's, in percent, rounded as that is."""
+    """Holds if the percentage is not larger than the paper's, rounded to the same digits."""
     none = Relation(f"{scene}: memory of {label} at level {level} as a part of GRID at level 6", f"{paper}%")
     ours, grid = data.pick(scene, level, label), data.pick(scene, 6, "GRID")
     if ours is None or grid is None:
@@ -29,7 +29,7 @@ def part_of_grid(data, scene, label, paper, level=6):
 
 
 def below(data, scene, view, first, second, what, paper, reason=lambda a, b: ""):
-    """Holds if a value of the first is below that of the second: (level, label). reason: of both rows."""
+    """Holds if a value of the first (level, label) is below the value of the second. reason: function of both rows."""
     column, form = VALUES[what]
     claim = f"{what} of {first[1]} at level {first[0]} is below that of {second[1]} at level {second[0]}"
     none = Relation(f"{scene}, {view} view: {claim}", paper)
@@ -41,7 +41,7 @@ def below(data, scene, view, first, second, what, paper, reason=lambda a, b: "")
 
 
 def ratios(data, kind, scene, levels=(4, 5, 6), frame_levels=(2, 3)):
-    """Speeds in percent of GRID's, single rays, closest hit, both ray sets. The paper's are of frame levels 2 and 3."""
+    """Speeds in percent of GRID's, single rays, closest hit, both ray sets. The paper used frame levels 2 and 3."""
     rows = data.full[(data.full.scene == scene) & (data.full.kind == kind) & data.full.level.isin(levels)]
     rows = rows[rows.frame_level.isin(frame_levels) | rows.frame_level.isna()]
     return 100 * rows[["coherent_of_grid", "incoherent_of_grid"]].stack()
@@ -55,7 +55,7 @@ def speed_range(data, scene, kind, low, high, mean):
 
 
 def fine_frames(data, scene):
-    """Of cVOXEL^4 at the levels that were measured, the paper's at level 8."""
+    """For cVOXEL^4 at the measured levels; the paper measured level 8."""
     levels = [level for level in data.levels(scene) if data.pick(scene, level, VOXEL4) is not None]
     measured = f"at level {', '.join(map(str, levels))} " if levels else ""
     claim = f"{scene}: {VOXEL4} {measured}is slower than {LEAF} at levels 4 to 6, relative to GRID"
@@ -68,7 +68,7 @@ def fine_frames(data, scene):
 
 
 def blocks_cost_little(leaf, voxel):
-    """The reason if leaves need more memory than four times as many blocks."""
+    """Returns the reason if leaves require more memory than four times as many blocks."""
     few, many = (row.memory_compression_frame_bytes + row.memory_compression_top_level_bytes for row in (leaf, voxel))
     return (
         f"a block has {many / voxel.memory_compression_blocks:.0f} bytes of frame and upper tree here, so finer frames "

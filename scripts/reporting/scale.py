@@ -25,7 +25,7 @@ LEVELS = [
 
 
 def read(folder):
-    """The record, or None."""
+    """Returns the record, or None."""
     path = Path(folder) / RECORD
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
@@ -35,7 +35,7 @@ def gib(count):
 
 
 def herd_table(herd):
-    """The file, and what GRID and NAIVE need for the whole herd by what their copies that fitted needed."""
+    """The herd from a file, and the memory that GRID and NAIVE would require, computed from the copies that fitted."""
     some, memory, rows = herd["some"], herd["memory"], []
     own = f"{gib(herd['renderOwnBytes'])}, and {gib(herd['fileBytes'])} on disk"
     found = [("cVERT, from a file", herd, own, "whatever the disk holds", herd["warm"]["speed"])]
@@ -70,7 +70,7 @@ def herd_text(herd):
 
 
 def tables(record):
-    """Texts and tables of a record."""
+    """Returns the texts and tables of a record."""
     parts = [herd_text(record["herd"]), herd_table(record["herd"])] if "herd" in record else []
     if "levels" in record:
         title = "Levels by the view: level auto gives each edge about one quad per pixel"

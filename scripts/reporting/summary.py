@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The first screen: what compression saves and costs in memory, speed and error."""
+"""The first screen: memory, speed and error of compression."""
 
 from . import errors, memory
 from . import figures as f
@@ -17,10 +17,11 @@ PLACES += [("p99, pixels", "errors_p99_pixels", pixels)]
 
 
 def places(data):
-    """Rows of one representation in all scenes, levels and views, with GRID's values in columns that end in _grid.
-    First is the main scene at the finest level up to 6, in the full view. Empty if nothing was compressed."""
+    """Rows of one representation in all scenes, levels and views, with GRID's values in columns that end in _grid. The
+    first row is the main scene at the finest level up to 6, in the full view. Empty if nothing was compressed."""
     views, keys = data.views(), ["scene", "level", "view"]
-    views = views.merge(views[views.kind == "GRID"], "inner", keys, suffixes=("", "_grid")).copy()  # in one piece
+    # copied into one piece of memory
+    views = views.merge(views[views.kind == "GRID"], "inner", keys, suffixes=("", "_grid")).copy()
     views["smaller"] = views.memory_live_bytes_grid / views.memory_live_bytes
     order = {"other": views.scene != data.main_scene(), "fine": views.level > 6, "coarse": -views.level}
     ranks = dict(zip(FIRST, range(len(FIRST))))
@@ -30,7 +31,7 @@ def places(data):
 
 
 def statements(row, found):
-    """Of memory, speed and error: the figure, a sentence, and the range over all places."""
+    """For memory, speed and error: the figure, a sentence, and the range over all places."""
     size, size_of_grid = mib(row.memory_live_bytes), mib(row.memory_live_bytes_grid)
     memory_text = (
         f"{row.representation} stores {row.scene} at level {row.level}, {row.quads / 1e6:.3g} million quads, in {size} "
@@ -63,14 +64,14 @@ def draw_speed(axes, rows):
         axes.barh([y for y, _ in found], [value for _, value in found], 0.36, color=color, label=rays)
         for y, value in found:
             axes.text(value, y, f" {value:.2f}", va="center", fontsize=8)
-    f.rows_beside(axes, [row.representation for row in rows])
+    f.row_labels(axes, [row.representation for row in rows])
     axes.set_xlim(0, 1.25 * max(axes.get_xlim()[1], 1.0))
     axes.axvline(1.0, color=f.INK, linewidth=0.8, linestyle=":")
     f.names(axes, "Speed", "multiples of GRID's", columns=2)
 
 
 def first_screen(data):
-    """What the templates show: the row of the headline, statements on it, and charts of all representations."""
+    """Data for the templates: the row of the headline, statements about it, and charts of all representations."""
     found = places(data)
     if found.empty:
         return {"on_gpu": (data.table.origin == "gpu").any()}

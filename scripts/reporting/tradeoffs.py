@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Speed and memory against error: charts, and the Pareto front of each as a table."""
+"""Charts of speed and memory against error, and a table of the Pareto front of each."""
 
 from . import figures as f
 from .formats import EXACT, Fold, digits, pixels, table
@@ -14,8 +14,9 @@ FINER = "errors_to_reference_level_p99_pixels"
 
 
 def points(data, scene, column):
-    """Rows of a scene with columns `error` and `value`, and whether errors are against a finer mesh, as they are if all
-    rows of the scene, or of one job on it, have them. Otherwise levels cannot be compared, and the rows are of one."""
+    """Returns the rows of a scene with columns `error` and `value`, and whether errors are against a finer mesh. They
+    are if all rows of the scene, or of one job of it, have such errors. Otherwise levels cannot be compared, and the
+    rows are of a single level."""
     frames = [data.views("full", scene, job) for job in [None, *sorted(set(data.here.job))]]
     frames = [frame[frame.kind != "NAIVE"] for frame in frames]
     frame = next((frame for frame in frames if len(frame) and frame[FINER].notna().all()), None)
@@ -28,7 +29,8 @@ def points(data, scene, column):
 
 
 def front_of(frame, low):
-    """The rows that no other beats in both, by error; errors below EXACT are equal. low: lower values are better."""
+    """Returns the rows that no other row beats in both values, sorted by error. Errors below EXACT are equal. low:
+    lower values are better."""
     ordered = frame.assign(error=frame.error.clip(lower=EXACT)).sort_values(["error", "value"], ascending=[True, low])
     best = ordered.value.cummin() if low else ordered.value.cummax()
     return frame.loc[ordered[best != best.shift()].index]
@@ -36,7 +38,8 @@ def front_of(frame, low):
 
 def draw(axes, frame, title, unit, low):
     frame = frame.sort_values("kind", key=lambda kinds: kinds.map(list(f.KINDS).index))
-    left = min([error for error in frame.error if error >= EXACT] or [2 * EXACT]) / 2.5  # of errors below EXACT
+    # position of errors below EXACT
+    left = min([error for error in frame.error if error >= EXACT] or [2 * EXACT]) / 2.5
     right, front = 1.6 * max(frame.error.max(), left), front_of(frame, low)
     xs, ys = [*front.error.where(front.error >= EXACT, left), right], [*front.value, front.value.iloc[-1]]
     axes.step(xs, ys, where="post", color=f.INK, linewidth=1, alpha=0.6, label="Pareto front")

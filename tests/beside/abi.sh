@@ -2,9 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The binary interface of libembree_cbvh: types and functions of its header are those that were written down in libembree_cbvh.abi, or more. What is
-# compared are functions without content, made of the header, so that types are known without debug information in the library. A change
-# that programs have to be built again for is an error, unless it is meant: write it down then, and raise the version.
+# Checks the binary interface of libembree_cbvh: types and functions of its header must match libembree_cbvh.abi, or
+# extend it. Compares empty functions generated from the header, so that types are known without debug information in
+# the library. A change that requires programs to be compiled again is an error. If it is intended, record it with
+# --write and raise the version.
 #
 #   abi.sh HEADER VERSION-SCRIPT [--write]
 set -eu
@@ -16,7 +17,8 @@ trap 'rm -rf "$work"' EXIT
   echo '#include "cbvh/cbvh.h"'
   sed -n 's/^CBVH_API \(.*\);$/\1 { __builtin_trap(); }/p' "$header"
 } > "$work/stubs.c"
-cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
+cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 \
+  -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
 abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.0"
 [ "${3:-}" != --write ] || { sed "s|path='[^']*/|path='|" "$work/now.abi" > "$here/libembree_cbvh.abi"; exit 0; }
 functions=$(grep -c '<function-decl' "$here/libembree_cbvh.abi")
@@ -25,7 +27,7 @@ abidiff "$here/libembree_cbvh.abi" "$work/now.abi" > "$work/report" || status=$?
 [ $((status & 3)) = 0 ] || { cat "$work/report"; echo "abidiff failed"; exit 1; }
 if [ $((status & 8)) != 0 ] || grep -q "^[1-9][0-9]* .*[Cc]hanged\|^  \[C\]" "$work/report"; then
   cat "$work/report"
-  echo "FAILED: programs would have to be built again"
+  echo "FAILED: programs would have to be compiled again"
   exit 1
 fi
-echo "$functions functions as they were written down"
+echo "$functions functions match the recorded interface"

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The API of libembree_cbvh: the hits of our libembree3 to the bit, input that is let go, errors that are told, commits that are cancelled. */
+/* The API of libembree_cbvh: hits are bit-identical to those of our libembree3, input is released, errors are reported,
+ * commits can be canceled. */
 
 #include "support/diced_mesh.h"
 #include "support/edge_rates.h"
@@ -20,27 +21,36 @@
 namespace cbvh::test {
 namespace {
 
-// A context whose errors are kept.
+// A context that stores its errors.
 struct Context
 {
   CbvhContext handle = nullptr;
-  std::vector<std::pair<CbvhError, std::string>> told;
+  std::vector<std::pair<CbvhError, std::string>> reported;
 
-  Context() { EXPECT_EQ(cbvhNewContext(nullptr, [](void* self, CbvhError code, const char* text) { ((Context*)self)->told.push_back({code, text}); }, this, &handle), CBVH_OK); }
+  Context()
+  {
+    EXPECT_EQ(cbvhNewContext(
+                nullptr,
+                [](void* self, CbvhError code, const char* text) {
+                  ((Context*)self)->reported.push_back({code, text});
+                },
+                this, &handle),
+              CBVH_OK);
+  }
   ~Context() { cbvhReleaseContext(handle); }
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
   operator CbvhContext() const { return handle; }
 
-  // The last error, and no other.
+  // Expects this error and no other since the last call.
   void expect(CbvhError found, CbvhError code, const char* text)
   {
     EXPECT_EQ(found, code);
     EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
-    ASSERT_EQ(told.size(), 1u);
-    EXPECT_EQ(told[0].first, code);
-    EXPECT_EQ(told[0].second, cbvhGetErrorText());
-    told.clear();
+    ASSERT_EQ(reported.size(), 1u);
+    EXPECT_EQ(reported[0].first, code);
+    EXPECT_EQ(reported[0].second, cbvhGetErrorText());
+    reported.clear();
   }
 };
 
@@ -69,7 +79,7 @@ struct Group
   operator CbvhGroup() const { return handle; }
 };
 
-// Our displacement, called in their way.
+// Our displacement with the signature of libembree_cbvh.
 void displace(const CbvhDisplacementArguments* args)
 {
   RTCDisplacementFunctionNArguments ours = RTCDisplacementFunctionNArguments();
@@ -82,7 +92,7 @@ void displace(const CbvhDisplacementArguments* args)
   Displacement::apply(&ours);
 }
 
-// Vertices of time steps, as the API takes them, with what is read behind the last.
+// Vertices of time steps as the API expects them, padded after the last vertex.
 struct Steps
 {
   std::vector<std::vector<Vec>> vertices;
@@ -97,7 +107,10 @@ struct Steps
     for (const auto& step : vertices) pointers.push_back(&step[0][0]);
   }
 
-  CbvhVertices get(float begin = 0, float end = 1) const { return {vertices[0].size() - 1, sizeof(Vec), pointers.data(), unsigned(vertices.size()), begin, end}; }
+  CbvhVertices get(float begin = 0, float end = 1) const
+  {
+    return {vertices[0].size() - 1, sizeof(Vec), pointers.data(), unsigned(vertices.size()), begin, end};
+  }
 };
 
 struct CageInput
@@ -108,8 +121,9 @@ struct CageInput
   CbvhCage cage = CbvhCage();
 
   CageInput(const Cage& from, const SurfaceSettings& settings)
-    : faces(from.faces.begin(), from.faces.end()), indices(from.indices.begin(), from.indices.end()), holes(from.holes.begin(), from.holes.end()),
-      weights(from.creaseWeights), steps(from.positions, settings.motion, settings.timeSteps)
+    : faces(from.faces.begin(), from.faces.end()), indices(from.indices.begin(), from.indices.end()),
+      holes(from.holes.begin(), from.holes.end()), weights(from.creaseWeights),
+      steps(from.positions, settings.motion, settings.timeSteps)
   {
     for (const auto& crease : from.creases) { creases.push_back(crease[0]); creases.push_back(crease[1]); }
     cage.numFaces = faces.size();
@@ -130,7 +144,7 @@ struct CageInput
   }
 };
 
-// To the bit, but for IDs of geometries and instances.
+// Compares bits, except for IDs of geometries and instances.
 void expectSame(RTCScene scene, CbvhGroup group, const std::vector<RTCRayHit>& rays)
 {
   size_t hits = 0;
@@ -161,7 +175,7 @@ SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float
   return settings;
 }
 
-// As handed out by either of the two libraries.
+// Clusters as reported by one of the two libraries.
 struct Clusters
 {
   std::vector<std::vector<unsigned char>> data;
@@ -169,12 +183,13 @@ struct Clusters
   template<typename Cluster>
   static void add(void* self, const Cluster* cluster)
   {
-    ((Clusters*)self)->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
+    ((Clusters*)self)
+      ->data.emplace_back((const unsigned char*)cluster->data, (const unsigned char*)cluster->data + cluster->bytes);
     ((Clusters*)self)->data.emplace_back(cluster->indices, cluster->indices + 3*cluster->numTriangles);
   }
 };
 
-TEST(Beside, SurfacesHaveTheClustersOfOurEmbree)
+TEST(Beside, ClustersMatchOurEmbree)
 {
   Context context;
   Device device;
@@ -184,8 +199,9 @@ TEST(Beside, SurfacesHaveTheClustersOfOurEmbree)
   CageInput input(cage, settings);
   Surface surface(context);
   ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
-  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION) << "not committed";
-  context.told.clear();
+  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
+    << "not committed";
+  context.reported.clear();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   Scene scene(device);
   RTCGeometry geometry = newSurface(device, cage, settings);
@@ -196,21 +212,38 @@ TEST(Beside, SurfacesHaveTheClustersOfOurEmbree)
       Clusters ours, theirs;
       CbvhClusterReport report;
       RTCCompressedClusterReport expected;
-      ASSERT_EQ(cbvhForEachCluster(surface, time, CbvhClusterFormat(format), [](void* self, const CbvhCluster* cluster) { Clusters::add(self, cluster); return 1; }, &ours, &report), CBVH_OK);
-      rtcForEachCompressedCluster(geometry, time, RTCClusterFormat(format), [](void* self, const RTCCompressedCluster* cluster) { Clusters::add(self, cluster); return true; }, &theirs, &expected);
+      ASSERT_EQ(cbvhForEachCluster(
+                  surface, time, CbvhClusterFormat(format),
+                  [](void* self, const CbvhCluster* cluster) {
+                    Clusters::add(self, cluster);
+                    return 1;
+                  },
+                  &ours, &report),
+                CBVH_OK);
+      rtcForEachCompressedCluster(
+        geometry, time, RTCClusterFormat(format),
+        [](void* self, const RTCCompressedCluster* cluster) {
+          Clusters::add(self, cluster);
+          return true;
+        },
+        &theirs, &expected);
       EXPECT_GT(ours.data.size(), 0u);
       EXPECT_EQ(ours.data, theirs.data);
       EXPECT_EQ(std::memcmp(&report, &expected, sizeof(report)), 0);
     }
   size_t calls = 0;
-  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls, nullptr), CBVH_OK);
-  EXPECT_EQ(calls, 3u) << "0 ends the calls";
+  EXPECT_EQ(cbvhForEachCluster(
+              surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls,
+              nullptr),
+            CBVH_OK);
+  EXPECT_EQ(calls, 3u) << "a callback that returns 0 ends the calls";
   EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
-  context.told.clear();
-  context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "7");
+  context.reported.clear();
+  context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr),
+                 CBVH_ERROR_INVALID_ARGUMENT, "7");
 }
 
-TEST(Beside, CagesHaveTheHitsOfOurEmbree)
+TEST(Beside, CageHitsMatchOurEmbree)
 {
   Random random(91);
   Device device;
@@ -242,11 +275,11 @@ TEST(Beside, CagesHaveTheHitsOfOurEmbree)
       EXPECT_EQ(statistics.numMovingQuads, timeSteps > 1 ? statistics.numQuads : 0);
       EXPECT_GT(statistics.bytes, statistics.numQuads);
     }
-  EXPECT_TRUE(context.told.empty());
+  EXPECT_TRUE(context.reported.empty());
 }
 
-// Vertices of grids and meshes are read by the commit, and gone when rays come.
-TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
+// The commit reads vertices of grids and meshes; they are released before rays are traced.
+TEST(Beside, GridAndMeshHitsMatchOurEmbree)
 {
   Random random(92);
   Device device;
@@ -291,8 +324,8 @@ TEST(Beside, WhatWasDicedHasTheHitsOfOurEmbree)
   }
 }
 
-// No vertex moves. Without cbvhSetLossless surfaces are stored as by default again.
-TEST(Beside, LosslessSurfacesHaveTheHitsOfOurEmbree)
+// No vertex moves. Without cbvhSetLossless, surfaces use the default precision again.
+TEST(Beside, LosslessHitsMatchOurEmbree)
 {
   Random random(95);
   Device exact("cbvh_max_error=0"), device;
@@ -330,11 +363,11 @@ TEST(Beside, LosslessSurfacesHaveTheHitsOfOurEmbree)
       }
     }
   }
-  EXPECT_TRUE(context.told.empty());
+  EXPECT_TRUE(context.reported.empty());
 }
 
-// Of both libraries, either opens what the other saved.
-TEST(Beside, FilesAreThoseOfOurEmbree)
+// Both libraries open the other's files.
+TEST(Beside, FilesAreInterchangeableWithOurEmbree)
 {
   Random random(93);
   Folder folder;
@@ -361,7 +394,7 @@ TEST(Beside, FilesAreThoseOfOurEmbree)
     EXPECT_EQ(bytesOf(folder/"ours"), bytesOf(folder/"beside"));
     cbvhReleaseSurface(surface);
   }
-  EXPECT_TRUE(context.told.empty());
+  EXPECT_TRUE(context.reported.empty());
 
   CbvhSurface none = nullptr;
   writeBytes(folder/"ours", bytesOf(folder/"ours").substr(0, 5000));
@@ -374,8 +407,8 @@ TEST(Beside, FilesAreThoseOfOurEmbree)
   context.expect(cbvhSaveSurface(empty, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "path is NULL");
 }
 
-// As rtcDiceGeometry, whose tests say what rates are.
-TEST(Beside, ACageIsDicedByTheView)
+// The same as rtcDiceGeometry, whose tests check the rates.
+TEST(Beside, CagesAreDicedByTheView)
 {
   Random random(94);
   Context context;
@@ -418,20 +451,21 @@ TEST(Beside, ACageIsDicedByTheView)
       const Folder folder;
       ASSERT_EQ(cbvhSaveSurface(surface, (folder/"diced").c_str()), CBVH_OK);
       ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
-      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given")) << "whoever says the rates";
+      EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given")) << "both ways to set rates";
 
       dicing.pixelSize = 0;
-      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice"); // it has let it go
+      // the cage has been released
+      context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_OPERATION, "no cage to dice");
       ASSERT_EQ(cbvhSetCage(given, &input.cage), CBVH_OK);
       context.expect(cbvhDiceSurface(given, &dicing, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "pixelSize");
       context.expect(cbvhDiceSurface(given, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "dicing is NULL");
-      ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a refused view changes nothing";
+      ASSERT_EQ(cbvhCommitSurface(given, nullptr, nullptr), CBVH_OK) << "a rejected view changes nothing";
       ASSERT_EQ(cbvhSaveSurface(given, (folder/"given").c_str()), CBVH_OK);
       EXPECT_EQ(bytesOf(folder/"diced"), bytesOf(folder/"given"));
     }
 }
 
-TEST(Beside, AMeshThatMovesAndLiesInNoGridsIsAnError)
+TEST(Beside, MovingMeshWithoutGridsIsAnError)
 {
   Random random(93);
   Context context;
@@ -447,11 +481,13 @@ TEST(Beside, AMeshThatMovesAndLiesInNoGridsIsAnError)
     const CbvhMesh input = {sizeof(CbvhMesh), 3, triangles.size(), triangles[0].data(), steps.get()};
     ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
     if (n == 1) { ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText(); }
-    else context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION, "move and do not lie in grids");
+    else
+      context.expect(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION,
+                     "move and do not lie in grids");
   }
 }
 
-TEST(Beside, BadInputIsAnErrorThatNamesIt)
+TEST(Beside, InvalidInputIsReportedByName)
 {
   Context context;
   const Surface surface(context);
@@ -518,14 +554,16 @@ TEST(Beside, BadInputIsAnErrorThatNamesIt)
   EXPECT_EQ(none2, nullptr);
 }
 
-// What is left out is told, and the rest is there.
-TEST(Beside, ADisplacementThatIsNotFiniteIsTold)
+// Parts that are left out are reported; the rest exists.
+TEST(Beside, NonFiniteDisplacementIsReported)
 {
   Random random(94);
   Device device;
   Context context;
   Displacement displacement;
-  displacement.poison = [](unsigned primID, float u, float v) { return primID == 2 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f; };
+  displacement.poison = [](unsigned primID, float u, float v) {
+    return primID == 2 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
+  };
   const SurfaceSettings settings = settingsOf(displacement, 1, 32);
   const SurfaceScene scene(device, cubeCage(), settings);
   const Surface surface(context);
@@ -537,7 +575,7 @@ TEST(Beside, ADisplacementThatIsNotFiniteIsTold)
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 2000)));
 }
 
-TEST(Beside, CommitsTellHowFarTheyAreAndCanBeCancelled)
+TEST(Beside, CommitsReportProgressAndCanBeCanceled)
 {
   Random random(95);
   Device device;
@@ -547,22 +585,22 @@ TEST(Beside, CommitsTellHowFarTheyAreAndCanBeCancelled)
   const CageInput input(sheetCage(8), settings);
   const Surface surface(context);
   ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
-  struct Told { std::atomic<unsigned> calls{0}; unsigned most; } told;
+  struct Reported { std::atomic<unsigned> calls{0}; unsigned most; } reported;
   const auto progress = [](void* self, double done) {
-    Told& told = *(Told*)self;
-    return int(done >= 0 && done <= 1 && ++told.calls <= told.most);
+    Reported& reported = *(Reported*)self;
+    return int(done >= 0 && done <= 1 && ++reported.calls <= reported.most);
   };
-  told.most = 3;
-  context.expect(cbvhCommitSurface(surface, progress, &told), CBVH_ERROR_CANCELLED, "");
-  EXPECT_GT(told.calls, 3u);
-  told.most = ~0u;
-  ASSERT_EQ(cbvhCommitSurface(surface, progress, &told), CBVH_OK) << cbvhGetErrorText();
+  reported.most = 3;
+  context.expect(cbvhCommitSurface(surface, progress, &reported), CBVH_ERROR_CANCELLED, "");
+  EXPECT_GT(reported.calls, 3u);
+  reported.most = ~0u;
+  ASSERT_EQ(cbvhCommitSurface(surface, progress, &reported), CBVH_OK) << cbvhGetErrorText();
   const SurfaceScene scene(device, sheetCage(8), settings);
   const Group group(context, {surface});
   ASSERT_NO_FATAL_FAILURE(expectSame(scene, group, raysAt(random, 1000)));
 }
 
-TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
+TEST(Beside, AttributesAreInterpolatedAfterTheCageIsReleased)
 {
   Device device;
   Context context;
@@ -571,11 +609,17 @@ TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
   std::vector<float> ofVertices, ofCorners;
   std::vector<unsigned> corners;
   for (size_t i = 0; i < cage.positions.size(); i++) ofVertices.push_back(float(i*i));
-  for (size_t i = 0; i < cage.indices.size(); i++) { ofCorners.push_back(float(i % 4 == 1 || i % 4 == 2)); ofCorners.push_back(float(i % 4 >= 2)); corners.push_back(unsigned(i)); }
+  for (size_t i = 0; i < cage.indices.size(); i++) {
+    ofCorners.push_back(float(i % 4 == 1 || i % 4 == 2));
+    ofCorners.push_back(float(i % 4 >= 2));
+    corners.push_back(unsigned(i));
+  }
   const Surface surface(context);
   {
     CageInput input(cage, settingsOf(displacement, 1, 8));
-    const CbvhAttribute attributes[2] = {{ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH}, {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
+    const CbvhAttribute attributes[2] = {
+      {ofVertices.data(), ofVertices.size(), 4, 1, nullptr, CBVH_BOUNDARY_SMOOTH},
+      {ofCorners.data(), corners.size(), 8, 2, corners.data(), CBVH_BOUNDARY_PIN_ALL}};
     input.cage.numAttributes = 2;
     input.cage.attributes = attributes;
     ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK) << cbvhGetErrorText();
@@ -591,12 +635,13 @@ TEST(Beside, AttributesAreInterpolatedWhereTheCageIsGone)
     ASSERT_EQ(cbvhInterpolate(surface, face, 0.5f, 0.5f, 0, &value, nullptr, nullptr), CBVH_OK);
     EXPECT_TRUE(value >= 0 && value <= 49);
   }
-  context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "attribute");
+  context.expect(cbvhInterpolate(surface, 0, 0, 0, 2, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT,
+                 "attribute");
   context.expect(cbvhInterpolate(surface, 6, 0, 0, 0, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT, "face");
 }
 
-// Of the vertices' faces, or of those that an attribute has.
-TEST(Beside, AttributesAtTooManyFacesAreErrors)
+// Limits of the faces at a vertex, of the cage or of an attribute's topology.
+TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
 {
   Context context;
   Displacement displacement;
@@ -604,7 +649,7 @@ TEST(Beside, AttributesAtTooManyFacesAreErrors)
   ASSERT_GT(sheet.faces.size(), poles.faces.size());
   for (bool isOwn : {false, true}) {
     const Cage& cage = isOwn ? sheet : poles;
-    std::vector<unsigned> corners = poles.indices; // and a value of its own at each corner of the faces after those
+    std::vector<unsigned> corners = poles.indices; // and separate values at the corners of further faces
     while (corners.size() < cage.indices.size()) corners.push_back(unsigned(poles.positions.size() + corners.size()));
     const std::vector<float> values(poles.positions.size() + cage.indices.size(), 2.0f);
     const unsigned* const indices = isOwn ? corners.data() : nullptr;
@@ -636,8 +681,8 @@ TEST(Beside, AttributesAtTooManyFacesAreErrors)
   }
 }
 
-// Of hits, and all of them.
-TEST(Beside, TrianglesComeOut)
+// Triangles of hits, and all triangles.
+TEST(Beside, TrianglesAreReported)
 {
   Random random(96);
   Context context;
@@ -656,21 +701,32 @@ TEST(Beside, TrianglesComeOut)
     hits++;
     CbvhTriangle t;
     ASSERT_TRUE(cbvhGetTriangle(surface, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
-    const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+    const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z},
+                d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
     double height = 0, n = 0;
-    for (int k = 0; k < 3; k++) { height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]); n += double(Ng[k])*Ng[k]; }
+    for (int k = 0; k < 3; k++) {
+      height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
+      n += double(Ng[k])*Ng[k];
+    }
     ASSERT_LT(std::fabs(height), 1e-5*std::sqrt(n));
   }
   EXPECT_GT(hits, 100u);
   CbvhTriangle t;
   EXPECT_FALSE(cbvhGetTriangle(surface, 0, 77, 0.5f, 0.5f, nullptr, &t));
   size_t quads = 0;
-  ASSERT_EQ(cbvhForEachPart(surface, 0.5f, [](void* sum, const CbvhPart* part) { *(size_t*)sum += size_t(part->width - 1)*(part->height - 1); return 1; }, &quads), CBVH_OK);
+  ASSERT_EQ(cbvhForEachPart(
+              surface, 0.5f,
+              [](void* sum, const CbvhPart* part) {
+                *(size_t*)sum += size_t(part->width - 1)*(part->height - 1);
+                return 1;
+              },
+              &quads),
+            CBVH_OK);
   EXPECT_EQ(quads, 6u*16*16);
 }
 
-// Objects go with their last reference, whoever has it, and groups see surfaces as they were committed.
-TEST(Beside, WhatIsHeldStays)
+// Objects exist until their last reference is released. Groups use surfaces as of their last commit.
+TEST(Beside, ReferencedObjectsStayAlive)
 {
   CbvhContext context = nullptr;
   ASSERT_EQ(cbvhNewContext("threads=1", nullptr, nullptr, &context), CBVH_OK);
@@ -693,7 +749,11 @@ TEST(Beside, WhatIsHeldStays)
   EXPECT_LT(lower[0], -0.3f);
   EXPECT_GT(upper[2], 0.3f);
   CbvhRayHit ray = {};
-  ray.ray.org_z = 5; ray.ray.org_x = ray.ray.org_y = 0.01f; ray.ray.dir_z = -1; ray.ray.tfar = INFINITY; ray.ray.mask = ~0u;
+  ray.ray.org_z = 5;
+  ray.ray.org_x = ray.ray.org_y = 0.01f;
+  ray.ray.dir_z = -1;
+  ray.ray.tfar = INFINITY;
+  ray.ray.mask = ~0u;
   ray.hit.geomID = 17; ray.hit.instID = 18;
   EXPECT_TRUE(cbvhIntersect1(group, &ray, nullptr));
   EXPECT_EQ(ray.hit.geomID, 0u);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damage in a file that functions of libembree_cbvh find: the error function of the context is called with its reason,
- * once per surface if rays find it. */
+/* Functions of libembree_cbvh detect damaged files: they call the context's error function with the reason, once per
+ * surface if rays detect the damage. */
 
 #include "support/file_mutations.h"
 
@@ -12,7 +12,7 @@
 namespace cbvh::test {
 namespace {
 
-struct Told
+struct Reported
 {
   unsigned errors = 0;
   CbvhError code = CBVH_OK;
@@ -20,25 +20,25 @@ struct Told
 
   static void function(void* self, CbvhError code, const char* text)
   {
-    Told& told = *(Told*)self;
-    told.errors++;
-    told.code = code;
-    told.text = text;
-    cbvhReleaseContext(nullptr); // functions of the library may be called here
+    Reported& reported = *(Reported*)self;
+    reported.errors++;
+    reported.code = code;
+    reported.text = text;
+    cbvhReleaseContext(nullptr); // functions of the library may be called in callbacks
   }
 };
 
 struct Damaged : testing::Test
 {
-  Told told;
+  Reported reported;
   CbvhContext context = nullptr;
   Folder folder;
   const std::string path = folder/"surface.cbvh";
-  std::string whole; // the file without damage
+  std::string whole; // contents of the intact file
 
   Damaged()
   {
-    EXPECT_EQ(cbvhNewContext(nullptr, Told::function, &told, &context), CBVH_OK);
+    EXPECT_EQ(cbvhNewContext(nullptr, Reported::function, &reported, &context), CBVH_OK);
     const Cage cage = cubeCage();
     const float* const steps[] = {cage.positions[0].data()};
     CbvhCage input = CbvhCage();
@@ -76,18 +76,18 @@ struct Damaged : testing::Test
     EXPECT_EQ(cbvhNewGroup(context, &surface, 1, &group), CBVH_OK) << cbvhGetErrorText();
     EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
     cbvhReleaseSurface(surface);
-    EXPECT_EQ(told.errors, 0u) << told.text;
+    EXPECT_EQ(reported.errors, 0u) << reported.text;
     return group;
   }
 
   void expectOne(const char* by)
   {
-    EXPECT_EQ(told.errors, 1u) << by;
-    EXPECT_EQ(told.code, CBVH_ERROR_INVALID_ARGUMENT) << by;
-    EXPECT_NE(told.text.find("is damaged"), std::string::npos) << by << ": " << told.text;
-    EXPECT_NE(told.text.find(path), std::string::npos) << by << ": " << told.text;
+    EXPECT_EQ(reported.errors, 1u) << by;
+    EXPECT_EQ(reported.code, CBVH_ERROR_INVALID_ARGUMENT) << by;
+    EXPECT_NE(reported.text.find("is damaged"), std::string::npos) << by << ": " << reported.text;
+    EXPECT_NE(reported.text.find(path), std::string::npos) << by << ": " << reported.text;
     EXPECT_NE(std::string(cbvhGetErrorText()).find("is damaged"), std::string::npos) << by;
-    told = Told();
+    reported = Reported();
   }
 
   static std::vector<RTCRayHit> rays()
@@ -128,9 +128,10 @@ void tracePackets(CbvhGroup group, const std::vector<RTCRayHit>& rays)
   }
 }
 
-TEST_F(Damaged, IsToldByRays)
+TEST_F(Damaged, IsReportedByRays)
 {
-  for (const auto& [name, trace] : {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
+  for (const auto& [name, trace] :
+       {std::make_pair("single rays", traceSingle), std::make_pair("packets, any hit", tracePackets)}) {
     CbvhGroup group = load();
     trace(group, rays());
     expectOne(name);
@@ -138,8 +139,8 @@ TEST_F(Damaged, IsToldByRays)
   }
 }
 
-// The text names the file, the block and what is wrong with it, as after rays.
-TEST_F(Damaged, IsNamedByFunctionsThatReadAllBlocks)
+// The message names the file, the block and the defect, the same as after rays.
+TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
 {
   const auto parts = [](CbvhSurface surface) {
     return cbvhForEachPart(surface, 0, [](void*, const CbvhPart*) { return 1; }, nullptr);
@@ -151,17 +152,17 @@ TEST_F(Damaged, IsNamedByFunctionsThatReadAllBlocks)
     SCOPED_TRACE(name);
     CbvhGroup group = load();
     EXPECT_EQ(call(cbvhGetGroupSurface(group, 0)), CBVH_ERROR_INVALID_OPERATION);
-    EXPECT_EQ(told.errors, 1u);
+    EXPECT_EQ(reported.errors, 1u);
     for (const std::string& part : {path, std::string("the geometry's file is damaged"), std::string("the block at ")})
-      EXPECT_NE(told.text.find(part), std::string::npos) << told.text << " lacks " << part;
-    EXPECT_EQ(cbvhGetErrorText(), told.text);
-    told = Told();
+      EXPECT_NE(reported.text.find(part), std::string::npos) << reported.text << " lacks " << part;
+    EXPECT_EQ(cbvhGetErrorText(), reported.text);
+    reported = Reported();
     cbvhReleaseGroup(group);
   }
 }
 
-// The first block that is read is in one of the halves: damage to the other one is found after clusters.
-TEST_F(Damaged, LeavesTheSumsOfWhatCameBeforeInAReport)
+// The first block that is read is in one of the halves: damage of the other half is detected after some clusters.
+TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
 {
   const CbvhClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {
     CbvhClusterReport& sums = *(CbvhClusterReport*)ptr;
@@ -183,14 +184,14 @@ TEST_F(Damaged, LeavesTheSumsOfWhatCameBeforeInAReport)
     EXPECT_EQ(report.bytes, sums.bytes);
     EXPECT_EQ(report.numClustersOf[3], 0u);
     most = std::max(most, report.numClusters);
-    told = Told();
+    reported = Reported();
     cbvhReleaseGroup(group);
   }
   EXPECT_GT(most, 0u);
 }
 
-// Rays that a callback traces while something else is committed: that succeeds.
-TEST_F(Damaged, DoesNotFailTheCallThatACallbackIsOf)
+// A callback traces rays while another object is committed: the commit must succeed.
+TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
 {
   struct Callback { CbvhGroup group; std::vector<RTCRayHit> rays; } callback = {load(), rays()};
   const float vertices[] = {0,0,0, 1,0,0, 1,1,0, 0,1,0, 0};
@@ -206,10 +207,13 @@ TEST_F(Damaged, DoesNotFailTheCallThatACallbackIsOf)
   CbvhSurface surface = nullptr;
   ASSERT_EQ(cbvhNewSurface(context, &surface), CBVH_OK);
   ASSERT_EQ(cbvhSetCage(surface, &input), CBVH_OK) << cbvhGetErrorText();
-  const CbvhProgressFunction progress = [](void* ptr, double) { traceSingle(((Callback*)ptr)->group, ((Callback*)ptr)->rays); return 1; };
+  const CbvhProgressFunction progress = [](void* ptr, double) {
+    traceSingle(((Callback*)ptr)->group, ((Callback*)ptr)->rays);
+    return 1;
+  };
   EXPECT_EQ(cbvhCommitSurface(surface, progress, &callback), CBVH_OK) << cbvhGetErrorText();
-  EXPECT_EQ(told.errors, 1u);
-  EXPECT_NE(told.text.find("is damaged"), std::string::npos) << told.text;
+  EXPECT_EQ(reported.errors, 1u);
+  EXPECT_NE(reported.text.find("is damaged"), std::string::npos) << reported.text;
   cbvhReleaseSurface(surface);
   cbvhReleaseGroup(callback.group);
 }

@@ -2,15 +2,18 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# exports.sh LIBRARY HEADER: what libembree_cbvh exports is what its header declares, under a version, and nothing of Embree's.
+# exports.sh LIBRARY HEADER: checks that libembree_cbvh exports exactly the functions of its header, with a symbol
+# version, and requires no functions of Embree.
 set -eu
 library=$1 header=$2
 fail() { echo "FAILED: $*" >&2; exit 1; }
 exported=$(nm -D --defined-only "$library" | awk '$2 == "T" { sub(/@.*/, "", $3); print $3 }' | sort)
 declared=$(grep -o '^CBVH_API .*' "$header" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '(' | sort)
-[ "$exported" = "$declared" ] || fail "exported and declared differ: $(printf '%s\n%s\n' "$exported" "$declared" | sort | uniq -u | tr '\n' ' ')"
-nm -D --defined-only "$library" | awk '$2 != "T" && $2 != "A" { exit 1 }' || fail "more than functions is exported"
+[ "$exported" = "$declared" ] ||
+  fail "exported and declared differ: $(printf '%s\n%s\n' "$exported" "$declared" | sort | uniq -u | tr '\n' ' ')"
+nm -D --defined-only "$library" | awk '$2 != "T" && $2 != "A" { exit 1 }' ||
+  fail "it exports symbols other than functions"
 nm -D --defined-only "$library" | grep -q 'cbvhIntersect1@@CBVH_' || fail "symbols have no version"
-nm -D --undefined-only "$library" | grep -q ' rtc' && fail "it wants functions of Embree from others"
+nm -D --undefined-only "$library" | grep -q ' rtc' && fail "it requires functions of Embree"
 readelf -d "$library" | grep -q 'SONAME.*libembree_cbvh.so.0' || fail "another SONAME"
 echo "exported: $(echo "$exported" | wc -l) functions"

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Through the user geometry of an Embree that is not ours rays have the hits that libembree_cbvh gives them, to the bit, under the
- * names that the application knows: single rays, packets, any hit, masks, filters of both sorts, instances, many surfaces, motion.
- * Hits of lossless surfaces are those of that Embree's own kernels. */
+/* Rays through the user geometry of a foreign Embree have bit-identical hits to those of libembree_cbvh, with the
+ * application's IDs: single rays, packets, any hit, masks, both kinds of filters, instances, many surfaces, motion.
+ * Hits of lossless surfaces match the foreign Embree's own kernels. */
 
 #include "host.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 std::mt19937 generator(32);
 
-// The same hit but for its names, which are to be the application's.
+// Expects the same hit, with the application's IDs.
 void checkHit(CbvhGroup group, const RTCRayHit& ray, const RTCRayHit& found, unsigned geomID, unsigned instID)
 {
   CbvhRayHit own;
@@ -41,7 +41,7 @@ bool isAnyHit(RTCScene scene, const RTCRay& ray, const Query& query = {})
   return any.tfar < 0;
 }
 
-// isNative: whether the host has packets of N. Otherwise Embree 3 traces their inactive lanes, too.
+// isNative: the host supports packets of N. Otherwise Embree 3 also traces their inactive lanes.
 template<unsigned N>
 void checkPackets(CbvhGroup group, RTCScene scene, const std::vector<RTCRayHit>& rays, bool isCoherent,
     bool isNative = true)
@@ -87,14 +87,15 @@ void testHits(RTCDevice device, CbvhContext context)
         }
         CHECK(hits > 500);
         checkPackets<4>(group, scene, rays, areCoherent);
-        if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) checkPackets<8>(group, scene, rays, areCoherent);
+        if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))
+          checkPackets<8>(group, scene, rays, areCoherent);
         const bool has16 = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
         checkPackets<16>(group, scene, rays, areCoherent, has16);
       }
     }
 }
 
-// Beside what Embree has itself, behind which and before which it is.
+// Next to geometry of Embree, in front of it and after it along rays.
 void testScenes(RTCDevice device, CbvhContext context)
 {
   const Group group(context);
@@ -158,7 +159,7 @@ void testMasks(RTCDevice device, CbvhContext context)
 
 unsigned filtered = 0;
 
-// Refuses by all that a hit has, and checks its names.
+// Rejects hits depending on all values, and checks the IDs.
 void filter(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++) {
@@ -201,7 +202,7 @@ void testFilters(RTCDevice device, CbvhContext context)
   }
   CHECK(hits > 200 && others > 200);
 
-  /* in packets they are those of single rays */
+  /* packets must match single rays */
   const std::vector<RTCRayHit> rays = randomRays(generator, 4000, true, 0.6f);
   alignas(64) int valid[8];
   std::fill(valid, valid + 8, -1);
@@ -251,7 +252,7 @@ void testInstances(RTCDevice device, CbvhContext context)
     if (i >= 3) continue;
     hits[i]++;
     CHECK(found.hit.geomID == 0);
-    /* the same ray in the instance's space */
+    /* the same ray in instance space */
     RTCRayHit local = ray;
     local.ray.org_x = 4*(ray.ray.org_x - (0.5f*float(i) - 0.5f)); local.ray.org_y *= 4; local.ray.org_z *= 4;
     local.ray.dir_x *= 4; local.ray.dir_y *= 4; local.ray.dir_z *= 4;
@@ -264,7 +265,7 @@ void testInstances(RTCDevice device, CbvhContext context)
   for (size_t n : hits) CHECK(n > 100);
 }
 
-// Nearly the surface that Embree's own subdivision makes.
+// Compares with Embree's subdivision surface, which is nearly the same.
 void testSurface(RTCDevice device, CbvhContext context)
 {
   const Group group(context, 64);
@@ -280,13 +281,14 @@ void testSurface(RTCDevice device, CbvhContext context)
     intersect(theirs, a);
     intersect(ours, b);
     hits += isHit(a);
-    others += isHit(a) != isHit(b) || (isHit(a) && (a.hit.primID != b.hit.primID || std::fabs(a.ray.tfar - b.ray.tfar) > 1e-3f));
+    others += isHit(a) != isHit(b) ||
+              (isHit(a) && (a.hit.primID != b.hit.primID || std::fabs(a.ray.tfar - b.ray.tfar) > 1e-3f));
   }
   CHECK(hits > 1000);
   CHECK(others < hits/200);
 }
 
-// Ten thousand, of which each ray finds the one that it is aimed at.
+// Ten thousand surfaces. Each ray must hit the surface at which it is aimed.
 void testManySurfaces(RTCDevice device, CbvhContext context)
 {
   constexpr int side = 100;
@@ -295,7 +297,7 @@ void testManySurfaces(RTCDevice device, CbvhContext context)
   for (int i = 0; i < side*side; i++) {
     const Cube cube(middle(i), 0.012f);
     CbvhCage cage = cube.cage(2);
-    cage.displacement = nullptr; // it is wider than the cubes
+    cage.displacement = nullptr; // larger than the distance of the cubes
     surfaces.push_back(nullptr);
     OK(cbvhNewSurface(context, &surfaces.back()));
     OK(cbvhSetCage(surfaces.back(), &cage));
@@ -315,7 +317,8 @@ void testManySurfaces(RTCDevice device, CbvhContext context)
       size_t surface = 0;
       unsigned primID = 0;
       CHECK(isHit(ray));
-      CHECK(isHit(ray) && cbvhFindGroupPrimitive(group, ray.hit.primID, &surface, &primID) && surface == size_t(i) && primID < 6);
+      CHECK(isHit(ray) && cbvhFindGroupPrimitive(group, ray.hit.primID, &surface, &primID) && surface == size_t(i) &&
+            primID < 6);
     }
   }
   size_t surface;
@@ -324,7 +327,7 @@ void testManySurfaces(RTCDevice device, CbvhContext context)
   cbvhReleaseGroup(group);
 }
 
-// Groups may change, and what holds them takes their new bounds.
+// Groups may change; scenes that contain them must use the new bounds.
 void testEdits(RTCDevice device, CbvhContext context)
 {
   const Group group(context);
@@ -365,9 +368,9 @@ double cosineOf(const RTCRayHit& r)
   return std::fabs(dn)/std::sqrt(dd*nn);
 }
 
-/* Hits of both have the same primitive, and distances and parameters that differ by rounding, which is larger where
- * rays graze. GRID keeps 13 bits of parameters. A ray that passes close to an edge may hit its other side; few rays do.
- * geometry: is committed and released here. */
+/* Hits of both must have the same primitive. Distances and parameters may differ by rounding, which is larger for
+ * grazing rays. GRID stores 13 bits of parameters. A few rays that pass close to an edge may hit its other side.
+ * geometry: committed and released here. */
 void checkHostsHits(RTCDevice device, CbvhContext context, CbvhSurface surface, RTCGeometry geometry, const char* what)
 {
   OK(cbvhSetLossless(surface, 1));
@@ -379,7 +382,7 @@ void checkHostsHits(RTCDevice device, CbvhContext context, CbvhSurface surface, 
   CHECK(statistics.maxVertexDeviation == 0);
   const Scene ours(device, group);
   const Scene hosts(device, nullptr);
-  rtcSetGeometryMask(geometry, ~0u); // Embree 4 begins with 1
+  rtcSetGeometryMask(geometry, ~0u); // the default of Embree 4 is 1
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(hosts, geometry);
   rtcReleaseGeometry(geometry);
@@ -401,7 +404,7 @@ void checkHostsHits(RTCDevice device, CbvhContext context, CbvhSurface surface, 
     }
   CHECK(hits > 3000);
   CHECK(others <= hits/1000);
-  if (failures) std::fprintf(stderr, "%s: %zu of %zu hits are others\n", what, others, hits);
+  if (failures) std::fprintf(stderr, "%s: %zu of %zu hits differ\n", what, others, hits);
 }
 
 void testLossless(RTCDevice device, CbvhContext context)
@@ -466,7 +469,7 @@ void testLossless(RTCDevice device, CbvhContext context)
 
 } // namespace
 
-// primID has 32 bits: a group of more primitives is no geometry of Embree's.
+// primID has 32 bits: a group with more primitives cannot become a geometry of Embree.
 void testTooManyPrimitives(RTCDevice device, CbvhContext context)
 {
   const unsigned side = 1449; // vertices

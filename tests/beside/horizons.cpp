@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Finds horizons as programs do that compute sky-view factors of elevation models: any-hit rays start 0.01 m above the
- * grid's own vertices and rise until they miss. The default accuracy must serve such programs: a vertex that is stored
- * above its ray's start hides the whole sky. The expected horizons come from the same rays through the exact triangles,
- * in Embree's robust mode.
+/* Finds horizons like programs that compute sky-view factors of elevation models: any-hit rays start 0.01 m above the
+ * grid's vertices and rise until they miss. The default accuracy must suffice: a stored vertex above its ray's start
+ * would hide the whole sky. The expected horizons come from the same rays through the exact triangles, in Embree's
+ * robust mode.
  *
  *   beside_horizons [--max-error E] [--searches N]
  *
@@ -23,17 +23,19 @@ using namespace host;
 namespace {
 
 constexpr double cell = 2;             // meters
-constexpr float lift = 0.01f;          // of rays above vertices, meters
+constexpr float lift = 0.01f;          // height of ray origins above vertices, meters
 constexpr double lowest = -20;         // elevation at which searches begin, degrees
-constexpr double step = 0.25;          // of the discrete search, degrees
-constexpr double binaryStep = 0.01;    // at which the binary search ends, degrees
-constexpr double agreement = 0.25;     // of horizons in most searches, degrees: one step of the discrete search
+constexpr double step = 0.25;          // step of the discrete search, degrees
+constexpr double binaryStep = 0.01;    // resolution of the binary search, degrees
+// tolerance of horizons in most searches, degrees: one step of the discrete search
+constexpr double agreement = 0.25;
 constexpr double shareThatAgrees = 0.999;
-constexpr double mostDifference = 2;   // of any search, degrees: a ray may pass beside a summit that is one cell wide
+// tolerance in any search, degrees: a ray may miss a summit that is one cell wide
+constexpr double mostDifference = 2;
 
 // --- the terrain ------------------------------------------------------------------------------
 
-// Values between -1 and 1 at the points of a lattice of integers.
+// Values between -1 and 1 at integer positions.
 double valueAt(int x, int y, unsigned octave)
 {
   unsigned h = unsigned(x)*73856093u ^ unsigned(y)*19349663u ^ octave*83492791u;
@@ -41,7 +43,8 @@ double valueAt(int x, int y, unsigned octave)
   return double((h ^ h >> 16) & 0xffff)/32767.5 - 1;
 }
 
-// Value noise of 7 octaves, each half as wide and half as high as the one before: a relief of about 60 m.
+// Value noise of 7 octaves, each with half the wavelength and half the height of the previous one: a relief of about
+// 60 m.
 double heightAt(double x, double y)
 {
   double sum = 0, amplitude = 24, wave = 128;
@@ -61,13 +64,13 @@ struct Terrain
   unsigned side;
   std::vector<Vec> vertices; // row by row
 
-  // Of side x side vertices from (x0,y0) on, with heights around z0.
+  // side x side vertices from (x0,y0) on, with heights around z0.
   Terrain(unsigned side, double x0, double y0, double z0) : side(side)
   {
     for (unsigned y = 0; y < side; y++)
       for (unsigned x = 0; x < side; x++)
         vertices.push_back({float(x0 + cell*x), float(y0 + cell*y), float(z0 + heightAt(x, y))});
-    vertices.push_back({0, 0, 0}); // may be read
+    vertices.push_back({0, 0, 0}); // padding that may be read
   }
 };
 
@@ -113,17 +116,18 @@ private:
   CbvhGroup group = nullptr;
 };
 
-// Triangles with the diagonals that grids have.
+// Triangles with the same diagonals as grids.
 class Exact
 {
 public:
   Exact(RTCDevice device, const Terrain& terrain) : scene(rtcNewScene(device))
   {
     const unsigned side = terrain.side;
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // else rays pass between triangles
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // otherwise rays pass between triangles
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     const size_t count = size_t(side)*side;
-    void* const copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec), count);
+    void* const copy = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec),
+                                               count);
     std::memcpy(copy, terrain.vertices.data(), sizeof(Vec)*count);
     unsigned* index = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
         2*size_t(side - 1)*(side - 1));
@@ -133,7 +137,7 @@ public:
         const unsigned a = y*side + x, b = a + 1, c = a + side, d = c + 1;
         for (unsigned corner : {a, b, c, c, b, d}) *index++ = corner;
       }
-    rtcSetGeometryMask(geometry, ~0u); // Embree 4 begins with 1
+    rtcSetGeometryMask(geometry, ~0u); // the default of Embree 4 is 1
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -155,10 +159,10 @@ private:
 
 // --- the searches -------------------------------------------------------------------------------
 
-// Whether a ray at an elevation hits, in degrees.
+// True if a ray at this elevation in degrees hits.
 using IsOccluded = std::function<bool(double elevation)>;
 
-// The first elevation of a ray that misses; 90 if none does.
+// Returns the first elevation at which a ray misses; 90 if all rays hit.
 double discreteSearch(const IsOccluded& isOccluded)
 {
   double elevation = lowest;
@@ -179,8 +183,8 @@ double binarySearch(const IsOccluded& isOccluded)
 
 struct Result
 {
-  size_t unended = 0, others[2] = {0, 0}; // searches without an end, and horizons that disagree: discrete, binary
-  double most[2] = {0, 0};                // difference, degrees
+  size_t unended = 0, others[2] = {0, 0}; // searches without an end, and different horizons: discrete, binary
+  double most[2] = {0, 0};                // largest difference, degrees
 };
 
 template<typename Surface>
@@ -207,7 +211,7 @@ void testTerrain(RTCDevice device, CbvhContext context, const Accuracy& accuracy
   std::mt19937 random(7);
   Result result;
   for (size_t i = 0; i < searches; i++) {
-    // not on the border, where azimuths decide whether there is terrain at all
+    // not on the border, where the azimuth decides whether there is terrain
     const unsigned x = 1 + random() % (side - 2), y = 1 + random() % (side - 2);
     const double azimuth = 2*M_PI*double(random() % 3600 + 0.5)/3600;
     Vec from = terrain.vertices[y*side + x];
@@ -257,8 +261,9 @@ int main(int argc, char** argv)
   testTerrain(device, context, accuracy, Terrain(300, -300.37, -299.91, 0));
   testTerrain(device, context, accuracy, Terrain(300, 0, 0, 4000));
   testTerrain(device, context, accuracy, Terrain(1200, 0, 0, 0));
-  testTerrain(device, context, accuracy, Terrain(300, 528980, 183526, 0));  // as in Great Britain's national grid
-  testTerrain(device, context, accuracy, Terrain(300, 4.5e6, 5.4e6, 300));  // as in Gauss-Krueger zones
+  // coordinates of Great Britain's national grid
+  testTerrain(device, context, accuracy, Terrain(300, 528980, 183526, 0));
+  testTerrain(device, context, accuracy, Terrain(300, 4.5e6, 5.4e6, 300));  // coordinates of Gauss-Krueger zones
   cbvhReleaseContext(context);
   rtcReleaseDevice(device);
   return conclude("horizons");

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* An Embree that is not ours, 3.13 or 4, whichever the compiler is shown, with a displaced cube in it: what libembree_cbvh is tested in, on this Debian
- * and on the next. Needs nothing but a compiler, Embree and our headers. */
+/* A foreign Embree, 3.13 or 4 depending on the include path, with a displaced cube: the environment for tests of
+ * libembree_cbvh on this Debian and on the next one. Requires only a compiler, Embree and our headers. */
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -26,19 +26,30 @@ namespace host {
 
 using Vec = std::array<float, 3>;
 
-// --- what is wrong, and where -----------------------------------------------------------------
+// --- failures ----------------------------------------------------------------------------------
 
 inline unsigned failures = 0;
-#define CHECK(condition) do { if (!(condition)) { if (host::failures++ < 20) std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); } } while (0)
-#define OK(call) do { const CbvhError error = (call); if (error != CBVH_OK) { host::failures++; std::fprintf(stderr, "%s:%d: error %d: %s\n", __FILE__, __LINE__, int(error), cbvhGetErrorText()); } } while (0)
+#define CHECK(condition) \
+  do { \
+    if (!(condition) && host::failures++ < 20) \
+      std::fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
+  } while (0)
+#define OK(call) \
+  do { \
+    const CbvhError error = (call); \
+    if (error != CBVH_OK) { \
+      host::failures++; \
+      std::fprintf(stderr, "%s:%d: error %d: %s\n", __FILE__, __LINE__, int(error), cbvhGetErrorText()); \
+    } \
+  } while (0)
 
 inline int conclude(const char* what)
 {
-  if (failures == 0) std::printf("all well: %s beside Embree %s\n", what, RTC_VERSION_STRING);
+  if (failures == 0) std::printf("passed: %s next to Embree %s\n", what, RTC_VERSION_STRING);
   return failures ? 1 : 0;
 }
 
-// --- queries, as both versions of Embree have them --------------------------------------------
+// --- queries of both versions of Embree ---------------------------------------------------------
 
 struct Query
 {
@@ -63,11 +74,27 @@ struct Arguments
     if (query.isCoherent) intersect.flags = occluded.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   }
 };
-inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {}) { Arguments a(query); rtcIntersect1(scene, &ray, &a.intersect); }
-inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {}) { Arguments a(query); rtcOccluded1(scene, &ray, &a.occluded); }
+inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcIntersect1(scene, &ray, &a.intersect);
+}
+inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcOccluded1(scene, &ray, &a.occluded);
+}
 #define HOST_PACKET(N) \
-  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) { Arguments a(query); rtcIntersect##N(valid, scene, &rays, &a.intersect); } \
-  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) { Arguments a(query); rtcOccluded##N(valid, scene, &rays, &a.occluded); }
+  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcIntersect##N(valid, scene, &rays, &a.intersect); \
+  } \
+  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcOccluded##N(valid, scene, &rays, &a.occluded); \
+  }
 constexpr unsigned contextFilters = CBVH_GEOMETRY_CONTEXT_FILTERS;
 #else
 struct Arguments
@@ -81,11 +108,27 @@ struct Arguments
     if (query.isCoherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
 };
-inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {}) { Arguments a(query); rtcIntersect1(scene, &a.context, &ray); }
-inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {}) { Arguments a(query); rtcOccluded1(scene, &a.context, &ray); }
+inline void intersect(RTCScene scene, RTCRayHit& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcIntersect1(scene, &a.context, &ray);
+}
+inline void occluded(RTCScene scene, RTCRay& ray, const Query& query = {})
+{
+  Arguments a(query);
+  rtcOccluded1(scene, &a.context, &ray);
+}
 #define HOST_PACKET(N) \
-  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) { Arguments a(query); rtcIntersect##N(valid, scene, &a.context, &rays); } \
-  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) { Arguments a(query); rtcOccluded##N(valid, scene, &a.context, &rays); }
+  inline void intersect(const int* valid, RTCScene scene, RTCRayHit##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcIntersect##N(valid, scene, &a.context, &rays); \
+  } \
+  inline void occluded(const int* valid, RTCScene scene, RTCRay##N& rays, const Query& query = {}) \
+  { \
+    Arguments a(query); \
+    rtcOccluded##N(valid, scene, &a.context, &rays); \
+  }
 constexpr unsigned contextFilters = CBVH_GEOMETRY_FILTERS;
 #endif
 HOST_PACKET(4)
@@ -105,8 +148,10 @@ constexpr unsigned hitWords = CBVH_HIT_INST_ID + RTC_MAX_INSTANCE_LEVEL_COUNT;
 #endif
 inline void setRay(void* packet, unsigned N, unsigned i, const RTCRayHit& ray)
 {
-  for (unsigned word = 0; word < CBVH_RAY_WORDS; word++) *cbvhWordOf(packet, N, word, i) = *cbvhWordOf((void*)&ray.ray, 1, word, 0);
-  for (unsigned word = 0; word < hitWords; word++) *cbvhWordOf(packet, N, CBVH_RAY_WORDS + word, i) = *cbvhWordOf((void*)&ray.hit, 1, word, 0);
+  for (unsigned word = 0; word < CBVH_RAY_WORDS; word++)
+    *cbvhWordOf(packet, N, word, i) = *cbvhWordOf((void*)&ray.ray, 1, word, 0);
+  for (unsigned word = 0; word < hitWords; word++)
+    *cbvhWordOf(packet, N, CBVH_RAY_WORDS + word, i) = *cbvhWordOf((void*)&ray.hit, 1, word, 0);
 }
 
 // --- rays ----------------------------------------------------------------------------------------
@@ -128,7 +173,7 @@ inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float time = 0)
   return r;
 }
 
-// From outside at what is around the middle; coherent ones are neighbours in a picture.
+// Rays from outside at the center. Coherent ones are neighbors in a picture.
 inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, bool areCoherent, float spread = 0.9f)
 {
   std::normal_distribution<float> normal;
@@ -142,9 +187,11 @@ inline std::vector<RTCRayHit> randomRays(std::mt19937& random, size_t count, boo
       for (float& x : org) { x = normal(random); length += x*x; }
       for (float& x : org) x *= 4/std::sqrt(length);
     }
-    const float u = areCoherent ? 2*float(i % side)/float(side) - 1 : 2*uniform(random) - 1, v = areCoherent ? 2*float(i/side)/float(side) - 1 : 2*uniform(random) - 1;
+    const float u = areCoherent ? 2*float(i % side)/float(side) - 1 : 2*uniform(random) - 1,
+                v = areCoherent ? 2*float(i/side)/float(side) - 1 : 2*uniform(random) - 1;
     Vec dir;
-    for (int k = 0; k < 3; k++) dir[k] = -org[k] + spread*(k == 0 ? u : k == 1 ? v : areCoherent ? -u - v : uniform(random) - 0.5f);
+    for (int k = 0; k < 3; k++)
+      dir[k] = -org[k] + spread*(k == 0 ? u : k == 1 ? v : areCoherent ? -u - v : uniform(random) - 0.5f);
     rays.push_back(makeRay(org, dir, uniform(random)));
   }
   return rays;
@@ -183,8 +230,10 @@ struct Cube
   {
     for (int step = 0; step < 2; step++)
       for (int i = 0; i < 8; i++)
-        vertices[step].push_back({middle[0] + size*(i & 1 ? 1.f : -1.f) + 0.1f*float(step)*float(i & 2), middle[1] + size*(i & 2 ? 1.f : -1.f), middle[2] + size*(i & 4 ? 1.f : -1.f) + 0.2f*float(step)});
-    for (auto& step : vertices) step.push_back({0, 0, 0}); // what is read behind the last one
+        vertices[step].push_back({middle[0] + size*(i & 1 ? 1.f : -1.f) + 0.1f*float(step)*float(i & 2),
+                                  middle[1] + size*(i & 2 ? 1.f : -1.f),
+                                  middle[2] + size*(i & 4 ? 1.f : -1.f) + 0.2f*float(step)});
+    for (auto& step : vertices) step.push_back({0, 0, 0}); // padding after the last vertex, which may be read
     steps[0] = &vertices[0][0][0];
     steps[1] = &vertices[1][0][0];
   }
@@ -202,7 +251,7 @@ struct Cube
     return cage;
   }
 
-  // The same by the Embree around.
+  // The same cube as a geometry of the foreign Embree.
   RTCGeometry newInHost(RTCDevice device, float rate, unsigned numSteps = 1) const
   {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
@@ -211,21 +260,23 @@ struct Cube
       void* const data = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, 12, 8);
       std::memcpy(data, steps[i], 96);
     }
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faceVertices.data(), 24);
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(), 96);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faceVertices.data(),
+                24);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(),
+                96);
     rtcSetGeometryTessellationRate(geometry, rate);
     rtcSetGeometryDisplacementFunction(geometry, displaceInHost);
-    rtcSetGeometryMask(geometry, ~0u); // Embree 4 begins with 1
+    rtcSetGeometryMask(geometry, ~0u); // the default of Embree 4 is 1
     rtcCommitGeometry(geometry);
     return geometry;
   }
 };
 
-// One or more cubes, committed: large, or of those that overlap from one on.
+// One or more committed cubes: a large one, or overlapping ones.
 class Group
 {
 public:
-  // Of one surface.
+  // A group with one surface.
   Group(CbvhContext context, CbvhSurface surface)
   {
     OK(cbvhNewGroup(context, &surface, 1, &group));
@@ -257,7 +308,7 @@ private:
   CbvhGroup group = nullptr;
 };
 
-// Attached; its number in the scene is 0.
+// Attached to a scene with ID 0.
 class Scene
 {
 public:

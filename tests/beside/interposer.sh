@@ -2,8 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The interposer on Debian 13: programs of Embree 4 and of OSPRay, as Debian has them, without it and with it. Their pictures have to be the same but for the
-# lattice's rounding; a table says how many pixels differ, and what the programs took at their peaks. Needs what debian13.sh does: two and a half minutes, and one when the root is there already.
+# Tests the interposer on Debian 13: runs Debian's programs of Embree 4 and OSPRay with and without it. Their pictures
+# must match except for the rounding to the lattice. Prints a table of differing pixels and peak memory. Has the
+# requirements of debian13.sh. Takes two and a half minutes, or one if the root file system already exists.
 #
 #   interposer.sh BUILD-DIRECTORY DIRECTORY-FOR-THE-ROOT
 set -eu
@@ -16,51 +17,67 @@ work=$root/root/interposer
 rm -rf "$work"
 mkdir -p "$work/include" "$work/tests/interposer"
 cp -rL "$build/include/cbvh" "$work/include/"
-cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/core/device_string.* "$work/"
+cp "$build/kernels/beside/libembree_cbvh.so.0" "$here"/../../kernels/beside/interposer/*.cpp \
+  "$here"/../../kernels/beside/interposer/*.h "$here"/../../kernels/cbvh/core/device_string.* "$work/"
 cp "$here/host.h" "$work/tests/"
 cp "$here"/interposer/*.c* "$work/tests/interposer/"
 inside() { chroot "$root" sh -c "cd /root/interposer && $*"; }
 flags="-O2 -Wall -Wextra -Werror -Iinclude"
 
-# As its CMakeLists.txt does, which finds no Embree 4 on the Debian before. In the other Debian's shell $ORIGIN is text.
-inside "g++ -std=c++17 $flags -fPIC -shared -fvisibility=hidden -DRTC_EXPORT_API *.cpp -o libembree_cbvh_interposer.so ./libembree_cbvh.so.0 '-Wl,-rpath,\$ORIGIN' -Wl,--no-undefined" ||
+# The same command as in its CMakeLists.txt, which requires Embree 4 and therefore does nothing on Debian 12. $ORIGIN
+# must not be expanded by the shell in the other Debian.
+links="./libembree_cbvh.so.0 '-Wl,-rpath,\$ORIGIN' -Wl,--no-undefined"
+shared="$flags -fPIC -shared -fvisibility=hidden -DRTC_EXPORT_API"
+inside "g++ -std=c++17 $shared *.cpp -o libembree_cbvh_interposer.so $links" ||
   fail "the interposer does not compile"
-inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4 && g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ && g++ $flags -x c tests/interposer/ospray.c -o picture -lospray" ||
+inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4" &&
+  inside "g++ -std=c++17 $flags tests/interposer/differ.cpp -o differ" &&
+  inside "g++ $flags -x c tests/interposer/ospray.c -o picture -lospray" ||
   fail "the programs do not compile"
 preload=LD_PRELOAD=/root/interposer/libembree_cbvh_interposer.so
 
-# --- calls: hits that are kept without it are those that there are with it -------------------
-inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits are others"
-inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" || { tail "$work/meshes.log"; fail "hits of grids, quads and triangles are others"; }
-[ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not each of grids, quads and triangles is taken"
-inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits where it is turned off are others"
-inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /dev/null" || fail "hits with a setting that is not known are others"
-[ "$(grep -c '"nonsense"' "$work/nonsense.log")" -eq 1 ] || { cat "$work/nonsense.log"; fail "the unknown setting is not named once"; }
-inside "EMBREE_CBVH=leaf,frame_level=2,verbose $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' || fail "settings without effect turn compression off"
+# --- calls: hits stored without the interposer must match those with it ------------------------
+inside "./calls hits > /dev/null && $preload ./calls hits" || fail "hits differ"
+inside "$preload EMBREE_CBVH=verbose,max_error=0.00001,grids=1,quads=1,triangles=1 ./calls hits > meshes.log 2>&1" ||
+  { tail "$work/meshes.log"; fail "hits of grids, quads and triangles differ"; }
+[ "$(grep -c ': 40000 quads' "$work/meshes.log")" -eq 3 ] || fail "not all of grids, quads and triangles are compressed"
+inside "EMBREE_CBVH=0 $preload ./calls hits > /dev/null" || fail "hits differ if it is turned off"
+inside "EMBREE_CBVH=grids=1,nonsense $preload ./calls hits 2> nonsense.log > /dev/null" ||
+  fail "hits differ with an unknown setting"
+[ "$(grep -c '"nonsense"' "$work/nonsense.log")" -eq 1 ] ||
+  { cat "$work/nonsense.log"; fail "the unknown setting must be reported exactly once"; }
+inside "EMBREE_CBVH=leaf,frame_level=2,verbose $preload ./calls hits 2>&1 > /dev/null" | grep -q 'quads' ||
+  fail "settings without effect turn compression off"
 
 # --- pictures ------------------------------------------------------------------------------------
-# row NAME OPTIONS PROGRAM, with PICTURE where that is: renders it both ways, and prints a row of the table
+# row NAME OPTIONS PROGRAM: renders a picture both ways and prints a row of the table. PROGRAM contains PICTURE in
+# place of the file name.
 row()
 {
   name=$1 options=$2 program=$3
   for way in without with; do
     [ $way = with ] && environment="$preload EMBREE_CBVH=$options" || environment=
-    inside "env $environment /usr/bin/time -o $way.time -f '%M %e' $(echo "$program" | sed "s/PICTURE/$way.ppm/") > $way.log 2>&1" || { cat "$work/$way.log"; fail "$name, $way"; }
+    command=$(echo "$program" | sed "s/PICTURE/$way.ppm/")
+    inside "env $environment /usr/bin/time -o $way.time -f '%M %e' $command > $way.log 2>&1" ||
+      { cat "$work/$way.log"; fail "$name, $way"; }
     if ! awk '$1 !~ /^[0-9]+$/ { exit 1 }' "$work/$way.time"; then cat "$work/$way.time"; fail "$name, $way"; fi
   done
-  if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then told="left to Embree"; else told=; fi
-  differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name is another: $differing"
-  awk -v name="$name" -v differing="$differing" -v told="$told" '{ peak[NR] = $1/1024; seconds[NR] = $2 }
-    END { printf "| %-36s | %22s | %7.1f | %7.1f | %5.2f | %5.2f | %s\n", name, differing, peak[1], peak[2], seconds[1], seconds[2], told }' "$work/without.time" "$work/with.time"
+  if grep -q 'libembree_cbvh_interposer' "$work/with.log"; then note="left to Embree"; else note=; fi
+  differing=$(inside "./differ without.ppm with.ppm") || fail "the picture of $name differs: $differing"
+  awk -v name="$name" -v differing="$differing" -v note="$note" '{ peak[NR] = $1/1024; seconds[NR] = $2 }
+    END {
+      printf "| %-36s | %22s | %7.1f | %7.1f | %5.2f | %5.2f | %s\n",
+        name, differing, peak[1], peak[2], seconds[1], seconds[2], note
+    }' "$work/without.time" "$work/with.time"
 }
 
 echo "| picture                              | pixels that differ, >8 | MiB     | with    | s     | with  |"
 echo "|:-------------------------------------|-----------------------:|--------:|--------:|------:|------:|"
 for renderer in ao scivis pathtracer; do row "OSPRay, $renderer" verbose "./picture $renderer 200 PICTURE"; done
-row "OSPRay, colours of vertices" verbose "./picture ao 200 PICTURE colors"
-row "OSPRay, colours of faces" verbose "./picture pathtracer 200 PICTURE faces"
+row "OSPRay, colors of vertices" verbose "./picture ao 200 PICTURE colors"
+row "OSPRay, colors of faces" verbose "./picture pathtracer 200 PICTURE faces"
 row "OSPRay, texture" verbose "./picture pathtracer 200 PICTURE texcoords"
-row "OSPRay, beside user geometry" verbose "./picture scivis 200 PICTURE boxes"
+row "OSPRay, next to user geometry" verbose "./picture scivis 200 PICTURE boxes"
 row "OSPRay, instances" verbose "./picture scivis 200 PICTURE instances"
 row "OSPRay, 24 million quads" verbose "./picture scivis 2000 PICTURE"
 row "OSPRay, 24 million quads, texture" verbose "./picture pathtracer 2000 PICTURE texcoords"
@@ -70,10 +87,12 @@ for tutorial in displacement_geometry displacement_geometry_ispc subdivision_geo
   grep -q 'compression: 1 surface' "$work/with.log" || fail "$tutorial is not compressed"
 done
 row "grid_geometry, grids=1" verbose,grids=1 "embree_grid_geometry --size 512 512 -o PICTURE"
-for tutorial in interpolation motion_blur_geometry dynamic_scene user_geometry lazy_geometry intersection_filter instanced_geometry; do
-  row "$tutorial, which has none" verbose "embree_$tutorial --size 512 512 -o PICTURE"
+for tutorial in interpolation motion_blur_geometry dynamic_scene user_geometry lazy_geometry intersection_filter \
+  instanced_geometry; do
+  row "$tutorial, without such geometry" verbose "embree_$tutorial --size 512 512 -o PICTURE"
 done
-for model in $(cd "$root/usr/share/doc/embree4/models" && ls subdiv?.ecs subdiv_*.ecs grid4x4*.ecs | grep -v subdiv5); do
+models=$(cd "$root/usr/share/doc/embree4/models" && ls subdiv?.ecs subdiv_*.ecs grid4x4*.ecs | grep -v subdiv5)
+for model in $models; do
   row "viewer, $model" verbose,grids=1 "embree_viewer -c /usr/share/doc/embree4/models/$model --size 512 512 -o PICTURE"
 done
-echo "Debian 13, interposer: all well"
+echo "Debian 13, interposer: passed"

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libembree_cbvh and callers that make mistakes: NULL for every pointer, indices past the end, numbers that are not finite, cages that contradict
- * themselves, callbacks that change what is being worked on, settings with typing errors. */
+/* Incorrect callers of libembree_cbvh: NULL for every pointer, indices out of range, numbers that are not finite,
+ * inconsistent cages, callbacks that change the object that is being processed, misspelled settings. */
 
 #include "small_cube.h"
 
@@ -53,7 +53,7 @@ struct OddCalls : ::testing::Test
   bool isSeen(CbvhGroup by) const { CbvhRayHit r = ray(); return cbvhIntersect1(by, &r, nullptr) != 0; }
 };
 
-TEST_F(OddCalls, NullIsRefusedByEveryFunction)
+TEST_F(OddCalls, NullIsRejectedByEveryFunction)
 {
   commit();
   CbvhDicing dicing = CbvhDicing();
@@ -90,10 +90,17 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
     {"cbvhInterpolate", [&] { return cbvhInterpolate(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
     {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 6, 0, 0, 0, P, nullptr, nullptr); }},
     {"cbvhInterpolate", [&] { return cbvhInterpolate(surface, 0, 0, 0, 1, P, nullptr, nullptr); }},
-    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation none = CbvhInterpolation(); return cbvhInterpolatePoints(nullptr, &none); }},
+    {"cbvhInterpolatePoints",
+     [&] {
+       const CbvhInterpolation none = CbvhInterpolation();
+       return cbvhInterpolatePoints(nullptr, &none);
+     }},
     {"cbvhInterpolatePoints", [&] { return cbvhInterpolatePoints(surface, nullptr); }},
-    {"cbvhInterpolatePoints", [&] { const CbvhInterpolation null = {sizeof(CbvhInterpolation), 0, 0, 1, nullptr, P, P,
-        nullptr, nullptr}; return cbvhInterpolatePoints(surface, &null); }},
+    {"cbvhInterpolatePoints",
+     [&] {
+       const CbvhInterpolation null = {sizeof(CbvhInterpolation), 0, 0, 1, nullptr, P, P, nullptr, nullptr};
+       return cbvhInterpolatePoints(surface, &null);
+     }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(nullptr, "/dev/null/none"); }},
     {"cbvhSaveSurface", [&] { return cbvhSaveSurface(surface, nullptr); }},
     {"cbvhLoadSurface", [&] { return cbvhLoadSurface(nullptr, "none", &noSurface); }},
@@ -108,7 +115,8 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
     {"cbvhGetGroupStatistics", [&] { return cbvhGetGroupStatistics(group, nullptr); }},
     {"cbvhForEachPart", [&] { return cbvhForEachPart(nullptr, 0, part, nullptr); }},
     {"cbvhForEachPart", [&] { return cbvhForEachPart(surface, 0, nullptr, nullptr); }},
-    {"cbvhForEachCluster", [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FLOAT3, nullptr, nullptr, nullptr); }},
+    {"cbvhForEachCluster",
+     [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FLOAT3, nullptr, nullptr, nullptr); }},
   };
   for (const auto& call : refused) {
     EXPECT_EQ(call.second(), CBVH_ERROR_INVALID_ARGUMENT) << call.first;
@@ -133,12 +141,30 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
     {"cbvhIntersect1", [&] { return cbvhIntersect1(group, nullptr, nullptr); }},
     {"cbvhOccluded1", [&] { return cbvhOccluded1(nullptr, &r.ray, nullptr); }},
     {"cbvhOccluded1", [&] { return cbvhOccluded1(group, nullptr, nullptr); }},
-    {"cbvhIntersect4", [&] { return cbvhIntersect4(nullptr, nullptr, packet, nullptr) + cbvhIntersect4(group, nullptr, nullptr, nullptr); }},
-    {"cbvhIntersect8", [&] { return cbvhIntersect8(nullptr, nullptr, packet, nullptr) + cbvhIntersect8(group, nullptr, nullptr, nullptr); }},
-    {"cbvhIntersect16", [&] { return cbvhIntersect16(nullptr, nullptr, packet, nullptr) + cbvhIntersect16(group, nullptr, nullptr, nullptr); }},
-    {"cbvhOccluded4", [&] { return cbvhOccluded4(nullptr, nullptr, packet, nullptr) + cbvhOccluded4(group, nullptr, nullptr, nullptr); }},
-    {"cbvhOccluded8", [&] { return cbvhOccluded8(nullptr, nullptr, packet, nullptr) + cbvhOccluded8(group, nullptr, nullptr, nullptr); }},
-    {"cbvhOccluded16", [&] { return cbvhOccluded16(nullptr, nullptr, packet, nullptr) + cbvhOccluded16(group, nullptr, nullptr, nullptr); }},
+    {"cbvhIntersect4",
+     [&] {
+       return cbvhIntersect4(nullptr, nullptr, packet, nullptr) + cbvhIntersect4(group, nullptr, nullptr, nullptr);
+     }},
+    {"cbvhIntersect8",
+     [&] {
+       return cbvhIntersect8(nullptr, nullptr, packet, nullptr) + cbvhIntersect8(group, nullptr, nullptr, nullptr);
+     }},
+    {"cbvhIntersect16",
+     [&] {
+       return cbvhIntersect16(nullptr, nullptr, packet, nullptr) + cbvhIntersect16(group, nullptr, nullptr, nullptr);
+     }},
+    {"cbvhOccluded4",
+     [&] {
+       return cbvhOccluded4(nullptr, nullptr, packet, nullptr) + cbvhOccluded4(group, nullptr, nullptr, nullptr);
+     }},
+    {"cbvhOccluded8",
+     [&] {
+       return cbvhOccluded8(nullptr, nullptr, packet, nullptr) + cbvhOccluded8(group, nullptr, nullptr, nullptr);
+     }},
+    {"cbvhOccluded16",
+     [&] {
+       return cbvhOccluded16(nullptr, nullptr, packet, nullptr) + cbvhOccluded16(group, nullptr, nullptr, nullptr);
+     }},
     {"cbvhGetTriangle", [&] { return cbvhGetTriangle(nullptr, 0, 0, 0, 0, nullptr, &triangle); }},
     {"cbvhGetTriangle", [&] { return cbvhGetTriangle(surface, 0, 0, 0, 0, nullptr, nullptr); }},
   };
@@ -155,7 +181,7 @@ TEST_F(OddCalls, NullIsRefusedByEveryFunction)
   EXPECT_TRUE(isSeen(group)) << "nothing was changed";
 }
 
-TEST_F(OddCalls, CagesThatContradictThemselvesAreRefusedWhenTheyAreSet)
+TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
 {
   const unsigned few[] = {4,4,4,4,4,3}, many[] = {4,4,4,4,4,400}, flat[] = {4,4,4,4,6,2};
   std::vector<unsigned> past(cubeIndices, cubeIndices + 24);
@@ -173,35 +199,43 @@ TEST_F(OddCalls, CagesThatContradictThemselvesAreRefusedWhenTheyAreSet)
   refuse("face 5 has 2 vertices", [&](CbvhCage& c) { c.faceVertices = flat; });
   refuse("index 13 is vertex 8", [&](CbvhCage& c) { c.indices = past.data(); });
   refuse("vertex 9", [&](CbvhCage& c) { c.numCreases = 1; c.creases = crease; c.creaseSharpness = sharp; });
-  refuse("corner 0 is vertex 9", [&](CbvhCage& c) { c.numCorners = 1; c.corners = crease + 1; c.cornerSharpness = sharp; });
+  refuse("corner 0 is vertex 9", [&](CbvhCage& c) {
+    c.numCorners = 1;
+    c.corners = crease + 1;
+    c.cornerSharpness = sharp;
+  });
   refuse("face 7", [&](CbvhCage& c) { c.numHoles = 1; c.holes = seven; });
   CbvhDicing dicing = CbvhDicing();
   dicing.position[2] = 5;
   dicing.pixelSize = 0.1f;
-  EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << "the cage that was set before";
+  EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << "the previous cage is still set";
   commit();
   EXPECT_TRUE(isSeen(group));
 }
 
-const float oddNumbers[] = {-1, -0.01f, 1.5f, 8, 1e7f, -1e7f, 1e30f, -1e30f, INFINITY, -INFINITY, NAN, FLT_MAX, -FLT_MAX};
+const float oddNumbers[] = {-1, -0.01f, 1.5f, 8, 1e7f, -1e7f, 1e30f,
+                            -1e30f, INFINITY, -INFINITY, NAN, FLT_MAX, -FLT_MAX};
 
-TEST_F(OddCalls, QueriesAreRefusedParametersThatAreNone)
+TEST_F(OddCalls, NonFiniteQueryParametersAreRejected)
 {
   commit();
   CbvhTriangle triangle;
   float uv[2], du[2], dv[2];
   for (float odd : oddNumbers)
     for (const auto& at : {std::make_pair(odd, 0.5f), std::make_pair(0.5f, odd), std::make_pair(odd, odd)}) {
-      EXPECT_EQ(cbvhInterpolate(surface, 0, at.first, at.second, 0, uv, du, dv), CBVH_ERROR_INVALID_ARGUMENT) << at.first << " " << at.second;
-      EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0) << at.first << " " << at.second;
+      EXPECT_EQ(cbvhInterpolate(surface, 0, at.first, at.second, 0, uv, du, dv), CBVH_ERROR_INVALID_ARGUMENT)
+        << at.first << " " << at.second;
+      EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0)
+        << at.first << " " << at.second;
     }
-  for (float odd : {INFINITY, -INFINITY, float(NAN)}) EXPECT_EQ(cbvhGetTriangle(surface, odd, 0, 0.5f, 0.5f, nullptr, &triangle), 0);
+  for (float odd : {INFINITY, -INFINITY, float(NAN)})
+    EXPECT_EQ(cbvhGetTriangle(surface, odd, 0, 0.5f, 0.5f, nullptr, &triangle), 0);
   EXPECT_EQ(cbvhInterpolate(surface, 0, 1, 0, 0, uv, du, dv), CBVH_OK);
   EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, 1, 0, nullptr, &triangle), 1);
 }
 
 // A face of 5 corners has the sub-patches 0 to 4.
-TEST_F(OddCalls, SubPatchesThatAFaceDoesNotHaveAreRefused)
+TEST_F(OddCalls, MissingSubPatchesAreRejected)
 {
   const unsigned faces[] = {5}, indices[] = {0,1,2,3,4};
   CbvhCage cage = cube();
@@ -220,7 +254,8 @@ TEST_F(OddCalls, SubPatchesThatAFaceDoesNotHaveAreRefused)
     EXPECT_EQ(std::isfinite(uv[0]) && std::isfinite(uv[1]), i < 5) << i;
   }
   for (float odd : oddNumbers)
-    if (!(odd >= 0 && odd < 8)) EXPECT_EQ(cbvhInterpolate(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT) << odd;
+    if (!(odd >= 0 && odd < 8))
+      EXPECT_EQ(cbvhInterpolate(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT) << odd;
 }
 
 struct Attempts
@@ -231,7 +266,8 @@ struct Attempts
   void make()
   {
     const CbvhCage cage = cube();
-    const CbvhError errors[] = {cbvhSetCage(surface, &cage), cbvhCommitSurface(surface, nullptr, nullptr), cbvhSetAccuracy(surface, nullptr), cbvhSetSurfaceMask(surface, 3)};
+    const CbvhError errors[] = {cbvhSetCage(surface, &cage), cbvhCommitSurface(surface, nullptr, nullptr),
+                                cbvhSetAccuracy(surface, nullptr), cbvhSetSurfaceMask(surface, 3)};
     calls++;
     for (CbvhError error : errors) refused += error == CBVH_ERROR_INVALID_OPERATION;
   }
@@ -246,7 +282,9 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
     Attempts& attempts = *(Attempts*)args->userPtr;
     attempts.make();
     float uv[2] = {-9, -9};
-    if (cbvhInterpolate(attempts.surface, args->primID, args->u[0], args->v[0], 0, uv, nullptr, nullptr) == CBVH_OK && uv[0] >= 0 && uv[0] <= 1) attempts.interpolated++;
+    if (cbvhInterpolate(attempts.surface, args->primID, args->u[0], args->v[0], 0, uv, nullptr, nullptr) == CBVH_OK &&
+        uv[0] >= 0 && uv[0] <= 1)
+      attempts.interpolated++;
   };
   ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
   CbvhDicing dicing = CbvhDicing();
@@ -255,15 +293,24 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   ASSERT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << cbvhGetErrorText();
   const unsigned diced = attempts.calls;
   EXPECT_GT(diced, 0u);
-  ASSERT_EQ(cbvhCommitSurface(surface, [](void* self, double) { ((Attempts*)self)->make(); return 1; }, &attempts), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhCommitSurface(
+              surface,
+              [](void* self, double) {
+                ((Attempts*)self)->make();
+                return 1;
+              },
+              &attempts),
+            CBVH_OK)
+    << cbvhGetErrorText();
   EXPECT_GT(attempts.calls, diced);
   EXPECT_EQ(attempts.refused, 4*attempts.calls);
-  EXPECT_GT(attempts.interpolated, 6u) << "attributes are there while the cage is displaced";
+  EXPECT_GT(attempts.interpolated, 6u) << "attributes are available during displacement";
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
 }
 
-// A displacement function that looks up texture coordinates moves the surface as one that knows them.
-TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
+// A displacement function that interpolates texture coordinates gives the same surface as one with explicit
+// coordinates.
+TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
 {
   const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
   const CbvhAttribute unit = {corners, 4, 8, 2, own, CBVH_BOUNDARY_PIN_ALL}; // equal to u and v
@@ -279,12 +326,14 @@ TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
     if (cbvhInterpolatePoints(state.surface, &points) != CBVH_OK) { state.wrong += args->count; return; }
     for (unsigned i = 0; i < args->count; i++) {
       state.points++;
-      state.wrong += !(std::fabs(uv[2*i] - args->u[i]) < 1e-4f && std::fabs(uv[2*i+1] - args->v[i]) < 1e-4f && std::fabs(du[2*i] - 1) < 1e-3f && std::fabs(dv[2*i+1] - 1) < 1e-3f);
+      state.wrong += !(std::fabs(uv[2*i] - args->u[i]) < 1e-4f && std::fabs(uv[2*i+1] - args->v[i]) < 1e-4f &&
+                       std::fabs(du[2*i] - 1) < 1e-3f && std::fabs(dv[2*i+1] - 1) < 1e-3f);
     }
   };
   ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK) << cbvhGetErrorText();
   float P[2];
-  EXPECT_EQ(cbvhInterpolate(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION) << "not committed";
+  EXPECT_EQ(cbvhInterpolate(surface, 0, 0.5f, 0.5f, 0, P, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
+    << "not committed";
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
   EXPECT_GE(state.points, 6u*9*9);
   EXPECT_EQ(state.wrong, 0u);
@@ -295,7 +344,7 @@ TEST_F(OddCalls, PointsHaveTheirTextureCoordinatesWhileTheyAreDisplaced)
   EXPECT_EQ(P[0], -9) << "nothing is written";
 }
 
-TEST_F(OddCalls, APartFunctionMayReleaseTheLastReference)
+TEST_F(OddCalls, PartCallbackMayReleaseTheLastReference)
 {
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
   const auto release = [](void* self, const CbvhPart* part) {
@@ -308,8 +357,8 @@ TEST_F(OddCalls, APartFunctionMayReleaseTheLastReference)
   EXPECT_EQ(surface, nullptr);
 }
 
-// After each of them the surface can be diced and committed.
-TEST_F(OddCalls, CommitsThatEndEarlyLeaveTheSurfaceAsItWas)
+// Afterwards the surface can be diced and committed.
+TEST_F(OddCalls, FailedCommitsLeaveTheSurfaceUnchanged)
 {
   static std::atomic<bool> throws;
   CbvhCage cage = cube();
@@ -321,8 +370,15 @@ TEST_F(OddCalls, CommitsThatEndEarlyLeaveTheSurfaceAsItWas)
   ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
   for (int round = 0; round < 3; round++) {
     throws = round == 1;
-    if (round == 0) { EXPECT_EQ(cbvhCommitSurface(surface, [](void*, double) { return 0; }, nullptr), CBVH_ERROR_CANCELLED); }
-    else if (round == 1) { EXPECT_NE(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK); EXPECT_NE(std::string(cbvhGetErrorText()).find("no such texture"), std::string::npos) << cbvhGetErrorText(); }
+    if (round == 0) {
+      EXPECT_EQ(cbvhCommitSurface(
+                  surface, [](void*, double) { return 0; }, nullptr),
+                CBVH_ERROR_CANCELLED);
+    }
+    else if (round == 1) {
+      EXPECT_NE(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
+      EXPECT_NE(std::string(cbvhGetErrorText()).find("no such texture"), std::string::npos) << cbvhGetErrorText();
+    }
     else { throws = true; EXPECT_NE(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK); }
     throws = false;
     EXPECT_EQ(cbvhDiceSurface(surface, &dicing, nullptr), CBVH_OK) << round << cbvhGetErrorText();
@@ -331,7 +387,7 @@ TEST_F(OddCalls, CommitsThatEndEarlyLeaveTheSurfaceAsItWas)
   EXPECT_TRUE(isSeen(group));
 }
 
-TEST_F(OddCalls, AMaskCountsFromTheNextCommitOfAGroup)
+TEST_F(OddCalls, MaskTakesEffectWithTheNextCommitOfAGroup)
 {
   commit();
   CbvhStatistics before, after;
@@ -362,7 +418,7 @@ TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
   cbvhReleaseGroup(other);
 }
 
-TEST_F(OddCalls, AccuracyThatCannotBeAppliedStaysAnError)
+TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
 {
   commit();
   const CbvhAccuracy fine = {sizeof(CbvhAccuracy), 0.001f, 0, {0, 0, 0}, 0};
@@ -371,51 +427,60 @@ TEST_F(OddCalls, AccuracyThatCannotBeAppliedStaysAnError)
     EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION);
   }
   ASSERT_EQ(cbvhSetAccuracy(surface, nullptr), CBVH_OK);
-  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "as it is stored";
+  EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "the stored accuracy";
 }
 
-TEST(OddContexts, AnErrorFunctionMayCauseErrors)
+TEST(OddContexts, ErrorFunctionMayCauseErrors)
 {
-  struct Told { CbvhContext context = nullptr; std::string before, after; } told;
+  struct Reported { CbvhContext context = nullptr; std::string before, after; } reported;
   const auto tell = [](void* self, CbvhError, const char* text) {
-    Told& told = *(Told*)self;
-    if (!told.before.empty()) return;
-    told.before = text;
+    Reported& reported = *(Reported*)self;
+    if (!reported.before.empty()) return;
+    reported.before = text;
     CbvhSurface none = nullptr;
-    for (int i = 0; i < 100; i++) cbvhLoadSurface(told.context, ("/no/such/file/with/a/long/name/" + std::to_string(i)).c_str(), &none);
-    told.after = text;
+    for (int i = 0; i < 100; i++)
+      cbvhLoadSurface(reported.context, ("/no/such/file/with/a/long/name/" + std::to_string(i)).c_str(), &none);
+    reported.after = text;
   };
-  ASSERT_EQ(cbvhNewContext(nullptr, tell, &told, &told.context), CBVH_OK);
+  ASSERT_EQ(cbvhNewContext(nullptr, tell, &reported, &reported.context), CBVH_OK);
   CbvhSurface none = nullptr;
-  EXPECT_EQ(cbvhLoadSurface(told.context, "/no/such/folder/of/the/application/first.cbvh", &none), CBVH_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(told.before.find("first.cbvh"), std::string::npos);
-  EXPECT_EQ(told.after, told.before);
-  EXPECT_EQ(cbvhGetErrorText(), told.before);
-  cbvhReleaseContext(told.context);
+  EXPECT_EQ(cbvhLoadSurface(reported.context, "/no/such/folder/of/the/application/first.cbvh", &none),
+            CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(reported.before.find("first.cbvh"), std::string::npos);
+  EXPECT_EQ(reported.after, reported.before);
+  EXPECT_EQ(cbvhGetErrorText(), reported.before);
+  cbvhReleaseContext(reported.context);
 }
 
-TEST(OddContexts, SettingsWithErrorsNameTheKeyAndTheNearest)
+TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
 {
-  const char* const wrong[][3] = {
-    {"thread=2", "\"thread\"", "threads"}, {"isa=avx9", "\"avx9\"", "avx2"}, {"max_isa=bogus", "\"bogus\"", "max_isa"}, {"threads=two", "\"two\"", "a number"},
-    {"threads", "threads=<value>", ""}, {"verbos=1,threads=2", "\"verbos\"", "verbose"}, {"threads=2, cbvh_grid=1", "\"cbvh_grid\"", "cbvh_grids"},
-    {"subdiv_acel=cbvh", "\"subdiv_acel\"", "subdiv_accel"}, {"cbvh_max_error=-1", "cbvh_max_error", "0 or more"}, {"scene_flags=robust|fast", "robust|fast", "dynamic"}
-  };
+  const char* const wrong[][3] = {{"thread=2", "\"thread\"", "threads"},
+                                  {"isa=avx9", "\"avx9\"", "avx2"},
+                                  {"max_isa=bogus", "\"bogus\"", "max_isa"},
+                                  {"threads=two", "\"two\"", "a number"},
+                                  {"threads", "threads=<value>", ""},
+                                  {"verbos=1,threads=2", "\"verbos\"", "verbose"},
+                                  {"threads=2, cbvh_grid=1", "\"cbvh_grid\"", "cbvh_grids"},
+                                  {"subdiv_acel=cbvh", "\"subdiv_acel\"", "subdiv_accel"},
+                                  {"cbvh_max_error=-1", "cbvh_max_error", "0 or more"},
+                                  {"scene_flags=robust|fast", "robust|fast", "dynamic"}};
   for (const auto& w : wrong) {
     CbvhContext context = nullptr;
     EXPECT_EQ(cbvhNewContext(w[0], nullptr, nullptr, &context), CBVH_ERROR_INVALID_ARGUMENT) << w[0];
     EXPECT_EQ(context, nullptr) << w[0];
     for (int i : {1, 2}) EXPECT_NE(std::string(cbvhGetErrorText()).find(w[i]), std::string::npos) << cbvhGetErrorText();
   }
-  for (const char* right : {"", "threads=2", "threads = 2 , verbose=0", "scene_flags = robust | compact, threads=1", "tri_accel=default,cbvh_max_error=0.5", "tessellation_cache_size=0.5"}) {
+  for (const char* right : {"", "threads=2", "threads = 2 , verbose=0", "scene_flags = robust | compact, threads=1",
+                            "tri_accel=default,cbvh_max_error=0.5", "tessellation_cache_size=0.5"}) {
     CbvhContext context = nullptr;
     EXPECT_EQ(cbvhNewContext(right, nullptr, nullptr, &context), CBVH_OK) << right << cbvhGetErrorText();
     cbvhReleaseContext(context);
   }
 }
 
-// A prism of 20 sides: neither its caps nor the faces at them can be subdivided. It is said once, and not again without a change.
-TEST_F(OddCalls, FacesOfTooManyCornersAreToldOnce)
+// A prism with 20 sides: neither its caps nor the adjacent faces can be subdivided. This is reported once, and not
+// again without a change.
+TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
 {
   std::vector<float> vertices;
   std::vector<unsigned> faces = {20, 20}, indices;
@@ -448,7 +513,7 @@ TEST_F(OddCalls, FacesOfTooManyCornersAreToldOnce)
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(cbvhGetErrorText()).find("22 faces are left out"), std::string::npos) << cbvhGetErrorText();
   CbvhStatistics statistics;
-  EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the rest is there";
+  EXPECT_EQ(cbvhGetGroupStatistics(group, &statistics), CBVH_OK) << "the other faces exist";
   EXPECT_EQ(statistics.numQuads, 6u*64);
   EXPECT_EQ(cbvhSetSurfaceMask(prism, 1), CBVH_OK);
   EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libembree_cbvh is loaded, used by two threads and unloaded, over and over, in a program that has an Embree of its own: nothing crashes, and
- * memory does not grow. reload PATH/TO/libembree_cbvh.so.0 */
+/* Loads libembree_cbvh, uses it in two threads and unloads it, repeatedly, in a program with its own Embree: it must
+ * not crash, and memory must not grow. reload PATH/TO/libembree_cbvh.so.0 */
 
 #include "host.h"
 
@@ -24,13 +24,21 @@ size_t residentKiB()
   return 0;
 }
 
-#define FUNCTION(name) const auto name = (decltype(&::name))dlsym(library, #name); CHECK(name != nullptr); if (!name) return
+#define FUNCTION(name) \
+  const auto name = (decltype(&::name))dlsym(library, #name); \
+  CHECK(name != nullptr); \
+  if (!name) return
 
 void use(const char* path)
 {
   void* const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   if (!library) { std::fprintf(stderr, "%s\n", dlerror()); failures++; return; }
-  FUNCTION(cbvhNewContext); FUNCTION(cbvhNewSurface); FUNCTION(cbvhSetCage); FUNCTION(cbvhCommitSurface); FUNCTION(cbvhNewGroup); FUNCTION(cbvhCommitGroup);
+  FUNCTION(cbvhNewContext);
+  FUNCTION(cbvhNewSurface);
+  FUNCTION(cbvhSetCage);
+  FUNCTION(cbvhCommitSurface);
+  FUNCTION(cbvhNewGroup);
+  FUNCTION(cbvhCommitGroup);
   FUNCTION(cbvhIntersect1); FUNCTION(cbvhReleaseSurface); FUNCTION(cbvhReleaseGroup); FUNCTION(cbvhReleaseContext);
   CHECK(dlsym(library, "rtcNewDevice") == nullptr || dlsym(library, "rtcNewDevice") == (void*)rtcNewDevice);
   CbvhContext context = nullptr;

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How fast a displaced cube of libembree_cbvh is through the user geometry of the Embree that is around, of its own rays and of that Embree's own
- * subdivision surface, and from a file: rays a second of one thread, medians of turns. beside_speed [--rays N] [--rate R] [--turns N] */
+/* Measures rays per second of one thread on a displaced cube: through the user geometry of the surrounding Embree, by
+ * libembree_cbvh's own functions, on Embree's own subdivision surface, and from a file. Prints medians of interleaved
+ * runs. beside_speed [--rays N] [--rate R] [--turns N] */
 
 #include "host.h"
 
@@ -32,7 +33,7 @@ double median(std::vector<double> values)
   return values[values.size()/2];
 }
 
-// What is traced in turns, on the same rays.
+// Traced alternately with others, with the same rays.
 struct Contender
 {
   const char* name;
@@ -52,7 +53,8 @@ void inPackets(RTCScene scene, std::vector<RTCRayHit>& rays)
   }
 }
 
-void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<Contender> contenders, unsigned turns, bool isOfFirst = false)
+void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<Contender> contenders, unsigned turns,
+             bool isOfFirst = false)
 {
   for (unsigned turn = 0; turn < turns; turn++)
     for (Contender& contender : contenders) {
@@ -61,15 +63,18 @@ void measure(const char* what, const std::vector<RTCRayHit>& rays, std::vector<C
     }
   const double first = median(contenders[0].seconds);
   std::printf("| %-22s |", what);
-  for (const Contender& contender : contenders) std::printf(" %6.2f |", double(rays.size())/median(contender.seconds)*1e-6);
-  for (size_t i = 1; i < contenders.size(); i++) std::printf(" %5.2f |", isOfFirst ? first/median(contenders[i].seconds) : median(contenders[i].seconds)/first);
+  for (const Contender& contender : contenders)
+    std::printf(" %6.2f |", double(rays.size())/median(contender.seconds)*1e-6);
+  for (size_t i = 1; i < contenders.size(); i++)
+    std::printf(" %5.2f |", isOfFirst ? first/median(contenders[i].seconds) : median(contenders[i].seconds)/first);
   std::printf("\n");
 }
 
-/* The cube as it was made, and as it comes from a file. */
+/* The original cube, and the cube loaded from a file. */
 void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count, unsigned turns)
 {
-  const std::string path = std::string(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/tmp") + "/beside_speed_" + std::to_string(getpid()) + ".cbvh";
+  const std::string path = std::string(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/tmp") + "/beside_speed_" +
+                           std::to_string(getpid()) + ".cbvh";
   const Cube cube;
   const CbvhCage cage = cube.cage(rate, 1);
   CbvhSurface made = nullptr, opened = nullptr;
@@ -82,11 +87,18 @@ void measureFile(RTCDevice device, CbvhContext context, float rate, size_t count
   {
     const Group inMemory(context, made), fromFile(context, opened);
     const Scene madeScene(device, inMemory), openedScene(device, fromFile);
-    const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
-    std::printf("\n| opened in %.1f ms, million a second | as it was made | from a file | file of made |\n|:--|--:|--:|--:|\n", 1e3*seconds);
+    const auto single = [](RTCScene in) {
+      return [in](std::vector<RTCRayHit>& rays) {
+        for (RTCRayHit& r : rays) intersect(in, r);
+      };
+    };
+    std::printf(
+      "\n| opened in %.1f ms, million per second | original | from a file | file/original |\n|:--|--:|--:|--:|\n",
+      1e3*seconds);
     std::mt19937 random(3);
     for (bool areCoherent : {true, false})
-      measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent), {{"", single(madeScene), {}}, {"", single(openedScene), {}}}, turns, true);
+      measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent),
+              {{"", single(madeScene), {}}, {"", single(openedScene), {}}}, turns, true);
   }
   cbvhReleaseSurface(made);
   cbvhReleaseSurface(opened);
@@ -108,7 +120,13 @@ int main(int argc, char** argv)
   }
   RTCDevice device = rtcNewDevice(nullptr);
   ssize_t live = 0;
-  rtcSetDeviceMemoryMonitorFunction(device, [](void* sum, ssize_t bytes, bool) { __atomic_add_fetch((ssize_t*)sum, bytes, __ATOMIC_RELAXED); return true; }, &live);
+  rtcSetDeviceMemoryMonitorFunction(
+    device,
+    [](void* sum, ssize_t bytes, bool) {
+      __atomic_add_fetch((ssize_t*)sum, bytes, __ATOMIC_RELAXED);
+      return true;
+    },
+    &live);
   CbvhContext context = nullptr;
   OK(cbvhNewContext(nullptr, nullptr, nullptr, &context));
   {
@@ -124,22 +142,47 @@ int main(int argc, char** argv)
     CbvhStatistics statistics;
     OK(cbvhGetGroupStatistics(*group, &statistics));
     const double quads = double(statistics.numQuads);
-    std::printf("Embree %s; a displaced cube of %.2f million quads: %.1f bytes a quad, built in %.2f s; its own subdivision surface %.1f bytes, %.2f s\n\n", RTC_VERSION_STRING,
-                quads*1e-6, double(statistics.bytes)/quads, ours, double(live - before)/quads, theirs);
-    std::printf("| rays, million a second | user geometry | libembree_cbvh alone | Embree's own | user geometry of alone | of Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
-    const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
-    const auto any = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) occluded(in, r.ray); }; };
+    std::printf(
+      "Embree %s; a displaced cube of %.2f million quads: %.1f bytes per quad, built in %.2f s; its own subdivision "
+      "surface %.1f bytes, %.2f s\n\n",
+      RTC_VERSION_STRING, quads*1e-6, double(statistics.bytes)/quads, ours, double(live - before)/quads, theirs);
+    std::printf(
+      "| rays, million per second | user geometry | libembree_cbvh alone | Embree's own | user geometry/alone | user "
+      "geometry/Embree's own |\n|:--|--:|--:|--:|--:|--:|\n");
+    const auto single = [](RTCScene in) {
+      return [in](std::vector<RTCRayHit>& rays) {
+        for (RTCRayHit& r : rays) intersect(in, r);
+      };
+    };
+    const auto any = [](RTCScene in) {
+      return [in](std::vector<RTCRayHit>& rays) {
+        for (RTCRayHit& r : rays) occluded(in, r.ray);
+      };
+    };
     const CbvhGroup handle = *group;
-    const auto alone = [handle](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr); };
-    const auto aloneAny = [handle](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) cbvhOccluded1(handle, (CbvhRay*)&r.ray, nullptr); };
+    const auto alone = [handle](std::vector<RTCRayHit>& rays) {
+      for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr);
+    };
+    const auto aloneAny = [handle](std::vector<RTCRayHit>& rays) {
+      for (RTCRayHit& r : rays) cbvhOccluded1(handle, (CbvhRay*)&r.ray, nullptr);
+    };
     std::mt19937 random(1);
     for (bool areCoherent : {true, false}) {
       const std::vector<RTCRayHit> rays = randomRays(random, count, areCoherent);
       const std::string set = areCoherent ? "coherent" : "incoherent";
-      measure((set + ", closest").c_str(), rays, {{"", single(scene), {}}, {"", alone, {}}, {"", single(own), {}}}, turns);
+      measure((set + ", closest").c_str(), rays, {{"", single(scene), {}}, {"", alone, {}}, {"", single(own), {}}},
+              turns);
       measure((set + ", any").c_str(), rays, {{"", any(scene), {}}, {"", aloneAny, {}}, {"", any(own), {}}}, turns);
-      measure((set + ", packets of 8").c_str(), rays, {{"", [&](std::vector<RTCRayHit>& r) { inPackets<8>(scene, r); }, {}}, {"", alone, {}}, {"", [&](std::vector<RTCRayHit>& r) { inPackets<8>(own, r); }, {}}}, turns);
-      measure((set + ", packets of 16").c_str(), rays, {{"", [&](std::vector<RTCRayHit>& r) { inPackets<16>(scene, r); }, {}}, {"", alone, {}}, {"", [&](std::vector<RTCRayHit>& r) { inPackets<16>(own, r); }, {}}}, turns);
+      measure((set + ", packets of 8").c_str(), rays,
+              {{"", [&](std::vector<RTCRayHit>& r) { inPackets<8>(scene, r); }, {}},
+               {"", alone, {}},
+               {"", [&](std::vector<RTCRayHit>& r) { inPackets<8>(own, r); }, {}}},
+              turns);
+      measure((set + ", packets of 16").c_str(), rays,
+              {{"", [&](std::vector<RTCRayHit>& r) { inPackets<16>(scene, r); }, {}},
+               {"", alone, {}},
+               {"", [&](std::vector<RTCRayHit>& r) { inPackets<16>(own, r); }, {}}},
+              turns);
     }
   }
   {
@@ -156,13 +199,22 @@ int main(int argc, char** argv)
       rtcReleaseGeometry(geometry);
     }
     rtcCommitScene(asMany);
-    const auto single = [](RTCScene in) { return [in](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) intersect(in, r); }; };
+    const auto single = [](RTCScene in) {
+      return [in](std::vector<RTCRayHit>& rays) {
+        for (RTCRayHit& r : rays) intersect(in, r);
+      };
+    };
     const CbvhGroup handle = together;
-    const auto alone = [handle](std::vector<RTCRayHit>& rays) { for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr); };
-    std::printf("\n| nine surfaces, million a second | libembree_cbvh alone | as one geometry | as nine | one of alone | nine of alone |\n|:--|--:|--:|--:|--:|--:|\n");
+    const auto alone = [handle](std::vector<RTCRayHit>& rays) {
+      for (RTCRayHit& r : rays) cbvhIntersect1(handle, (CbvhRayHit*)&r, nullptr);
+    };
+    std::printf(
+      "\n| nine surfaces, million per second | libembree_cbvh alone | as one geometry | as nine | one/alone | "
+      "nine/alone |\n|:--|--:|--:|--:|--:|--:|\n");
     std::mt19937 random(2);
     for (bool areCoherent : {true, false})
-      measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent, 0.6f), {{"", alone, {}}, {"", single(asOne), {}}, {"", single(asMany), {}}}, turns, true);
+      measure(areCoherent ? "coherent, closest" : "incoherent, closest", randomRays(random, count, areCoherent, 0.6f),
+              {{"", alone, {}}, {"", single(asOne), {}}, {"", single(asMany), {}}}, turns, true);
   }
   measureFile(device, context, rate, count, turns);
   rtcReleaseDevice(device);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Public structs that begin with structSize, of both interfaces, as applications of older and newer versions pass
- * them. */
+/* Public structs that begin with structSize, in both interfaces, as passed by applications of older and newer versions.
+ * */
 
 #include "kernels/cbvh/core/errors.h"
 #include "kernels/cbvh/core/struct_size.h"
@@ -21,7 +21,7 @@
 
 namespace embree { namespace core {
 
-/* What grows in the second version. */
+/* A struct that gained members in its second version. */
 struct Grown
 {
   size_t structSize;
@@ -30,7 +30,7 @@ struct Grown
 };
 CBVH_GROWING_STRUCT(Grown, b);
 
-// of the library, which does not export it
+// a function of the library that is not exported
 void invalidArgument(const std::string& text) { throw std::invalid_argument(text); }
 
 }} // namespace embree::core
@@ -45,7 +45,7 @@ struct Case
 {
   std::string name;
   bool isWritten;
-  Bytes valid;                              // as this version has it
+  Bytes valid;                              // of this version
   std::function<std::string(void*)> call;   // returns the text of the error, empty if there is none
 };
 
@@ -56,13 +56,13 @@ Case caseOf(const char* name, bool isWritten, const T& valid, const std::functio
       [=](void* bytes) { return call((T*)bytes); }};
 }
 
-// What the calls need: a surface that is committed and traced, and a geometry that is committed and saved.
+// A committed and traced surface, and a committed and saved geometry.
 struct StructSizes : ::testing::Test
 {
   CbvhContext context = nullptr;
   CbvhSurface surface = nullptr, other = nullptr;
   CbvhGroup group = nullptr;
-  std::string told;
+  std::string reported;
   Device device;
   Scene scene{device};
   Folder folder;
@@ -73,7 +73,7 @@ struct StructSizes : ::testing::Test
   StructSizes()
   {
     const auto keep = [](void* self, CbvhError, const char* text) { *(std::string*)self = text; };
-    EXPECT_EQ(cbvhNewContext(nullptr, keep, &told, &context), CBVH_OK);
+    EXPECT_EQ(cbvhNewContext(nullptr, keep, &reported, &context), CBVH_OK);
     const CbvhCage input = cube();
     for (CbvhSurface* s : {&surface, &other}) {
       EXPECT_EQ(cbvhNewSurface(context, s), CBVH_OK);
@@ -97,7 +97,7 @@ struct StructSizes : ::testing::Test
     file = rtcOpenCompressedFile(device, (folder/"one").c_str());
     EXPECT_NE(file, nullptr) << device.message;
     addCases();
-    addCasesBeside();
+    addCbvhCases();
   }
 
   ~StructSizes() override
@@ -162,7 +162,7 @@ struct StructSizes : ::testing::Test
       }));
   }
 
-  void addCasesBeside()
+  void addCbvhCases()
   {
     cases.push_back(caseOf<CbvhCage>("CbvhCage", false, cube(),
       [=](CbvhCage* input) { return error(cbvhSetCage(other, input)); }));
@@ -187,19 +187,19 @@ struct StructSizes : ::testing::Test
       [=](CbvhInterpolation* points) { return error(cbvhInterpolatePoints(surface, points)); }));
     const auto trace = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
-        told.clear();
+        reported.clear();
         CbvhRayHit r = CbvhRayHit();
         r.ray.org_x = r.ray.org_y = 0.01f; r.ray.org_z = 5; r.ray.dir_z = -1; r.ray.tfar = INFINITY; r.ray.mask = 1;
         const int isHit = isOcclusion ? cbvhOccluded1(group, &r.ray, query) : cbvhIntersect1(group, &r, query);
-        EXPECT_EQ(isHit != 0, told.empty()) << told;
-        return told;
+        EXPECT_EQ(isHit != 0, reported.empty()) << reported;
+        return reported;
       };
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(false)));
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, trace(true)));
     const auto packet = [=](bool isOcclusion) {
       return [=](CbvhQuery* query) {
-        told.clear();
+        reported.clear();
         alignas(16) RTCRayHit4 rays = RTCRayHit4();
         for (int i = 0; i < 4; i++) {
           rays.ray.org_x[i] = rays.ray.org_y[i] = 0.01f; rays.ray.org_z[i] = 5; rays.ray.dir_z[i] = -1;
@@ -207,8 +207,8 @@ struct StructSizes : ::testing::Test
         }
         const unsigned hits = isOcclusion ? cbvhOccluded4(group, nullptr, &rays, query)
             : cbvhIntersect4(group, nullptr, &rays, query);
-        EXPECT_EQ(hits, told.empty() ? 15u : 0u) << told;
-        return told;
+        EXPECT_EQ(hits, reported.empty() ? 15u : 0u) << reported;
+        return reported;
       };
     };
     cases.push_back(caseOf<CbvhQuery>("CbvhQuery", false, {}, packet(false)));
@@ -251,7 +251,7 @@ TEST_F(StructSizes, DefaultsAreTheSizesOfThisVersion)
   }
 }
 
-TEST_F(StructSizes, ZeroTooSmallAndHugeAreRefused)
+TEST_F(StructSizes, ZeroTooSmallAndTooLargeAreRejected)
 {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
@@ -305,12 +305,12 @@ TEST_F(StructSizes, NewerOutputIsFilledWithZeros)
     EXPECT_EQ(kept, size);
     EXPECT_TRUE(std::equal(bytes.begin() + 8, bytes.begin() + known, expected.begin() + 8)) << "members";
     EXPECT_EQ(Bytes(bytes.begin() + known, bytes.begin() + size), Bytes(24)) << "new members";
-    EXPECT_EQ(Bytes(bytes.begin() + size, bytes.end()), Bytes(8, 7)) << "what is not of the struct";
+    EXPECT_EQ(Bytes(bytes.begin() + size, bytes.end()), Bytes(8, 7)) << "bytes outside of the struct";
   }
 }
 
-// The rule by a struct that has grown: an application of its first version.
-TEST(StructGrowth, MembersThatTheApplicationLacksAreZeroAndNotWritten)
+// An application of the first version passes a struct that has since gained members.
+TEST(StructGrowth, MissingMembersAreZeroAndNotWritten)
 {
   using embree::core::Grown;
   Grown application = {16, 3, 4, 5.0};
@@ -323,10 +323,10 @@ TEST(StructGrowth, MembersThatTheApplicationLacksAreZeroAndNotWritten)
   EXPECT_EQ(application.structSize, 16u);
   EXPECT_EQ(application.a, 6);
   EXPECT_EQ(application.b, 7);
-  EXPECT_EQ(application.c, 5.0) << "which is not the struct's";
+  EXPECT_EQ(application.c, 5.0) << "outside of the struct";
   application.structSize = 15;
   EXPECT_THROW(embree::core::requireStruct(&application), std::invalid_argument);
-  application.structSize = 20; // which would cut a member
+  application.structSize = 20; // ends inside a member
   EXPECT_THROW(embree::core::readStruct(&application), std::invalid_argument);
 }
 

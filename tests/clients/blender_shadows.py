@@ -36,7 +36,7 @@ from pathlib import Path
 
 SCENE = Path(__file__).resolve().parent / "bumpy_sheet.py"
 SKIP = 77
-# Of 230400 pixels. The default darkens 2055 of them, by up to 17%, and 1/36 of an edge 49693, by up to 80%.
+# Limit of dark pixels, of 230400. The default darkens 2055 by up to 17%, 1/36 of an edge darkens 49693 by up to 80%.
 MOST_DARK = 400
 MOST_DARKENING = 0.15
 COMPRESSIONS = ["default", "36", "512", "2048", "lossless"]
@@ -131,19 +131,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("blender")
     parser.add_argument("library", type=lambda text: Path(text).resolve(), help="folder of our libembree3.so.3")
-    parser.add_argument("--samples", type=int, default=32, help="per pixel (default: %(default)s)")
+    parser.add_argument("--samples", type=int, default=32, help="samples per pixel (default: %(default)s)")
     # Spacings are rounded down to a power of two: 1/36 of this edge is hardly rounded, 1/2048 becomes 1/2312.
-    parser.add_argument("--edge", type=float, default=0.0088, help="of the quads (default: %(default)s)")
+    parser.add_argument("--edge", type=float, default=0.0088, help="edge length of the quads (default: %(default)s)")
     parser.add_argument("--keep", type=Path, help="folder that the pictures are written to")
     options = parser.parse_args()
     if not shutil.which(options.blender):
-        skip("no blender: install the package of that name")
+        skip("no blender, install the package blender")
     if options.keep:
         check(options, options.keep.resolve())
     else:
         with tempfile.TemporaryDirectory() as folder:
             check(options, Path(folder))
-    print("all well" if not failures else f"{failures} failures")
+    print("passed" if not failures else f"{failures} failures")
     return int(failures != 0)
 
 

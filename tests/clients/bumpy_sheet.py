@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Renders a bumpy sheet of 1000 x 1000 smooth quads under a low sun, with Cycles on the processor.
+"""Renders a bumpy sheet of 1000 x 1000 smooth quads under a low sun, with Cycles on the CPU.
 
     blender -b --python-exit-code 1 --python bumpy_sheet.py -- FOLDER SAMPLES EDGE COMPRESSION ...
 
@@ -52,14 +52,14 @@ lamp.angle = 0
 lamp.energy = 3 / np.cos(np.radians(SUN_DEGREES))
 sun = bpy.data.objects.new("sun", lamp)
 sun.rotation_euler = (np.radians(SUN_DEGREES), 0, np.radians(25))
-# Weak light from everywhere: no pixel is black, so differences can be given as a part of the pixel.
+# Weak light from all directions: no pixel is black, so differences can be relative.
 world = bpy.data.worlds.new("sky")
 world.use_nodes = True
 world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.1, 0.1, 0.1, 1)
 camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
 camera.location = (0, -60 * edge, 70 * edge)
 camera.rotation_euler = (np.radians(40), 0, 0)
-camera.data.lens = 36  # as wide as the sensor: the view is as wide as it is far
+camera.data.lens = 36  # equal to the sensor width: the width of the view equals its distance
 camera.data.clip_start, camera.data.clip_end = edge, 2 * size
 
 scene = bpy.context.scene

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Nothing of the codec needs Embree, TBB or the kernels: each header and source compiles by itself as C++14, and includes only files of the
-# codec and of the system.
+# Checks that the codec does not depend on Embree, TBB or the kernels: each header and source compiles by itself as
+# C++14, and includes only files of the codec and of the system.
 #
 #   alone.sh COMPILER KERNELS
 set -eu
@@ -14,7 +14,8 @@ failed=0
 # check FILE FLAG...
 check() {
   file=$1; shift
-  if ! included=$("$compiler" -std=c++14 -x c++ -include "$file" "$@" -fsyntax-only -Wall -Wextra -H /dev/null 2>&1); then
+  if ! included=$("$compiler" -std=c++14 -x c++ -include "$file" "$@" -fsyntax-only -Wall -Wextra -H /dev/null \
+    2>&1); then
     echo "$included" | grep -v '^[.!]' | head -n 20
     echo "$file does not compile by itself ($*)"
     failed=1

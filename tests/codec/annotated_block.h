@@ -13,8 +13,8 @@
 
 namespace cbvh::test {
 
-// The bytes of a page's annotated block: rows "| offset | `bytes` | meaning |" of the section of that name. Offsets must
-// follow each other.
+// Returns the bytes of a page's annotated block, from rows "| offset | `bytes` | meaning |" of that section. Offsets
+// must be consecutive.
 inline std::vector<int> annotatedBytes(const std::string& page)
 {
   std::ifstream file(page);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of blocks: sizes and offsets as framed_block.md states them, and the blocks that
- * it shows byte by byte. The tables there are read, so the two cannot drift. */
+/* Layout of blocks: compares sizes, offsets and annotated blocks with framed_block.md. The test reads the page's
+ * tables, so that code and page cannot diverge. */
 
 #include "support/encoded_block.h"
 
@@ -24,13 +24,14 @@ using namespace embree::cbvh;
 
 constexpr uint32_t headerBytes = 76;
 
-TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
+TEST(BlockFormat, SizesAndOffsetsMatchFormulas)
 {
   uint32_t quads = 1, nodes = 0; // 4^h, (4^h - 1)/3
   for (uint32_t height = 0; height <= maxLevel; height++) {
     const uint32_t width = (1u << height) + 1;
-    const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // nodes of h-1 levels
-    const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height), leaf = blockLayout(kindLeaf, height);
+    const uint32_t groups = height ? (quads/4 - 1)/3 : 0; // number of nodes in h-1 levels
+    const BlockLayout grid = blockLayout(kindGrid, height), voxel = blockLayout(kindVoxel, height),
+                      leaf = blockLayout(kindLeaf, height);
     SCOPED_TRACE(height);
     EXPECT_EQ(voxel.nodeLevels, height);
     EXPECT_EQ(leaf.nodeLevels, height ? height : 1);
@@ -50,7 +51,7 @@ TEST(BlockFormat, SizesAndOffsetsFollowFromKindAndHeight)
   }
 }
 
-TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
+TEST(BlockFormat, InfoRoundTripsLimitsOfEveryField)
 {
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
     for (uint32_t height = 0; height <= maxLevel; height++)
@@ -69,7 +70,7 @@ TEST(BlockFormat, InfoHoldsEveryFieldAtItsLimits)
         }
 }
 
-TEST(BlockFormat, ParametersEndAtOneForAnyNumberOfBlocks)
+TEST(BlockFormat, ParametersEndAtOneForAnyTiling)
 {
   for (uint32_t height : {0, 1, 3})
     for (uint32_t last = 0; last < 256u >> height; last++) {
@@ -81,7 +82,7 @@ TEST(BlockFormat, ParametersEndAtOneForAnyNumberOfBlocks)
     }
 }
 
-TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
+TEST(BlockFormat, MortonOrderIsBijectiveWithXInEvenBits)
 {
   for (uint32_t y = 0; y < 256; y++)
     for (uint32_t x = 0; x < 256; x++) {
@@ -93,14 +94,20 @@ TEST(BlockFormat, MortonOrderIsAOneToOneMapWithXInTheEvenBits)
     }
 }
 
-// A triangle with a vertex at infinity might be hit, and one with NaN is not.
-TEST(BlockFormat, VerticesOfCGridAreKeptToTheBitAndNaNWhereTheyAreNotFinite)
+// Rays can hit a triangle with a vertex at infinity, but not one with NaN.
+TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN)
 {
   const uint32_t height = 2, width = (1u << height) + 1, count = width*width;
-  const float infinity = std::numeric_limits<float>::infinity(), corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}};
+  const float infinity = std::numeric_limits<float>::infinity(),
+              corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 4, 0}};
   std::vector<float> vertices;
-  for (uint32_t i = 0; i < count; i++) vertices.insert(vertices.end(), {float(i % width), float(i / width), 0.1f*float(i*i % 7)});
-  const struct { uint32_t vertex, axis; float value; } bad[] = {{3, 0, infinity}, {7, 1, -infinity}, {12, 2, infinity}, {24, 2, std::nanf("")}};
+  for (uint32_t i = 0; i < count; i++)
+    vertices.insert(vertices.end(), {float(i % width), float(i / width), 0.1f*float(i*i % 7)});
+  const struct
+  {
+    uint32_t vertex, axis;
+    float value;
+  } bad[] = {{3, 0, infinity}, {7, 1, -infinity}, {12, 2, infinity}, {24, 2, std::nanf("")}};
   for (const auto& b : bad) vertices[3*b.vertex + b.axis] = b.value;
   const EncodedBlock encoded(Kind::GRID, height, vertices, corners);
   ASSERT_TRUE(encoded);
@@ -109,13 +116,16 @@ TEST(BlockFormat, VerticesOfCGridAreKeptToTheBitAndNaNWhereTheyAreNotFinite)
   for (uint32_t i = 0; i < count; i++) {
     const bool isBad = std::any_of(std::begin(bad), std::end(bad), [&](const auto& b) { return b.vertex == i; });
     for (uint32_t k = 0; k < 3; k++) {
-      if (isBad) { EXPECT_TRUE(std::isnan(stored[k*count + i])) << "vertex " << i << ", axis " << k << ": " << stored[k*count + i]; }
+      if (isBad) {
+        EXPECT_TRUE(std::isnan(stored[k*count + i]))
+          << "vertex " << i << ", axis " << k << ": " << stored[k*count + i];
+      }
       else { EXPECT_EQ(stored[k*count + i], vertices[3*i + k]) << "vertex " << i << ", axis " << k; }
     }
   }
 }
 
-// The lines of a section of a page, up to the next heading. FORMATS is the folder of the pages.
+// Returns the lines of a section of a page, up to the next heading. FORMATS is the folder of the pages.
 std::vector<std::string> section(const std::string& page, const std::string& heading)
 {
   std::ifstream file(FORMATS "/" + page);
@@ -129,27 +139,30 @@ std::vector<std::string> section(const std::string& page, const std::string& hea
   return lines;
 }
 
-// The table of constants, generated.
-TEST(BlockFormat, ConstantsAreThoseOfTheCode)
+// The table of constants, generated from the code.
+TEST(BlockFormat, ConstantsMatchPage)
 {
   std::ostringstream table;
-  table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | " << blockAlignment
-        << " |\n| type of a block in the tree | " << FRAMED_BLOCK << " |\n| bytes of the header | " << blockHeaderBytes
-        << " |\n| height of a block, at most | " << maxLevel << " |\n";
+  table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | "
+        << blockAlignment << " |\n| type of a block in the tree | " << FRAMED_BLOCK << " |\n| bytes of the header | "
+        << blockHeaderBytes << " |\n| height of a block, at most | " << maxLevel << " |\n";
   std::string text;
   for (const std::string& line : section("framed_block.md", "# Format of a block with a frame")) text += line + "\n";
-  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos) << "the page has to have\n" << table.str();
+  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos)
+    << "the page must contain\n"
+    << table.str();
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
-TEST(BlockFormat, SizesAreThoseOfThePage)
+TEST(BlockFormat, SizesMatchPage)
 {
   uint32_t rows = 0;
   for (const std::string& line : section("framed_block.md", "## Sizes")) {
     unsigned height, bytes[3];
     if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
     EXPECT_EQ(height, rows++);
-    for (uint32_t kind = 0; kind < numKindFormats; kind++) EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
+    for (uint32_t kind = 0; kind < numKindFormats; kind++)
+      EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
   }
   EXPECT_EQ(rows, maxLevel + 1);
 }
@@ -169,7 +182,7 @@ std::vector<uint8_t> annotatedBytes(const std::string& heading)
   return bytes;
 }
 
-// Words as a table shows them.
+// Formats words as in the tables of the page.
 std::string wordsOf(const std::vector<uint8_t>& bytes)
 {
   std::ostringstream text;
@@ -182,7 +195,7 @@ std::string wordsOf(const std::vector<uint8_t>& bytes)
   return text.str();
 }
 
-// Vertices (i, j, z), row by row, in the block that a section of framed_example.md describes.
+// Vertices (i, j, z), row by row, of a block in framed_example.md.
 void expectAnnotated(const std::string& heading, uint32_t height, const std::vector<float>& z)
 {
   const uint32_t quads = 1u << height, width = quads + 1;
@@ -196,21 +209,22 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   block->surface = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
-  const std::vector<uint8_t> written((const uint8_t*)block, (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);
+  const std::vector<uint8_t> written((const uint8_t*)block,
+                                     (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);
   EXPECT_EQ(wordsOf(written), wordsOf(annotatedBytes(heading)));
 }
 
-TEST(BlockFormat, TheAnnotatedLatticeIsWhatTheEncoderWrites)
+TEST(BlockFormat, EncoderWritesAnnotatedLattice)
 {
   expectAnnotated("## A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
 }
 
-TEST(BlockFormat, TheAnnotatedLooseGroupIsWhatTheEncoderWrites)
+TEST(BlockFormat, EncoderWritesAnnotatedLooseGroup)
 {
   expectAnnotated("## A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
 }
 
-TEST(BlockFormat, TheAnnotatedBlockOfTwoLevelsIsWhatTheEncoderWrites)
+TEST(BlockFormat, EncoderWritesAnnotatedBlockOfTwoLevels)
 {
   std::vector<float> z;
   for (int j = 0; j <= 4; j++)

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Clusters for GPUs by themselves: integers of floats, what fits and what does not, strips with gaps, and the bytes of an annotated block. */
+/* Clusters for GPUs, without the library: conversion of floats to integers, limits of the formats, strips with gaps,
+ * and the bytes of an annotated block. */
 
 #include "support/cluster_decoder.h"
 #include "support/random.h"
@@ -34,7 +35,7 @@ struct Grid
   Vertex& at(unsigned x, unsigned y) { return vertices[y*width + x]; }
   const float* points() const { return vertices[0].data(); }
 
-  // A lattice of 2^exponent, from a first multiple on, with some bits of noise.
+  // Fills with multiples of 2^exponent from `first` on, with noise of some bits.
   void fill(Random& random, int exponent, int first, unsigned bits)
   {
     for (Vertex& v : vertices)
@@ -42,9 +43,12 @@ struct Grid
   }
 };
 
-bool place(const Grid& grid, LatticePoints& points) { return points.place(grid.points(), grid.width, grid.width, grid.height); }
+bool place(const Grid& grid, LatticePoints& points)
+{
+  return points.place(grid.points(), grid.width, grid.width, grid.height);
+}
 
-TEST(ClusterCodec, PointsAreTheFloatsDividedByOnePowerOfTwo)
+TEST(ClusterCodec, PointsAreFloatsDividedByPowerOfTwo)
 {
   Random random(181);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
@@ -60,11 +64,11 @@ TEST(ClusterCodec, PointsAreTheFloatsDividedByOnePowerOfTwo)
         ASSERT_EQ(std::ldexp(float(points->at[i][k]), int(points->exponent) - 127), grid.vertices[i][k]);
         anyOdd |= (points->at[i][k] & 1) != 0;
       }
-    ASSERT_TRUE(anyOdd) << "the lattice could be coarser";
+    ASSERT_TRUE(anyOdd) << "a coarser lattice would suffice";
   }
 }
 
-TEST(ClusterCodec, WhatIsOutsideOfTheFormatsDoesNotFit)
+TEST(ClusterCodec, RejectsVerticesOutsideOfFormat)
 {
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   const auto fits = [&](float a, float b) {
@@ -77,7 +81,7 @@ TEST(ClusterCodec, WhatIsOutsideOfTheFormatsDoesNotFit)
   };
   EXPECT_TRUE(fits(8388607, 8388606));
   EXPECT_TRUE(fits(-8388608, -8388607));
-  EXPECT_TRUE(fits(8388607, 8388609)) << "behind an anchor there is room for an offset";
+  EXPECT_TRUE(fits(8388607, 8388609)) << "an offset is added to the anchor";
   EXPECT_FALSE(fits(8388611, 8388609)) << "beyond 2^23 steps";
   EXPECT_FALSE(fits(-8388609, -8388608));
   EXPECT_FALSE(fits(1, 16777216)) << "wider than an offset";
@@ -86,11 +90,11 @@ TEST(ClusterCodec, WhatIsOutsideOfTheFormatsDoesNotFit)
   EXPECT_FALSE(fits(1, 1e-8f)) << "no common lattice";
   EXPECT_TRUE(fits(std::ldexp(1.0f, -126), std::ldexp(3.0f, -126)));
   EXPECT_FALSE(fits(std::ldexp(1.0f, -127), 0)) << "below 2^-126";
-  EXPECT_TRUE(fits(std::ldexp(1.0f, 127), std::ldexp(127.0f, 120))) << "above 2^105 steps are multiples of that";
+  EXPECT_TRUE(fits(std::ldexp(1.0f, 127), std::ldexp(127.0f, 120))) << "above 2^105 spacings are multiples of 2^105";
   EXPECT_TRUE(fits(0.0f, -0.0f));
 }
 
-// That placed vertices survive COMPRESSED1 to the bit.
+// Expects that vertices with a lattice are the same floats after encoding and decoding as COMPRESSED1.
 void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const LatticePoints& points)
 {
   LatticeSpan span;
@@ -99,10 +103,11 @@ void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const 
   std::vector<uint32_t> data(compressed1Bytes(81)/4 + 1);
   const size_t bytes = putCompressed1(points, span, triangles.vertices, triangles.numVertices, (uint8_t*)data.data());
   const DecodedCluster decoded = decodeCompressed1(data.data(), bytes, triangles.numVertices);
-  for (unsigned i = 0; i < triangles.numVertices; i++) ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
+  for (unsigned i = 0; i < triangles.numVertices; i++)
+    ASSERT_EQ(decoded.vertices[i], grid.vertices[triangles.vertices[i]]);
 }
 
-TEST(ClusterCodec, Compressed1GivesVerticesBack)
+TEST(ClusterCodec, Compressed1RoundTripsVertices)
 {
   Random random(182);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
@@ -117,8 +122,8 @@ TEST(ClusterCodec, Compressed1GivesVerticesBack)
   }
 }
 
-// The largest floats are 2^128 less one of the 24 bits of a float: 8,388,607 steps of 2^105, and half a step more.
-TEST(ClusterCodec, TheLargestFloatsStayFinite)
+// The largest floats are close to 2^128. They are 8,388,607 spacings of 2^105, plus half a spacing.
+TEST(ClusterCodec, LargestFloatsStayFinite)
 {
   Random random(183);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
@@ -134,14 +139,14 @@ TEST(ClusterCodec, TheLargestFloatsStayFinite)
   }
   Grid grid(1, 1);
   grid.at(0, 0)[0] = std::ldexp(16777215.0f, 104);
-  EXPECT_FALSE(place(grid, *points)) << "half steps have a finer lattice, on which they are beyond 2^23 steps";
+  EXPECT_FALSE(place(grid, *points)) << "half spacings require a finer lattice, where they exceed 2^23 spacings";
 }
 
 typedef std::array<Vertex, 3> Triangle;
 
 Triangle turned(const Triangle& t) { return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}}); }
 
-// of those that are neither broken nor collapsed
+// Triangles that are neither missing nor degenerate.
 std::multiset<Triangle> trianglesOf(Grid& grid)
 {
   std::multiset<Triangle> all;
@@ -157,7 +162,7 @@ std::multiset<Triangle> trianglesOf(Grid& grid)
   return all;
 }
 
-TEST(ClusterCodec, BlocksOfDgfGiveTrianglesBackWhateverIsMissing)
+TEST(ClusterCodec, DgfRoundTripsTrianglesOfGridsWithGaps)
 {
   Random random(183);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
@@ -181,38 +186,44 @@ TEST(ClusterCodec, BlocksOfDgfGiveTrianglesBackWhateverIsMissing)
     const unsigned primitives = random.below(1u << 29) - 64;
     if (!block->write(triangles, *points, primitives & 0x1FFFFFFF)) {
       refused++;
-      ASSERT_GT(triangles.numTriangles, 2u) << "a quad has room";
+      ASSERT_GT(triangles.numTriangles, 2u) << "a quad fits";
       continue;
     }
     written++;
     const DecodedCluster decoded = decodeDgf(block->bytes, sizeof(block->bytes));
     ASSERT_EQ(decoded.primitives, primitives & 0x1FFFFFFF);
     std::multiset<Triangle> found;
-    for (const auto& t : decoded.triangles) found.insert(turned({decoded.vertices[t[0]], decoded.vertices[t[1]], decoded.vertices[t[2]]}));
+    for (const auto& t : decoded.triangles)
+      found.insert(turned({decoded.vertices[t[0]], decoded.vertices[t[1]], decoded.vertices[t[2]]}));
     ASSERT_EQ(found, expected);
   }
   EXPECT_GT(written, 5000u);
   EXPECT_GT(refused, 100u);
 }
 
-// Of the strip of a whole grid, in a block with small offsets.
+// Bits per index of the strip of a whole grid, in a block with small offsets.
 unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
 {
   Grid grid(quadsX, quadsY);
-  for (unsigned i = 0; i < grid.vertices.size(); i++) grid.vertices[i] = {float(i % grid.width), float(i/grid.width), 0};
+  for (unsigned i = 0; i < grid.vertices.size(); i++)
+    grid.vertices[i] = {float(i % grid.width), float(i/grid.width), 0};
   std::unique_ptr<LatticePoints> points(new LatticePoints);
   std::unique_ptr<dgf::Block> block(new dgf::Block);
-  if (!place(grid, *points) || !block->write(QuadTriangles(grid.points(), grid.width, {0, 0, quadsX, quadsY}, true), *points, 0)) return 6;
+  if (!place(grid, *points) ||
+      !block->write(QuadTriangles(grid.points(), grid.width, {0, 0, quadsX, quadsY}, true), *points, 0))
+    return 6;
   return decodeDgf(block->bytes, sizeof(block->bytes)).bitsPerIndex;
 }
 
-// Whether the specification has room for whole quads in one strip, which comes to each inner vertex a second time.
+// True if whole quads in one strip, which visits each inner vertex twice, fit into a block of the specification.
 bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
 {
-  const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1), reused = (grid.width - 2)*(grid.height - 2);
+  const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1),
+                 reused = (grid.width - 2)*(grid.height - 2);
   unsigned bits = 0;
   for (int k = 0; k < 3; k++) {
-    const auto extent = std::minmax_element(grid.vertices.begin(), grid.vertices.end(), [&](const Vertex& a, const Vertex& b) { return a[k] < b[k]; });
+    const auto extent = std::minmax_element(grid.vertices.begin(), grid.vertices.end(),
+                                            [&](const Vertex& a, const Vertex& b) { return a[k] < b[k]; });
     const unsigned steps = unsigned(std::ldexp(double((*extent.second)[k]) - (*extent.first)[k], -exponent));
     unsigned b = 1;
     while (steps >> b) b++;
@@ -220,10 +231,11 @@ bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
   }
   bits = (bits + 3)/4*4;
   const unsigned front = (vertices*bits + 7)/8;
-  return vertices <= 64 && triangles <= 64 && front <= 96 && 8*(20 + front) + reused*bitsPerIndex + (triangles - 1) + 2*(triangles - 1) <= 8*128;
+  return vertices <= 64 && triangles <= 64 && front <= 96 &&
+         8*(20 + front) + reused*bitsPerIndex + (triangles - 1) + 2*(triangles - 1) <= 8*128;
 }
 
-TEST(ClusterCodec, WholeGridsAreOneStripInAsManyBytesAsThatTakes)
+TEST(ClusterCodec, WholeGridIsOneStripOfMinimalSize)
 {
   Random random(185);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
@@ -250,7 +262,7 @@ TEST(ClusterCodec, WholeGridsAreOneStripInAsManyBytesAsThatTakes)
   EXPECT_GT(refused, 500u);
 }
 
-TEST(ClusterCodec, TrianglesSayWhichOfThePartTheyAre)
+TEST(ClusterCodec, TrianglesReportTheirIndexInPart)
 {
   Random random(186);
   for (int round = 0; round < 500; round++) {
@@ -265,7 +277,8 @@ TEST(ClusterCodec, TrianglesSayWhichOfThePartTheyAre)
         const uint32_t id = triangles.triangles[t], x = id/2 % (grid.width - 1), y = id/2/(grid.width - 1);
         ASSERT_TRUE(seen.insert(id).second);
         ASSERT_TRUE(x >= of.x && x < of.x + width && y >= of.y && y < of.y + height);
-        const Triangle expected = id % 2 ? Triangle{grid.at(x, y + 1), grid.at(x + 1, y), grid.at(x + 1, y + 1)} : Triangle{grid.at(x, y), grid.at(x + 1, y), grid.at(x, y + 1)};
+        const Triangle expected = id % 2 ? Triangle{grid.at(x, y + 1), grid.at(x + 1, y), grid.at(x + 1, y + 1)}
+                                         : Triangle{grid.at(x, y), grid.at(x + 1, y), grid.at(x, y + 1)};
         for (int c = 0; c < 3; c++) {
           const uint32_t v = triangles.vertices[triangles.indices[t][c]];
           ASSERT_EQ(grid.at(of.x + v % (width + 1), of.y + v/(width + 1)), expected[c]);
@@ -275,7 +288,7 @@ TEST(ClusterCodec, TrianglesSayWhichOfThePartTheyAre)
   }
 }
 
-TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
+TEST(ClusterCodec, TilesCoverEachQuadOnceAndFit)
 {
   Random random(184);
   std::unique_ptr<LatticePoints> points(new LatticePoints);
@@ -284,7 +297,7 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
     Grid grid(1 + random.below(16), 1 + random.below(16));
     grid.fill(random, 2, -12345, random.below(17));
     const bool hasGaps = random.chance(0.2);
-    if (hasGaps) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // no bounds in places
+    if (hasGaps) for (Vertex& v : grid.vertices) v[2] = random.chance(0.9) ? NAN : v[2]; // some quads without bounds
     ASSERT_TRUE(place(grid, *points));
     const dgf::Tiling tiling(*points, grid.width - 1, grid.height - 1);
     ASSERT_TRUE(tiling.isPossible);
@@ -296,15 +309,16 @@ TEST(ClusterCodec, TilesCoverEachQuadOnceAndHaveRoom)
       QuadTriangles triangles(grid.points(), grid.width, {x, y, width, height}, true);
       if (hasGaps || !triangles.isWhole) return;
       for (uint32_t i = 0; i < triangles.numVertices; i++)
-        triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x + triangles.vertices[i] % (width + 1);
+        triangles.vertices[i] = (y + triangles.vertices[i]/(width + 1))*grid.width + x +
+                                triangles.vertices[i] % (width + 1);
       ASSERT_TRUE(block->write(triangles, *points, 0)) << width << " x " << height;
     });
     ASSERT_EQ(std::count(covered.begin(), covered.end(), 1u), long(covered.size()));
   }
 }
 
-// Two quads beside each other, as clusters.md lists the bytes.
-TEST(ClusterCodec, BytesAreThoseOfTheAnnotatedClusters)
+// Two adjacent quads, whose bytes clusters.md lists.
+TEST(ClusterCodec, BytesMatchAnnotatedClusters)
 {
   Grid grid(2, 1);
   for (unsigned y = 0; y < 2; y++)
@@ -321,7 +335,10 @@ TEST(ClusterCodec, BytesAreThoseOfTheAnnotatedClusters)
   const auto print = [&](const uint8_t* from, size_t count) {
     char hex[4];
     text.clear();
-    for (size_t i = 0; i < count; i++) { std::snprintf(hex, sizeof(hex), "%02x", from[i]); text += (i ? " " : "") + std::string(hex); }
+    for (size_t i = 0; i < count; i++) {
+      std::snprintf(hex, sizeof(hex), "%02x", from[i]);
+      text += (i ? " " : "") + std::string(hex);
+    }
   };
   std::ifstream file(FORMATS "/clusters.md");
   const std::string document((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());

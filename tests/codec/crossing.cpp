@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How a ray crosses a leaf, framed/leaf/crossing.h, against bisection, finite differences and dense
- * sampling in double. */
+/* Crossing of a ray with a leaf (framed/leaf/crossing.h), compared with bisection, finite differences and dense
+ * sampling in double precision. */
 
 #include "kernels/cbvh/framed/leaf/crossing.h"
 #include "support/random.h"
@@ -21,7 +21,7 @@ using namespace embree::cbvh;
 
 constexpr int samples = 2000;
 
-// --- by other ways -------------------------------------------------------------------------
+// --- independent methods -------------------------------------------------------------------
 
 double bilinear(const LeafPatch& leaf, double u, double v)
 {
@@ -42,7 +42,7 @@ double bisect(const Parabola<double>& f)
   }
 }
 
-// Over samples of [0,1].
+// Minimum over samples of [0,1].
 template<typename Function>
 double leastOf(const Function& function)
 {
@@ -53,7 +53,7 @@ double leastOf(const Function& function)
 
 // --- parabolas -----------------------------------------------------------------------------
 
-// Small and large ones, nearly straight ones, and such whose other root is near.
+// Small, large and nearly straight parabolas, and parabolas whose second root is near.
 Parabola<double> randomParabola(Random& random)
 {
   Parabola<double> f;
@@ -65,7 +65,7 @@ Parabola<double> randomParabola(Random& random)
   case 1: f.f0 = 0; break;
   case 2: f.f1 = 0; break;
   case 3: f.f1 = -f.f0; break;
-  case 4: f.saddle = f.f0 - f.f1; break; // no linear part but the chord's
+  case 4: f.saddle = f.f0 - f.f1; break; // no linear part except for the chord
   default: break;
   }
   return f;
@@ -73,7 +73,7 @@ Parabola<double> randomParabola(Random& random)
 
 double scaleOf(const Parabola<double>& f) { return std::max({std::fabs(f.f0), std::fabs(f.f1), std::fabs(f.saddle)}); }
 
-TEST(Crossing, TheRootIsWhereBisectionFindsTheChangeOfSign)
+TEST(Crossing, RootIsAtChangeOfSign)
 {
   Random random(41);
   unsigned changes = 0, farRoots = 0;
@@ -84,11 +84,11 @@ TEST(Crossing, TheRootIsWhereBisectionFindsTheChangeOfSign)
     farRoots += std::fabs(f.saddle) > 2*std::fabs(f.f1 - f.f0);
     SCOPED_TRACE(testing::Message() << "parabola " << f.f0 << " " << f.f1 << " " << f.saddle);
     const double k = parabolaRoot(f), expected = bisect(f);
-    if (expected > 1 - 1e-6) continue; // the next test
+    if (expected > 1 - 1e-6) continue; // covered by the next test
     ASSERT_GE(k, 0);
     ASSERT_LE(k, 1);
-    // 1e-6: the square root of what double loses, where both roots are near; an end at which f is 0
-    // is a root, too
+    // 1e-6 is the square root of the rounding error of double, for nearly double roots. An end with f = 0 is a root,
+    // too.
     if (f.f0 != 0 && f.f1 != 0) {
       ASSERT_NEAR(k, expected, 1e-6);
     }
@@ -103,19 +103,20 @@ TEST(Crossing, TheRootIsWhereBisectionFindsTheChangeOfSign)
   EXPECT_GT(farRoots, 10000u);
 }
 
-// The root may be rounded to more than 1.
-TEST(Crossing, TheRootAtTheExitIsNotTakenForOneAtTheEntry)
+// Rounding may increase the root to more than 1.
+TEST(Crossing, RootAtExitIsNotConfusedWithEntry)
 {
   Random random(49);
   for (int i = 0; i < 200000; i++) {
     Parabola<double> f = randomParabola(random);
     f.f0 = -std::fabs(f.f0);
     f.f1 = 0;
-    ASSERT_NEAR(parabolaAt(f, parabolaRoot(f)), 0, 1e-14*scaleOf(f)) << "parabola " << f.f0 << " " << f.f1 << " " << f.saddle;
+    ASSERT_NEAR(parabolaAt(f, parabolaRoot(f)), 0, 1e-14*scaleOf(f))
+      << "parabola " << f.f0 << " " << f.f1 << " " << f.saddle;
   }
 }
 
-TEST(Crossing, WithoutAChangeOfSignTheRootIsTheNearerEnd)
+TEST(Crossing, RootIsNearerEndWithoutChangeOfSign)
 {
   Random random(42);
   for (int i = 0; i < 10000; i++) {
@@ -134,9 +135,12 @@ struct LipCase
 
   double p(double k) const { return p0 + k*(p1 - p0); }
   double height(double k) const { return (1 - k)*f.f0 + k*f.f1 + f.saddle*k*(1 - k); }
-  // How far outside of the lip the ray is; not positive inside.
-  double outside(double k) const { return std::max({p(k) - width, height(k) - epsilon, -(reach + epsilon) - height(k)}); }
-  // By how much that can differ from one sample to the next.
+  // Distance of the ray from the lip; not positive inside.
+  double outside(double k) const
+  {
+    return std::max({p(k) - width, height(k) - epsilon, -(reach + epsilon) - height(k)});
+  }
+  // Largest difference between adjacent samples.
   double step() const { return std::max(std::fabs(p1 - p0), std::fabs(f.f1 - f.f0) + std::fabs(f.saddle))/samples; }
   bool isWithinReach(double k) const { return height(k) <= epsilon && height(k) >= -(reach + epsilon); }
 
@@ -156,14 +160,15 @@ LipCase randomLip(Random& random)
   return lip;
 }
 
-TEST(Crossing, LipsAreMetWhereSamplesOfTheRayAreInThem)
+TEST(Crossing, LipIsHitWhereSamplesAreInside)
 {
   Random random(43);
   unsigned met = 0, missed = 0, between = 0, undecided = 0;
   for (int i = 0; i < 20000; i++) {
     const LipCase lip = randomLip(random);
-    SCOPED_TRACE(testing::Message() << "lip " << i << ": f " << lip.f.f0 << " " << lip.f.f1 << " " << lip.f.saddle << ", p " << lip.p0
-                                    << " " << lip.p1 << ", width " << lip.width << ", reach " << lip.reach << ", epsilon " << lip.epsilon);
+    SCOPED_TRACE(testing::Message() << "lip " << i << ": f " << lip.f.f0 << " " << lip.f.f1 << " " << lip.f.saddle
+                                    << ", p " << lip.p0 << " " << lip.p1 << ", width " << lip.width << ", reach "
+                                    << lip.reach << ", epsilon " << lip.epsilon);
     const LipMeeting<double> meeting = lip.meet();
     const double outside = leastOf([&](double k) { return lip.outside(k); });
     if (outside <= 0) {
@@ -179,7 +184,7 @@ TEST(Crossing, LipsAreMetWhereSamplesOfTheRayAreInThem)
     ASSERT_LE(meeting.k, 1);
     ASSERT_LE(lip.p(meeting.k), lip.width + 1e-12);
     if (lip.isWithinReach(meeting.k)) continue;
-    // it passes from above the lip to below, or back: the first place near the side
+    // the ray passes through the lip from above or below: compare with the first position near the side
     between++;
     const double k0 = leastOf([&](double k) { return lip.p(k) <= lip.width ? k : 1e300; });
     ASSERT_NEAR(meeting.k, k0, 1.0/samples);
@@ -190,8 +195,8 @@ TEST(Crossing, LipsAreMetWhereSamplesOfTheRayAreInThem)
   EXPECT_LT(undecided, 200u);
 }
 
-// The places, by hand: the ray's way beside the side is k from 1/2 to 1, its vertex at 3/4.
-TEST(Crossing, LipsAreMetAtTheFirstOfEntryExitAndVertexThatIsWithinReach)
+// Computed by hand: the ray is near the side for k from 1/2 to 1; the vertex of the parabola is at 3/4.
+TEST(Crossing, LipIsHitAtFirstOfEntryExitAndVertexWithinReach)
 {
   const double p0 = 1, p1 = 0, width = 0.5, reach = 0.1, epsilon = 0;
   auto place = [&](double entry, double vertex, double exit) {
@@ -208,13 +213,13 @@ TEST(Crossing, LipsAreMetAtTheFirstOfEntryExitAndVertexThatIsWithinReach)
   EXPECT_EQ(place(0.2, 0.3, -0.05), 1);
   EXPECT_EQ(place(0.2, -0.05, 0.2), 0.75);
   EXPECT_EQ(place(-0.2, -0.05, -0.2), 0.75);
-  EXPECT_EQ(place(0.2, -0.5, 0.2), 0.5); // none of them, but it passes through
+  EXPECT_EQ(place(0.2, -0.5, 0.2), 0.5); // none of them, but the ray passes through
   EXPECT_EQ(place(0.2, 0.05, 0.2), -1);
   EXPECT_EQ(place(-0.2, -0.15, -0.2), -1);
 }
 
-// What a GPU gives for one by 0 is its own affair.
-TEST(Crossing, NothingIsDividedByZero)
+// The result of a division by zero is undefined on GPUs.
+TEST(Crossing, DoesNotDivideByZero)
 {
   Random random(50);
   std::vector<LipCase> cases(20000);
@@ -225,7 +230,7 @@ TEST(Crossing, NothingIsDividedByZero)
     if (random.chance(0.3)) lip.f.f0 = 0;
     if (random.chance(0.3)) lip.f.f1 = random.chance(0.5) ? -lip.f.saddle : lip.f.f0; // no linear part, or no slope
   }
-  volatile double sum = 0; // of something that they give
+  volatile double sum = 0; // sum of the results
   std::feclearexcept(FE_ALL_EXCEPT);
   for (const LipCase& lip : cases) sum = sum + parabolaRoot(lip.f) + lip.meet().k;
   EXPECT_EQ(std::fetestexcept(FE_DIVBYZERO | FE_INVALID), 0);
@@ -241,14 +246,14 @@ LeafPatch randomLeaf(Random& random)
     leaf.box.extent[k] = float(random.magnitude(0.05, 0.5));
     leaf.box.lower[k] = float(random.uniform(0, 1 - leaf.box.extent[k]));
   }
-  // patches reach past their boxes
+  // patches extend beyond their boxes
   for (float& z : leaf.z) z = leaf.box.lower[2] + float(random.uniform(-0.3, 1.3))*leaf.box.extent[2];
   leaf.thickness = float(random.magnitude(0.01, 0.3))*leaf.box.extent[2];
   leaf.solid = leaf.empty = false;
   return leaf;
 }
 
-TEST(Crossing, PatchesAreBilinearBetweenTheirCorners)
+TEST(Crossing, PatchIsBilinear)
 {
   Random random(44);
   for (int i = 0; i < 2000; i++) {
@@ -256,9 +261,11 @@ TEST(Crossing, PatchesAreBilinearBetweenTheirCorners)
     for (int c = 0; c < 4; c++) ASSERT_NEAR(patchZ<double>(leaf, c & 1, c >> 1), leaf.z[c], 1e-15);
     const double u = random.uniform(), v = random.uniform(), d = 1e-3;
     ASSERT_NEAR(patchZ(leaf, u, v), bilinear(leaf, u, v), 1e-14);
-    // along an axis it is straight, so that differences are exact but for rounding
-    ASSERT_NEAR(patchSlope(leaf, 0, v), (bilinear(leaf, u + d, v) - bilinear(leaf, u - d, v))/(2*d*leaf.box.extent[0]), 1e-9);
-    ASSERT_NEAR(patchSlope(leaf, 1, u), (bilinear(leaf, u, v + d) - bilinear(leaf, u, v - d))/(2*d*leaf.box.extent[1]), 1e-9);
+    // along an axis the patch is straight, so that differences are exact except for rounding
+    ASSERT_NEAR(patchSlope(leaf, 0, v),
+                (bilinear(leaf, u + d, v) - bilinear(leaf, u - d, v))/(2*d*leaf.box.extent[0]), 1e-9);
+    ASSERT_NEAR(patchSlope(leaf, 1, u),
+                (bilinear(leaf, u, v + d) - bilinear(leaf, u, v - d))/(2*d*leaf.box.extent[1]), 1e-9);
     leaf.solid = true;
     ASSERT_EQ(patchSlope(leaf, 0, v), 0);
     ASSERT_EQ(patchSlope(leaf, 1, u), 0);
@@ -267,17 +274,19 @@ TEST(Crossing, PatchesAreBilinearBetweenTheirCorners)
 
 // --- crossings -----------------------------------------------------------------------------
 
-// Starts and ends anywhere in the block's box, often inside of the leaf.
+// Segments with random ends in the block's box, often inside the leaf.
 Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon)
 {
   Segment<double> segment;
   auto anywhere = [&](double p[3], bool inLeaf) {
-    for (int k = 0; k < 3; k++) p[k] = inLeaf ? box.lower[k] + random.uniform()*box.extent[k] : random.uniform(-0.2, 1.2);
+    for (int k = 0; k < 3; k++)
+      p[k] = inLeaf ? box.lower[k] + random.uniform()*box.extent[k] : random.uniform(-0.2, 1.2);
   };
   double a[3], b[3];
-  anywhere(a, true); // a point that it is to pass, mostly
+  anywhere(a, true); // usually a point that the segment passes through
   anywhere(b, random.chance(0.2));
-  const double before = random.chance(0.3) ? 0 : random.uniform(0, 3), behind = random.chance(0.3) ? 0.01 : random.uniform(0, 1);
+  const double before = random.chance(0.3) ? 0 : random.uniform(0, 3),
+               behind = random.chance(0.3) ? 0.01 : random.uniform(0, 1);
   const bool missing = random.chance(0.1);
   for (int k = 0; k < 3; k++) {
     const double d = b[k] - a[k];
@@ -286,7 +295,7 @@ Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon
     segment.epsilon[k] = epsilon*random.uniform();
   }
   if (random.chance(0.1)) std::swap(segment.P0, segment.P1);
-  if (random.chance(0.1)) segment.P1[random.below(3)] = segment.P0[random.below(3)]; // a slope out of the ordinary
+  if (random.chance(0.1)) segment.P1[random.below(3)] = segment.P0[random.below(3)]; // an extreme slope
   if (random.chance(0.1)) {
     const int k = int(random.below(3)); // along a plane
     segment.P1[k] = segment.P0[k];
@@ -301,8 +310,9 @@ Segment<double> randomSegment(Random& random, const NodeBox& box, double epsilon
 
 double at(const Segment<double>& segment, int k, double s) { return (1 - s)*segment.P0[k] + s*segment.P1[k]; }
 
-// How far inside of the widened box the line is; face: which is nearest, 2 k + (1 if upper).
-double inside(const Segment<double>& segment, const NodeBox& box, double s, int* face = nullptr, double* second = nullptr)
+// Distance of the line from the faces of the widened box, positive inside; face: the nearest one, 2 k + (1 if upper).
+double inside(const Segment<double>& segment, const NodeBox& box, double s, int* face = nullptr,
+              double* second = nullptr)
 {
   double slack[6];
   for (int k = 0; k < 3; k++) {
@@ -320,7 +330,7 @@ double inside(const Segment<double>& segment, const NodeBox& box, double s, int*
   return least;
 }
 
-// The end of the part of the line in the box between a point inside and one outside.
+// Intersects the line between an inside and an outside point with the surface of the box.
 double endBetween(const Segment<double>& segment, const NodeBox& box, double in, double out)
 {
   for (int i = 0; i < 60; i++) {
@@ -332,8 +342,8 @@ double endBetween(const Segment<double>& segment, const NodeBox& box, double in,
 
 struct Ends { double s0, s1; bool startsInside, endsInside; };
 
-// The part of the segment in the box; false if it misses it, or nearly so. Of distances to six
-// planes the least has one maximum along a line, which thirds of it close in on.
+// Clips the segment to the box; false if it misses the box, or nearly misses it. The minimum of the distances to the
+// six planes has a single maximum along a line, which a ternary search finds.
 bool findEnds(const Segment<double>& segment, const NodeBox& box, Ends& ends)
 {
   double a = 0, b = 1;
@@ -351,8 +361,8 @@ bool findEnds(const Segment<double>& segment, const NodeBox& box, Ends& ends)
   return true;
 }
 
-// Side at one end of the crossing: by the face where that is not a side of the column, by f else.
-// False where two faces, or the patch, are too near to say.
+// Side at one end of the crossing: determined by the face, unless it is a side of the column; otherwise by f. False
+// if two faces or the patch are too close to decide.
 bool sideAt(const Segment<double>& segment, const LeafPatch& leaf, double s, bool insideBox, double f, uint32_t& side)
 {
   int face;
@@ -365,7 +375,7 @@ bool sideAt(const Segment<double>& segment, const LeafPatch& leaf, double s, boo
   return true;
 }
 
-TEST(Crossing, EntryExitHeightsAndSidesAreThoseOfTheLineInTheBox)
+TEST(Crossing, EntryExitHeightsAndSidesMatchLineInBox)
 {
   Random random(45);
   unsigned crossings = 0, sides[2][3] = {}, against[2] = {}, started = 0, ended = 0, changes = 0;
@@ -379,7 +389,9 @@ TEST(Crossing, EntryExitHeightsAndSidesAreThoseOfTheLineInTheBox)
     const Crossing<double> x = crossPatch(segment, leaf);
     ASSERT_NEAR(x.s0, ends.s0, 1e-9);
     ASSERT_NEAR(x.s1, ends.s1, 1e-9);
-    auto position = [&](int axis, double s) { return clamped((at(segment, axis, s) - leaf.box.lower[axis])/leaf.box.extent[axis]); };
+    auto position = [&](int axis, double s) {
+      return clamped((at(segment, axis, s) - leaf.box.lower[axis])/leaf.box.extent[axis]);
+    };
     auto height = [&](double s) { return at(segment, 2, s) - bilinear(leaf, position(0, s), position(1, s)); };
     ASSERT_NEAR(x.u0, position(0, ends.s0), 1e-7);
     ASSERT_NEAR(x.v0, position(1, ends.s0), 1e-7);
@@ -393,8 +405,8 @@ TEST(Crossing, EntryExitHeightsAndSidesAreThoseOfTheLineInTheBox)
     ASSERT_EQ(x.event.ended, segment.endClipped && ends.endsInside);
     started += x.event.started;
     ended += x.event.ended;
-    // a segment that starts inside without being clipped there starts at the block's own box: it
-    // enters the leaf before it, through a face that the segment does not show
+    // A segment that starts inside without being clipped starts at the block's own box. It enters the leaf earlier,
+    // through a face that the segment does not reveal.
     uint32_t side;
     if ((!ends.startsInside || x.event.started) && sideAt(segment, leaf, ends.s0, ends.startsInside, f0, side)) {
       ASSERT_EQ(x.event.enter, side);
@@ -420,8 +432,8 @@ TEST(Crossing, EntryExitHeightsAndSidesAreThoseOfTheLineInTheBox)
   for (unsigned count : against) EXPECT_GT(count, 50u);
 }
 
-// Without epsilon, which clamps positions at the sides, f is the parabola.
-TEST(Crossing, TheHeightOverAPatchIsTheParabola)
+// Without epsilon, which clamps positions to the sides, f is the parabola.
+TEST(Crossing, HeightOverPatchIsParabola)
 {
   Random random(46);
   unsigned crossings = 0;
@@ -434,16 +446,17 @@ TEST(Crossing, TheHeightOverAPatchIsTheParabola)
     const Crossing<double> x = crossPatch(segment, leaf);
     for (int step = 0; step <= 10; step++) {
       const double k = 0.1*step, s = x.s0 + k*(x.s1 - x.s0);
-      const double u = (at(segment, 0, s) - leaf.box.lower[0])/leaf.box.extent[0], v = (at(segment, 1, s) - leaf.box.lower[1])/leaf.box.extent[1];
+      const double u = (at(segment, 0, s) - leaf.box.lower[0])/leaf.box.extent[0],
+                   v = (at(segment, 1, s) - leaf.box.lower[1])/leaf.box.extent[1];
       ASSERT_NEAR(parabolaAt(x.f, k), at(segment, 2, s) - bilinear(leaf, u, v), 1e-7) << "segment " << i << ", k " << k;
     }
   }
   EXPECT_GT(crossings, 1000u);
 }
 
-// "near" is said wherever the ray comes within half a thickness, and not where it stays away by
-// a quarter of the saddle more; "nearEntry" is exact.
-TEST(Crossing, NearIsSaidOfEveryRayThatComesWithinReachOfThePatch)
+// "near" must be set if the ray comes within half a thickness, and must not be set if the distance is larger by a
+// quarter of the saddle. "nearEntry" is exact.
+TEST(Crossing, NearIsSetForRaysWithinReachOfPatch)
 {
   Random random(47);
   unsigned near = 0, notNear = 0, onlyBySaddle = 0;
@@ -475,7 +488,7 @@ TEST(Crossing, NearIsSaidOfEveryRayThatComesWithinReachOfThePatch)
   EXPECT_GT(onlyBySaddle, 20u);
 }
 
-TEST(Crossing, OnlyLeavesAtTheBorderOfTheirBlockHaveLipsAndThoseOfItsSides)
+TEST(Crossing, OnlyBorderLeavesHaveLipsAndOnlyAtBorderSides)
 {
   Random random(48);
   unsigned met[4] = {}, inner = 0;
@@ -487,7 +500,7 @@ TEST(Crossing, OnlyLeavesAtTheBorderOfTheirBlockHaveLipsAndThoseOfItsSides)
     if (!findEnds(segment, leaf.box, ends)) continue;
     const Crossing<double> x = crossPatch(segment, leaf);
     const double width = (1 + random.below(16))/16.0, reach = 0.5*double(leaf.thickness);
-    // by the ray's position from the side: x lower, x upper, y lower, y upper
+    // by the position of the ray relative to the side: x lower, x upper, y lower, y upper
     LipCase lips[4];
     double outside[4];
     for (int side = 0; side < 4; side++) {
@@ -509,7 +522,7 @@ TEST(Crossing, OnlyLeavesAtTheBorderOfTheirBlockHaveLipsAndThoseOfItsSides)
         isMet = true;
         met[side]++;
         if (isUndecided) continue;
-        // the first side that is met says where
+        // the first side that is hit determines the position
         const double k = meeting.k;
         ASSERT_LE(lip.p(k), width + 1e-6);
         ASSERT_NEAR(k, lip.meet().k, 1e-6);

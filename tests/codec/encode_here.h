@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Encodes vertices with the codec as the including file compiles it, so that a test compares two ways to compile it. Included once per file,
- * in a namespace of the file's. */
+/* Encodes vertices with the codec as the including file compiles it, so that a test can compare two builds. Include it
+ * once per file, in a namespace of that file. */
 
 #include "cvert/encoder/lattice.h"
 #include "cvert/encoder/motion_encoder.h"
@@ -14,8 +14,10 @@
 
 namespace cbvh::test::HERE {
 
-// The bytes of a block of width x height quads, whose vertices are snapped to 2^exponent. steps: vertices of each time step, row by row
-inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height, int exponent)
+// Returns the bytes of a block of width x height quads with vertices snapped to 2^exponent. steps: vertices of each
+// time step, row by row.
+inline std::vector<uint8_t> encode(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
+                                   int exponent)
 {
   const cvert::WorldLattice lattice(exponent);
   const cvert::VertPlacement place(cvert::vertRegion(width, height, 0, 0), cvert::vertPatch(width, height));

@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The examples of the codec: encode_grid writes a file, file_to_obj reads it and writes all of its quads.
+# Tests the examples of the codec: encode_grid writes a file; file_to_obj reads it and writes all of its quads.
 #
 #   examples.sh ENCODE_GRID FILE_TO_OBJ
 set -eu
@@ -16,7 +16,8 @@ cat "$folder/said"
 [ "$(grep -c '^f ' "$folder/grid.obj")" = 4096 ] || fail "the OBJ has other than 64 x 64 quads"
 [ "$(grep -c '^v ' "$folder/grid.obj")" = 4624 ] || fail "the OBJ has other than 16 blocks of 17 x 17 vertices"
 # x and y are 0 to 64, as they were encoded
-awk '$1 == "v" { if ($2 != int($2) || $3 != int($3) || $2 < 0 || $2 > 64 || $3 < 0 || $3 > 64) exit 1 }' "$folder/grid.obj" || fail "x or y of a vertex"
+awk '$1 == "v" { if ($2 != int($2) || $3 != int($3) || $2 < 0 || $2 > 64 || $3 < 0 || $3 > 64) exit 1 }' \
+  "$folder/grid.obj" || fail "x or y of a vertex"
 
 for arguments in "$folder/none.cbvh" "$folder/said"; do
   ! "$2" "$arguments" > "$folder/out" 2> "$folder/error" || fail "file_to_obj reads $arguments"

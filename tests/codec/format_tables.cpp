@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of framed_block.md, code by code, through the decoders. An encoder uses the same
- * tables as they do: if both changed, every other test would pass, and blocks written
- * before would mean something else. */
+/* Checks the tables of framed_block.md code by code through the decoders. Encoder and decoders share the tables: if
+ * they changed, all other tests would pass, but the meaning of existing blocks would change. */
 
 #include "kernels/cbvh/framed/leaf/format.h"
 #include "kernels/cbvh/framed/local_ray.h"
@@ -19,14 +18,14 @@ namespace {
 
 using namespace embree::cbvh;
 
-TEST(FormatTables, PlanesOfNodes)
+TEST(FormatTables, PlanesOfNodesMatchPage)
 {
   const float outer[4] = {0, 6, 16, 36}, inner[8] = {116, 125, 130, 136, 144, 160, 192, 256}; // 1/256
   for (uint32_t pair = 0; pair < 32; pair++)
     for (int axis = 0; axis < 2; axis++) {
       SCOPED_TRACE(testing::Message() << "pair " << pair << ", axis " << axis);
       const float o = outer[pair & 3]/256, i = inner[pair >> 2]/256;
-      const int next = 1 << axis; // the child beside child 0
+      const int next = 1 << axis; // the child next to child 0
       const uint32_t lower = pair << (10*axis), upper = pair << (10*axis + 5);
       EXPECT_EQ(decodeChild(lower, 0, rootBox()).lower[axis], o);
       EXPECT_EQ(decodeChild(lower, next, rootBox()).lower[axis], 1 - i);
@@ -35,7 +34,7 @@ TEST(FormatTables, PlanesOfNodes)
     }
 }
 
-TEST(FormatTables, IntervalsOfNodes)
+TEST(FormatTables, IntervalsOfNodesMatchPage)
 {
   const float intervals[8][2] = {{0, 32}, {7, 26}, {2, 20}, {16, 32}, {11, 23}, {7, 19}, {14, 28}, {0, 15}}; // 1/32
   for (uint32_t code = 0; code < 8; code++)
@@ -46,7 +45,7 @@ TEST(FormatTables, IntervalsOfNodes)
     }
 }
 
-TEST(FormatTables, PlanesOfLattices)
+TEST(FormatTables, PlanesOfLatticesMatchPage)
 {
   for (uint32_t code = 0; code < 32; code++)
     for (int axis = 0; axis < 2; axis++) {
@@ -58,7 +57,7 @@ TEST(FormatTables, PlanesOfLattices)
     }
 }
 
-TEST(FormatTables, HeightsAndThicknessOfLattices)
+TEST(FormatTables, HeightsAndThicknessOfLatticesMatchPage)
 {
   const float bins[4] = {1, 2, 5, 16}, bin = 1.5f/128; // of a box 1 high
   for (uint32_t code = 0; code < 4; code++)
@@ -69,7 +68,7 @@ TEST(FormatTables, HeightsAndThicknessOfLattices)
     }
 }
 
-TEST(FormatTables, HeightsAndThicknessOfLooseLeaves)
+TEST(FormatTables, HeightsAndThicknessOfLooseLeavesMatchPage)
 {
   const float bins[8] = {1, 1.5f, 2, 3, 4, 6, 8, 12}, bin = 2.0f/32; // of a box 1 high
   for (uint32_t code = 0; code < 8; code++)
@@ -83,7 +82,7 @@ TEST(FormatTables, HeightsAndThicknessOfLooseLeaves)
   EXPECT_TRUE(decodeLeaf(0, Heights{0x7FFE, 1u << 31}, 0, rootBox()).empty);
 }
 
-TEST(FormatTables, EpsilonOfRays)
+TEST(FormatTables, EpsilonOfRaysMatchesPage)
 {
   Random random(17);
   const double ulp = 0x1p-23;
@@ -99,7 +98,8 @@ TEST(FormatTables, EpsilonOfRays)
     const double reach = distance + 0.75/std::min({stretch[0], stretch[1], stretch[2]});
     for (int k = 0; k < 3; k++) {
       const double expected = 4*ulp*reach*(stretch[k] + stretch[3]) + 8*ulp;
-      ASSERT_NEAR(rayEpsilon(block, distance, k), expected, 1e-12*expected) << "axis " << k << ", distance " << distance;
+      ASSERT_NEAR(rayEpsilon(block, distance, k), expected, 1e-12*expected)
+        << "axis " << k << ", distance " << distance;
     }
   }
 }

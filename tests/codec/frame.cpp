@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Frames: the map that a block stores keeps its vertices in the box and straight
- * lines straight, for every size and place, and falls back where no projective map
- * is any good. */
+/* Frames: the map of a block keeps vertices in the box and straight lines straight, for all sizes and positions. The
+ * encoder falls back to an affine map if a projective one is ill-conditioned. */
 
 #include "kernels/cbvh/framed/frame_fit.h"
 #include "kernels/cbvh/framed/node.h"
@@ -33,14 +32,17 @@ struct Sheet
 
 struct Placement { double scale; double position[3]; };
 
-// Sheet of width x width vertices between four corners, with random heights along
-// the normal; turned at random, then scaled and moved.
+// Sheet of width x width vertices between four corners, with random heights along the normal; rotated, scaled and
+// moved.
 Sheet makeSheet(Random& random, const double corners[4][3], int width, double amplitude, const Placement& at)
 {
   double axis[3][3];
   for (int k = 0; k < 3; k++) axis[0][k] = random.normal();
   for (int k = 0; k < 3; k++) axis[1][k] = random.normal();
-  auto normalize = [](double* a) { const double l = std::sqrt(a[0]*a[0] + a[1]*a[1] + a[2]*a[2]); for (int k = 0; k < 3; k++) a[k] /= l; };
+  auto normalize = [](double* a) {
+    const double l = std::sqrt(a[0]*a[0] + a[1]*a[1] + a[2]*a[2]);
+    for (int k = 0; k < 3; k++) a[k] /= l;
+  };
   normalize(axis[0]);
   const double d = axis[0][0]*axis[1][0] + axis[0][1]*axis[1][1] + axis[0][2]*axis[1][2];
   for (int k = 0; k < 3; k++) axis[1][k] -= d*axis[0][k];
@@ -49,7 +51,8 @@ Sheet makeSheet(Random& random, const double corners[4][3], int width, double am
 
   Sheet sheet;
   auto place = [&](const double p[3], float out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = float(at.position[k] + at.scale*(p[0]*axis[0][k] + p[1]*axis[1][k] + p[2]*axis[2][k]));
+    for (int k = 0; k < 3; k++)
+      out[k] = float(at.position[k] + at.scale*(p[0]*axis[0][k] + p[1]*axis[1][k] + p[2]*axis[2][k]));
   };
   for (int c = 0; c < 4; c++) place(corners[c], sheet.corners[c]);
   for (int y = 0; y < width; y++)
@@ -66,7 +69,7 @@ Sheet makeSheet(Random& random, const double corners[4][3], int width, double am
   return sheet;
 }
 
-// The map of a frame, in double, as framed_block.md states it.
+// The map of a frame in double precision, as specified in framed_block.md.
 void homogeneous(const Frame& frame, const double p[3], double h[4])
 {
   h[0] = h[1] = h[2] = 0.5; h[3] = 1;
@@ -74,8 +77,8 @@ void homogeneous(const Frame& frame, const double p[3], double h[4])
     for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k])*(p[i] - double(frame.centre[i]));
 }
 
-// Decoded planes keep containmentSlack to the geometry (node.h), the root's included,
-// which are the faces of the box.
+// Decoded planes keep the distance containmentSlack from the geometry (node.h). This includes the root's planes, the
+// faces of the box.
 void expectInside(const Sheet& sheet, const Frame& frame)
 {
   for (int i = 0; i < 3; i++)
@@ -90,11 +93,12 @@ void expectInside(const Sheet& sheet, const Frame& frame)
   }
 }
 
-// A box that is a bounded region of the world: its map has an inverse with W > 0
-// at all corners.
+// Expects a box that is a bounded region of the world: the map has an inverse with W > 0 at all corners.
 void expectBounded(const Frame& frame)
 {
-  auto row = [&](int k, double d) { return embree::cbvh::Form{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d}; };
+  auto row = [&](int k, double d) {
+    return embree::cbvh::Form{{frame.columns[0][k], frame.columns[1][k], frame.columns[2][k]}, d};
+  };
   const FrameMap map = {row(0, 0.5), row(1, 0.5), row(2, 0.5), row(3, 1), frame.projective};
   for (int i = 0; i < 8; i++) {
     Double3 p;
@@ -121,12 +125,12 @@ std::vector<Placement> placements()
   for (double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6}) list.push_back({scale, {0, 0, 0}});
   for (double scale : {1e-3, 0.1, 1.0, 1e6}) list.push_back({scale, {148376, 1234, -223423}});
   list.push_back({1e-6, {1, -1, 1}}); // less than ten ulps wide
-  list.push_back({1e-6, {148376, 1234, -223423}}); // less than one
+  list.push_back({1e-6, {148376, 1234, -223423}}); // less than one ulp wide
   list.push_back({1e-3, {0, 0, 1e6}});
   return list;
 }
 
-TEST(Frame, VerticesMapInsideTheBoxByTheSlackOfPlanesAtEverySizeAndPlace)
+TEST(Frame, VerticesAreInsideBoxBySlackAtAnySizeAndPosition)
 {
   Random random(21);
   for (const Placement& at : placements())
@@ -144,7 +148,7 @@ TEST(Frame, VerticesMapInsideTheBoxByTheSlackOfPlanesAtEverySizeAndPlace)
     }
 }
 
-TEST(Frame, VerticesReachTheFacesOfTheBox)
+TEST(Frame, VerticesTouchFacesOfBox)
 {
   Random random(22);
   for (int i = 0; i < 200; i++) {
@@ -158,17 +162,16 @@ TEST(Frame, VerticesReachTheFacesOfTheBox)
       for (int k = 0; k < 3; k++) { lower[k] = std::min(lower[k], l[k]); upper[k] = std::max(upper[k], l[k]); }
     }
     for (int k = 0; k < 3; k++) {
-      // margin, its doubling when rounding needs it, and a float's rounding of the map
+      // the margin, doubled if rounding requires it, and the rounding of the map to floats
       EXPECT_LT(lower[k], 4*frameMargin);
       EXPECT_GT(upper[k], 1 - 4*frameMargin);
     }
   }
 }
 
-// A line o + t d between its points at t0 and t1 is the segment P0 to P1, and
-// t = t0 + (t1-t0) s w0/(w1 (1-s) + s w0) takes its parameter back exactly: only
-// double's own rounding, amplified by no more than the extent of the map, is left.
-TEST(Frame, StraightLinesStayStraightAndTheParameterMapIsExact)
+// The segment P0 to P1 of a line o + t d between t0 and t1 maps back to its parameter by t = t0 + (t1-t0) s w0/(w1
+// (1-s) + s w0), exactly except for the rounding of double, amplified by at most the extent of the map.
+TEST(Frame, StraightLinesStayStraightAndParameterMapIsExact)
 {
   Random random(23);
   unsigned projective = 0, curved = 0;
@@ -201,11 +204,11 @@ TEST(Frame, StraightLinesStayStraightAndTheParameterMapIsExact)
     }
   }
   EXPECT_GT(projective, 1000u);
-  EXPECT_GT(curved, 500u) << "the test needs maps whose W varies";
+  EXPECT_GT(curved, 500u) << "too few maps have a varying W";
 }
 
-// Square within the margin and a float's rounding of the map's entries.
-TEST(Frame, CornersOfATrapezoidBecomeThoseOfTheSquare)
+// Within the margin and the rounding of the map's entries to floats.
+TEST(Frame, CornersOfTrapezoidMapToUnitSquare)
 {
   Random random(24);
   for (int i = 0; i < 200; i++) {
@@ -222,7 +225,7 @@ TEST(Frame, CornersOfATrapezoidBecomeThoseOfTheSquare)
   }
 }
 
-// x runs along u, y along v, z along the normal of the quad's winding.
+// x is along u, y along v, z along the normal of the quad's winding.
 TEST(Frame, IsRightHanded)
 {
   Random random(25);
@@ -253,27 +256,28 @@ const Bad bad[] = {
   {"W varies",       {{0,0,0}, {1,0,0}, {0.45,1,0}, {0.55,1,0}}},
 };
 
-TEST(Frame, FallsBackToAffineWhereAProjectiveMapIsNoGood)
+TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned)
 {
   Random random(26);
   for (const Bad& b : bad)
     for (double amplitude : {0.0, 0.3})
       for (const Placement& at : placements()) {
-        SCOPED_TRACE(testing::Message() << b.name << ", amplitude " << amplitude << ", scale " << at.scale << " at " << at.position[0]);
+        SCOPED_TRACE(testing::Message() << b.name << ", amplitude " << amplitude << ", scale " << at.scale << " at "
+                                        << at.position[0]);
         Frame frame;
         const Sheet sheet = makeSheet(random, b.corners, 5, amplitude, at);
         expectProperties(sheet, frame);
         if (HasFatalFailure()) return;
-        if (at.position[0] == 0 && at.position[2] == 0) { // elsewhere rounding may unfold it
+        if (at.position[0] == 0 && at.position[2] == 0) { // at other positions rounding may unfold the quad
           EXPECT_FALSE(frame.projective);
           for (int i = 0; i < 3; i++) EXPECT_EQ(frame.columns[i][3], 0.0f);
         }
       }
 }
 
-// No axis may be so flat that the map has no inverse, or so steep that a box is
-// thinner than its position resolves.
-TEST(Frame, NeedlesAndFlatSheetsKeepAnInvertibleMap)
+// No axis may be so flat that the map has no inverse, or so steep that a box is thinner than the resolution of its
+// position.
+TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
 {
   Random random(27);
   const double aspect[] = {1e-2, 1e-4, 1e-6, 1e-9};
@@ -281,7 +285,8 @@ TEST(Frame, NeedlesAndFlatSheetsKeepAnInvertibleMap)
     for (const Placement& at : placements()) {
       double needle[4][3];
       for (int c = 0; c < 4; c++) { needle[c][0] = c & 1; needle[c][1] = a*(c >> 1); needle[c][2] = 0; }
-      for (const Sheet& sheet : {makeSheet(random, needle, 5, 0, at), makeSheet(random, needle, 5, a, at), makeSheet(random, square, 5, a, at)}) {
+      for (const Sheet& sheet : {makeSheet(random, needle, 5, 0, at), makeSheet(random, needle, 5, a, at),
+                                 makeSheet(random, square, 5, a, at)}) {
         SCOPED_TRACE(testing::Message() << "aspect " << a << ", scale " << at.scale << " at " << at.position[0]);
         Frame frame;
         expectProperties(sheet, frame);
@@ -290,15 +295,19 @@ TEST(Frame, NeedlesAndFlatSheetsKeepAnInvertibleMap)
     }
 }
 
-// Needles are better not compressed from some 2^-14 on; flat sheets are, however flat.
-TEST(Frame, NeedlesAreDegenerateAndFlatSheetsAreNot)
+// From about 2^-14 on, needles should not be compressed. Flat sheets are always compressed.
+TEST(Frame, NeedlesAreDegenerateButFlatSheetsAreNot)
 {
   Random random(29);
   for (double scale : {1e-3, 1.0, 1e3})
     for (int along : {0, 1})
       for (double a : {0x1p-10, 0x1p-12, 0x1p-16, 0x1p-18}) {
         double needle[4][3];
-        for (int c = 0; c < 4; c++) { needle[c][along] = along ? c >> 1 : c & 1; needle[c][1-along] = a*(along ? c & 1 : c >> 1); needle[c][2] = 0; }
+        for (int c = 0; c < 4; c++) {
+          needle[c][along] = along ? c >> 1 : c & 1;
+          needle[c][1-along] = a*(along ? c & 1 : c >> 1);
+          needle[c][2] = 0;
+        }
         Frame frame;
         SCOPED_TRACE(testing::Message() << "aspect " << a << ", scale " << scale);
         ASSERT_TRUE(makeSheet(random, needle, 5, 0, {scale, {0, 0, 0}}).fit(frame));
@@ -308,7 +317,7 @@ TEST(Frame, NeedlesAreDegenerateAndFlatSheetsAreNot)
       }
 }
 
-TEST(Frame, AllVerticesInOnePointGiveABoxAroundIt)
+TEST(Frame, CoincidentVerticesGetBoxAroundPoint)
 {
   for (float x : {0.0f, 1e-6f, 1.0f, 148376.0f, 1e6f}) {
     Sheet sheet;
@@ -323,24 +332,25 @@ TEST(Frame, AllVerticesInOnePointGiveABoxAroundIt)
   }
 }
 
-// Up to the largest float, whose differences no float holds and whose maps are denormal.
-TEST(Frame, SheetsOfTheLargestCoordinatesHaveAFrameToo)
+// Up to the largest float. Differences exceed the range of float, and maps are denormal.
+TEST(Frame, SheetsWithLargestCoordinatesHaveFrames)
 {
   Random random(28);
   for (double largest : {double(maxCoordinate), 1e30, double(std::numeric_limits<float>::max())})
     for (int i = 0; i < 100; i++) {
       SCOPED_TRACE(testing::Message() << "coordinates up to " << largest << ", sheet " << i);
-      // no vertex is farther than 1 from the middle, before it is scaled
+      // before scaling, no vertex is farther than 1 from the center
       const double side = 0.5;
       double corners[4][3];
       for (int c = 0; c < 4; c++)
-        for (int k = 0; k < 3; k++) corners[c][k] = k == 2 ? 0 : side*((c >> k) & 1 ? 1 : -1)*(i % 2 ? random.uniform(0.7, 1) : 1);
+        for (int k = 0; k < 3; k++)
+          corners[c][k] = k == 2 ? 0 : side*((c >> k) & 1 ? 1 : -1)*(i % 2 ? random.uniform(0.7, 1) : 1);
       Sheet sheet = makeSheet(random, corners, 2 + i % 4, 0, {largest, {0, 0, 0}});
       Frame frame;
       expectProperties(sheet, frame);
       if (HasFatalFailure()) return;
     }
-  // and with vertices at the very corners of what floats span
+  // vertices at the corners of the range of floats
   const float huge = std::numeric_limits<float>::max();
   Sheet sheet;
   for (int c = 0; c < 4; c++)

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of framed_hits.md against framed/leaf/hit_rule.h: the rows are
- * read, and for every combination of state and event the first one whose conditions hold has to
- * say what the code does. */
+/* Compares the tables of framed_hits.md with framed/leaf/hit_rule.h. Reads the rows of the page. For every combination
+ * of state and event, the outcome of the first matching row must equal the result of the code. */
 
 #include "kernels/cbvh/framed/leaf/hit_rule.h"
 
@@ -41,11 +40,11 @@ std::vector<std::string> cellsOf(const std::string& line)
 struct Table
 {
   std::vector<std::string> columns;
-  size_t conditions = 0; // the first so many columns
+  size_t conditions = 0; // number of leading columns that are conditions
   std::vector<Cells> rows;
   std::vector<size_t> used; // how often each row applied
 
-  // The only table under a heading; outcomes begin at the column `first`.
+  // Reads the only table under a heading. Outcomes begin at the column `first`.
   Table(const std::string& heading, const std::string& first)
   {
     std::ifstream file(FORMATS "/framed_hits.md");
@@ -69,7 +68,7 @@ struct Table
     used.assign(rows.size(), 0);
   }
 
-  // The first row that applies. holds: whether what a condition says is so.
+  // Returns the first matching row. holds: whether a condition is true.
   const Cells* find(const std::function<bool(const std::string& column, const std::string& cell)>& holds)
   {
     for (size_t r = 0; r < rows.size(); r++) {
@@ -92,11 +91,11 @@ struct Table
   }
 };
 
-// What the cells of a row may say of the ray, by the names that framed_leaves.md gives.
+// Values that cells may refer to, by the names in framed_leaves.md.
 struct Facts
 {
   std::map<std::string, bool> yes;         // columns of "yes" and "no"
-  std::map<std::string, uint32_t> sides;   // "side", "enter", "leave", "box"
+  std::map<std::string, uint32_t> sides;   // columns "side", "enter", "leave", "box"
 
   bool holds(const std::string& column, const std::string& cell) const
   {
@@ -132,7 +131,7 @@ void expectState(const Facts& facts, const Cells& row, const WalkState& next)
   EXPECT_EQ(next.found, facts.flag(row.at("next found"), "found"));
 }
 
-// Where there is no hit there is nothing to come from.
+// Without a hit there is no origin to compare.
 void expectVerdict(const Facts& facts, const Cells& row, const Verdict& verdict)
 {
   EXPECT_EQ(verdict.hit, hits.at(row.at("hit")));
@@ -204,18 +203,19 @@ std::string describe(const Facts& facts)
   return text;
 }
 
-// The row of a table for some facts, within what `check` compares.
+// Finds the row of a table for some facts and compares it with `check`.
 template<typename Check>
 void withRow(Table& table, const Facts& facts, const Check& check)
 {
   SCOPED_TRACE(describe(facts));
-  const Cells* row = table.find([&](const std::string& column, const std::string& cell) { return facts.holds(column, cell); });
+  const Cells* row = table.find(
+    [&](const std::string& column, const std::string& cell) { return facts.holds(column, cell); });
   ASSERT_NE(row, nullptr) << "no row applies";
   SCOPED_TRACE(testing::Message() << "row " << row - table.rows.data() + 1);
   check(*row);
 }
 
-TEST(HitRule, CrossingALeafIsWhatTheTablesSay)
+TEST(HitRule, CrossingALeafMatchesTables)
 {
   Table noPatch("A leaf that is solid or empty", "hit"), before("A leaf with a patch, before a hit was found", "hit"),
         after("A leaf with a patch, after a hit was found", "hit");
@@ -229,9 +229,9 @@ TEST(HitRule, CrossingALeafIsWhatTheTablesSay)
   for (const Table* table : {&noPatch, &before, &after}) table->expectEveryRowUsed();
 }
 
-TEST(HitRule, PassedBoxesAreWantedWhereTheTableSaysSo)
+TEST(HitRule, PassedBoxesAreWantedAsInTable)
 {
-  Table table("Whether a box that is passed is wanted", "wanted");
+  Table table("Is a passed box wanted?", "wanted");
   for (const WalkState& state : allStates()) {
     const Facts facts = factsOf(state);
     withRow(table, facts, [&](const Cells& row) { EXPECT_EQ(wantsPassed(state), facts.flag(row.at("wanted"), "")); });
@@ -239,7 +239,7 @@ TEST(HitRule, PassedBoxesAreWantedWhereTheTableSaysSo)
   table.expectEveryRowUsed();
 }
 
-TEST(HitRule, PassingABoxIsWhatTheTableSays)
+TEST(HitRule, PassingABoxMatchesTable)
 {
   Table table("A box that is passed", "hit");
   for (const WalkState& state : allStates())
@@ -251,7 +251,7 @@ TEST(HitRule, PassingABoxIsWhatTheTableSays)
   table.expectEveryRowUsed();
 }
 
-TEST(HitRule, AcceptedHitsChangeTheStateAsTheTableSays)
+TEST(HitRule, AcceptedHitsChangeStateAsInTable)
 {
   Table table("After a hit was accepted", "next side");
   for (const WalkState& state : allStates()) {
@@ -261,8 +261,8 @@ TEST(HitRule, AcceptedHitsChangeTheStateAsTheTableSays)
   table.expectEveryRowUsed();
 }
 
-// "at first", in the table of what a ray remembers.
-TEST(HitRule, AWalkStartsAsThePageSays)
+// "at first" in the table of the ray's state.
+TEST(HitRule, InitialStateMatchesPage)
 {
   Table table("What does the ray remember?", "at first");
   const WalkState state = startOfWalk();

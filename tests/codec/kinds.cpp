@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The table of kinds, and the references of flat scenes that follow from it. */
+/* The table of kinds, and references of flat scenes, which depend on it. */
 
 #include "kernels/cbvh/base/reference.h"
 
@@ -15,8 +15,8 @@ namespace {
 
 using namespace embree::cbvh;
 
-// What blocks, files and applications have of a kind does not change.
-TEST(Kinds, HaveTheNumbersOfBlocksAndOfTheAPI)
+// Numbers of kinds in blocks, files and the API never change.
+TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
 {
   const struct { Kind kind; uint32_t number; int compression; const char *key, *name; bool hasFrame; } expected[] = {
     {Kind::GRID, 0, 2, "grid", "cGRID", true},
@@ -43,8 +43,8 @@ TEST(Kinds, HaveTheNumbersOfBlocksAndOfTheAPI)
   for (int compression : {-1, 0, 1, 6, 100}) EXPECT_FALSE(findKind(compression, none)) << compression;
 }
 
-// All types, the room for fourteen kinds more among them, each with the least and the greatest index.
-TEST(References, AreOfOneTypeAndOneThing)
+// All types, including the reserved numbers for fourteen more kinds, each with the smallest and the largest index.
+TEST(References, EachReferenceHasOneType)
 {
   std::set<uint32_t> references = {emptyReference};
   size_t count = 1;
@@ -56,7 +56,8 @@ TEST(References, AreOfOneTypeAndOneThing)
     count++;
   };
   for (uint32_t index : indices) {
-    for (uint32_t type : {nodeReference, cellReference, instanceReference}) add(makeReference(type, index), type, index);
+    for (uint32_t type : {nodeReference, cellReference, instanceReference})
+      add(makeReference(type, index), type, index);
     for (uint32_t kind = 0; kind < numKinds + 14; kind++) {
       add(makeReference(blockReference(kind), index), blockReference(kind), index);
       EXPECT_FALSE(isRunType(blockReference(kind)));
@@ -69,7 +70,8 @@ TEST(References, AreOfOneTypeAndOneThing)
     }
   }
   EXPECT_EQ(references.size(), count);
-  for (uint32_t type : {nodeReference, cellReference, instanceReference, referenceType(emptyReference)}) EXPECT_FALSE(isRunType(type));
+  for (uint32_t type : {nodeReference, cellReference, instanceReference, referenceType(emptyReference)})
+    EXPECT_FALSE(isRunType(type));
 }
 
 } // namespace

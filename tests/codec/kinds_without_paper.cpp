@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The table of kinds in a library without the paper's representations: this program is compiled as its files are. */
+/* The table of kinds in a library without the paper's representations. This program is compiled with the same options.
+ * */
 
 #include "kernels/cbvh/base/kinds.h"
 
@@ -12,15 +13,15 @@ namespace {
 
 using namespace embree::cbvh;
 
-TEST(KindsWithoutPaper, AreCvertAlone)
+TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
 {
   ASSERT_EQ(numKinds, 1u);
   EXPECT_EQ(kindDescriptions[0].kind, Kind::VERT);
 }
 
-// A file whose record names cLEAF may have cVERT blocks alone, by exactFaces: commits and verbosity 1 report what is
-// traced, not GRID.
-TEST(KindsWithoutPaper, LoadedGeometriesAreReportedAsWhatTheyHave)
+// A file whose record names cLEAF may contain only cVERT blocks, because of exactFaces. Commits and verbosity 1 must
+// report the representation that is traced, not GRID.
+TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
 {
   for (uint32_t compression = RTC_COMPRESSION_GRID; compression <= RTC_COMPRESSION_VERT; compression++) {
     Kind kind = Kind::GRID;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves of cLEAF: what is stored bounds the quads' edges, and says so when it cannot. */
+/* Leaves of cLEAF: stored leaves bound the edges of the quads, or the encoder reports that it cannot bound them. */
 
 #include "kernels/cbvh/framed/leaf/crossing.h"
 #include "kernels/cbvh/framed/tree.h"
@@ -18,18 +18,19 @@ namespace {
 
 using namespace embree::cbvh;
 
-// The encoder's slack, and what float arithmetic on numbers up to 4 rounds.
+// The encoder's slack, and the rounding of float arithmetic on numbers up to 4.
 constexpr double tolerance = containmentSlack + 0x1p-20;
 
-// Lattices of vertices in the parent's box; the first kinds are graphs over it.
+// Lattices of vertices in the parent's box; the first kinds are height fields over it.
 enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
 
-// rounding: how far from there a neighbouring face may have vertices, in parent extents.
+// rounding: largest distance of a neighboring face's copies of vertices, in parent extents.
 void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& group, double rounding = 0)
 {
   const double slopeX = random.uniform(-1, 1), slopeY = random.uniform(-1, 1), bend = random.uniform(-1, 1);
   for (int v = 0; v < 9; v++) {
-    double x = 0.05 + 0.45*(v % 3), y = 0.05 + 0.45*(v / 3), z = 0.5 + 0.2*slopeX*(x - 0.5) + 0.2*slopeY*(y - 0.5) + 0.3*bend*(x - 0.5)*(y - 0.5);
+    double x = 0.05 + 0.45*(v % 3), y = 0.05 + 0.45*(v / 3),
+           z = 0.5 + 0.2*slopeX*(x - 0.5) + 0.2*slopeY*(y - 0.5) + 0.3*bend*(x - 0.5)*(y - 0.5);
     switch (shape) {
     case WAVY: z += 0.1*std::sin(7*x + 3*y + 6*bend); break;
     case JITTERED:
@@ -46,7 +47,8 @@ void makeGroup(Random& random, Shape shape, const NodeBox& parent, QuadGroup& gr
     default: break;
     }
     const double p[3] = {x, y, z};
-    for (int k = 0; k < 3; k++) group.vertices[v][k] = parent.lower[k] + parent.extent[k]*std::min(0.999, std::max(0.001, p[k]));
+    for (int k = 0; k < 3; k++)
+      group.vertices[v][k] = parent.lower[k] + parent.extent[k]*std::min(0.999, std::max(0.001, p[k]));
   }
   for (int k = 0; k < 3; k++) group.rounding[k] = rounding*parent.extent[k];
   for (int quad = 0; quad < 4; quad++) {
@@ -71,7 +73,7 @@ NodeBox randomBox(Random& random)
   return box;
 }
 
-// Distance of a leaf's surface from a point, up; false outside of its box.
+// Computes the signed distance of a leaf's surface above a point; false if the point is outside of the leaf's box.
 bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, double position[2])
 {
   for (int k = 0; k < 3; k++)
@@ -100,11 +102,14 @@ struct EdgeOfGroup
   int quad, axis, upper;
   bool onBorder;
 };
-std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e) { return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis; }
+std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e)
+{
+  return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis;
+}
 
-// A point of an edge is in a leaf of the group (its own, if they are loose) within half a
-// thickness of the surface. On the border of a block it is not above that, and within the
-// border's width.
+// A point of an edge must be in a leaf of the group (the quad's own leaf, if leaves are loose) within half a
+// thickness of the surface. On the border of a block it must not be above that, and must be within the border's
+// width.
 void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const double p[3], float borderWidth)
 {
   bool found = false;
@@ -125,7 +130,7 @@ void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const dou
 
 struct GroupCounts { unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {}; };
 
-// Every edge of every quad is bounded, and so is every edge that is off by no more than the rounding.
+// Every edge of every quad must be bounded, including edges that deviate by the rounding.
 void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCounts& counts)
 {
   Random random(seed);
@@ -151,7 +156,9 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
           const double* b = group.vertexOf(quad, axis == 0 ? upper + 2 : 2*upper + 1);
           for (int step = 0; step <= 8; step++) {
             double p[3];
-            for (int k = 0; k < 3; k++) p[k] = a[k] + step*(b[k] - a[k])/8 + (rounding ? (random.chance(0.5) ? 1 : -1)*group.rounding[k] : 0);
+            for (int k = 0; k < 3; k++)
+              p[k] = a[k] + step*(b[k] - a[k])/8 +
+                     (rounding ? (random.chance(0.5) ? 1 : -1)*group.rounding[k] : 0);
             expectBounded(leaves, edge, p, width);
           }
         }
@@ -159,28 +166,31 @@ void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCo
     }
 }
 
-TEST(LeafCodec, LeavesBoundTheEdgesOfTheirQuads)
+TEST(LeafCodec, LeavesBoundEdgesOfTheirQuads)
 {
   GroupCounts counts;
   expectEdgesBounded(11, 4000, 0, counts);
-  // each answer is given where it is the right one
-  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
-  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE}) EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
+  // the group type must be used for the shapes that it is intended for
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH})
+    EXPECT_GT(counts.lattices[shape], 3000u) << "shape " << shape;
+  for (Shape shape : {FOLDED, COLLAPSED, VERTICAL, ANYWHERE})
+    EXPECT_GT(counts.loose[shape], 3000u) << "shape " << shape;
   EXPECT_GT(counts.solid[ANYWHERE], 0u);
   EXPECT_LT(counts.solid[COLLAPSED], 4*counts.loose[COLLAPSED]);
 }
 
-// Far from the origin neighbours round a common vertex apart by a good part of a bin.
-TEST(LeafCodec, LeavesBoundEdgesWhereNeighboursHaveThem)
+// Far from the origin, neighbors round copies of a vertex to positions that differ by a large part of a bin.
+TEST(LeafCodec, LeavesBoundNeighborsCopiesOfEdges)
 {
   GroupCounts counts;
   expectEdgesBounded(16, 2000, 5e-4, counts);
-  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) EXPECT_GT(counts.lattices[shape], 1000u) << "shape " << shape;
+  for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH})
+    EXPECT_GT(counts.lattices[shape], 1000u) << "shape " << shape;
 }
 
 // --- whole blocks --------------------------------------------------------------------------
 
-// Displaced vertices over a quad, row by row.
+// Displaced vertices of a quad, row by row.
 std::vector<float> displacedQuad(Random& random, uint32_t height, const float corners[4][3], Shape shape)
 {
   const uint32_t n = 1u << height;
@@ -190,7 +200,9 @@ std::vector<float> displacedQuad(Random& random, uint32_t height, const float co
     for (uint32_t x = 0; x <= n; x++) {
       const double u = double(x)/n, v = double(y)/n;
       double p[3];
-      for (int k = 0; k < 3; k++) p[k] = (1 - v)*((1 - u)*corners[0][k] + u*corners[1][k]) + v*((1 - u)*corners[2][k] + u*corners[3][k]);
+      for (int k = 0; k < 3; k++)
+        p[k] = (1 - v)*((1 - u)*corners[0][k] + u*corners[1][k]) +
+               v*((1 - u)*corners[2][k] + u*corners[3][k]);
       if (shape == WAVY) p[2] += 0.1*std::sin(7*u + 3*v + phase);
       if (shape == ROUGH) p[2] += 0.5/n*random.uniform(-1, 1);
       if (shape == ANYWHERE) for (double& c : p) c += 0.7/n*random.uniform(-1, 1);
@@ -212,7 +224,8 @@ struct Side
   int axis, upper;
   std::vector<Double3> vertices;
 
-  Side(const Frame& frame, uint32_t quads, const std::vector<float>& surface, int axis, int upper) : axis(axis), upper(upper)
+  Side(const Frame& frame, uint32_t quads, const std::vector<float>& surface, int axis, int upper)
+    : axis(axis), upper(upper)
   {
     for (uint32_t i = 0; i <= quads; i++) {
       const uint32_t across = upper ? quads : 0, x = axis == 0 ? across : i, y = axis == 0 ? i : across;
@@ -222,29 +235,34 @@ struct Side
     }
   }
 
-  // The point this many vertices along.
+  // Returns the point at a position along the side, in vertices.
   Double3 at(double t) const
   {
     const size_t i = std::min(size_t(t), vertices.size() - 2);
     return vertices[i] + (t - double(i))*(vertices[i + 1] - vertices[i]);
   }
 
-  // Morton index of a cell that has it.
-  uint32_t cell(uint32_t i, uint32_t cells) const { return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0); }
+  // Morton index of a cell that contains it.
+  uint32_t cell(uint32_t i, uint32_t cells) const
+  {
+    return axis == 0 ? morton(upper ? cells - 1 : 0, i) : morton(i, upper ? cells - 1 : 0);
+  }
 };
 
-// Between blocks a ray is stopped by their surfaces' being above the edge that they share, by half
-// a thickness at most and within the width that lips are looked for in: on each of the four sides.
-TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllFourSides)
+// The surface of blocks must be above their common edge, by at most half a thickness and within the width of lips, on
+// each of the four sides. Otherwise rays could pass between blocks.
+TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
 {
   Random random(18);
-  const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
+  const float square[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+              trapezoid[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.3f, 1, 0}, {0.7f, 1, 0}};
   unsigned lattices[4] = {}, loose[4] = {};
   for (uint32_t height = 0; height <= 4; height++)
     for (const auto* corners : {square, trapezoid})
       for (Shape shape : {WAVY, ROUGH, ANYWHERE})
         for (int repeat = 0; repeat < 20; repeat++) {
-          SCOPED_TRACE(testing::Message() << "height " << height << ", " << (corners == square ? "square" : "trapezoid") << ", shape " << shape << ", block " << repeat);
+          SCOPED_TRACE(testing::Message() << "height " << height << ", " << (corners == square ? "square" : "trapezoid")
+                                          << ", shape " << shape << ", block " << repeat);
           const std::vector<float> vertices = displacedQuad(random, height, corners, shape);
           const EncodedBlock encoded(Kind::LEAF, height, vertices, corners);
           ASSERT_TRUE(encoded);
@@ -254,7 +272,8 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllFourSides)
             const Side side(encoded.frame(), quads, vertices, s/2, s % 2);
             for (uint32_t i = 0; i < cells; i++) {
               const uint32_t m = side.cell(i, cells);
-              const GroupLeaves leaves(block->nodes()[nodesOfLevels(levels - 1) + m/4], heightsOf(block, m/4), decodedBox(block, levels - 1, m/4));
+              const GroupLeaves leaves(block->nodes()[nodesOfLevels(levels - 1) + m/4], heightsOf(block, m/4),
+                                       decodedBox(block, levels - 1, m/4));
               (leaves.isLattice ? lattices : loose)[s]++;
               for (int step = 0; step <= 8; step++) {
                 const Double3 p = side.at((i + step/8.0)*quads/cells);
@@ -273,9 +292,9 @@ TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllFourSides)
 
 // --- lattices ------------------------------------------------------------------------------
 
-// The encoder moves heights until no vertex is off by more than 1/16 of a bin, then rounds
-// each by half a bin at most, and a patch weighs its four by weights that sum up to 1.
-TEST(LeafCodec, LatticesPassThroughTheirVerticesWithinHalfABin)
+// The encoder adjusts heights until each vertex is within 1/16 of a bin, then rounds each height by at most half a
+// bin. A patch is a convex combination of four heights.
+TEST(LeafCodec, LatticesMatchVerticesWithinHalfABin)
 {
   Random random(12);
   for (Shape shape : {REGULAR, WAVY, JITTERED, STEEP, ROUGH}) {
@@ -293,9 +312,12 @@ TEST(LeafCodec, LatticesPassThroughTheirVerticesWithinHalfABin)
       for (int vertex = 0; vertex < 9; vertex++)
         for (int leaf = 0; leaf < 4; leaf++) {
           double distance, position[2];
-          if (!surfaceAbove(decodeLeaf(encoded.word, encoded.heights, leaf, parent), group.vertices[vertex], distance, position)) continue;
+          if (!surfaceAbove(decodeLeaf(encoded.word, encoded.heights, leaf, parent), group.vertices[vertex], distance,
+                            position))
+            continue;
           found[vertex] = true;
-          ASSERT_LE(std::fabs(distance), (0.5 + 1.0/16)*bin + tolerance) << "shape " << shape << ", group " << repeat << ", vertex " << vertex;
+          ASSERT_LE(std::fabs(distance), (0.5 + 1.0/16)*bin + tolerance)
+            << "shape " << shape << ", group " << repeat << ", vertex " << vertex;
         }
       ASSERT_EQ(std::count(found, found + 9, true), 9) << "shape " << shape << ", group " << repeat;
     }
@@ -303,7 +325,7 @@ TEST(LeafCodec, LatticesPassThroughTheirVerticesWithinHalfABin)
   }
 }
 
-TEST(LeafCodec, EveryHeightIsReadBack)
+TEST(LeafCodec, EveryHeightRoundTrips)
 {
   Random random(14);
   for (int vertex = 0; vertex < 9; vertex++)
@@ -317,8 +339,8 @@ TEST(LeafCodec, EveryHeightIsReadBack)
     }
 }
 
-// Siblings of a lattice share the planes between them and the heights along them.
-TEST(LeafCodec, LatticesHaveNoStepsBetweenSiblings)
+// Siblings of a lattice share planes and heights.
+TEST(LeafCodec, LatticesAreContinuousBetweenSiblings)
 {
   Random random(15);
   for (int repeat = 0; repeat < 2000; repeat++) {
@@ -340,10 +362,11 @@ TEST(LeafCodec, LatticesHaveNoStepsBetweenSiblings)
   }
 }
 
-TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
+TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
 {
   Random random(13);
-  const float bad[3] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
+  const float bad[3] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
+                        -std::numeric_limits<float>::infinity()};
   for (uint32_t height = 0; height <= 4; height++)
     for (int repeat = 0; repeat < 20; repeat++) {
       const uint32_t n = 1u << height, width = n + 1;
@@ -365,19 +388,20 @@ TEST(LeafCodec, QuadsWithAVertexThatIsNotFiniteAreEmptyAndNoOthers)
             if (!std::isfinite(vertices[3*((y + (c >> 1))*width + x + (c & 1)) + k])) return true;
         return false;
       };
-      if (!encoded) continue; // all are bad
+      if (!encoded) continue; // all vertices are invalid
       uint32_t count = 0;
       for (uint32_t m = 0; m < n*n; m++) {
         const bool expected = isBad(mortonX(m), mortonY(m));
         count += expected;
         const Heights heights = heightsOf(encoded.get(), m/4);
-        ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected) << "height " << height << ", quad " << m;
+        ASSERT_EQ(isLoose(heights) && looseLeaf(heights, int(m%4)) == emptyLeaf, expected)
+          << "height " << height << ", quad " << m;
       }
       EXPECT_EQ(encoded.statistics.invalidQuads, count);
     }
 }
 
-// World distance between the two bounds of a leaf, from points of both.
+// World distance between the two bounds of a leaf, measured from points on both.
 double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
 {
   const double slope[2] = {0.5*((leaf.z[1] + leaf.z[3]) - (leaf.z[0] + leaf.z[2]))/leaf.box.extent[0],
@@ -386,7 +410,8 @@ double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
   for (int k = 0; k < 3; k++) c[k] = leaf.box.lower[k] + 0.5*leaf.box.extent[k];
   const double step = 1e-6;
   const Double3 o = inverse({c[0], c[1], c[2]});
-  const Double3 x = inverse({c[0] + step, c[1], c[2] + step*slope[0]}) - o, y = inverse({c[0], c[1] + step, c[2] + step*slope[1]}) - o;
+  const Double3 x = inverse({c[0] + step, c[1], c[2] + step*slope[0]}) - o,
+                y = inverse({c[0], c[1] + step, c[2] + step*slope[1]}) - o;
   const Double3 z = inverse({c[0], c[1], c[2] + step}) - o, n = cross(x, y);
   return std::fabs(dot(n, z))/length(n)*leaf.thickness/step;
 }
@@ -396,15 +421,15 @@ double largestThickness(const Block* block, const InverseFrame& inverse, uint32_
   double largest = 0;
   for (uint32_t c = 0; c < 4; c++) {
     const bool last = level + 1 == block->layout().nodeLevels;
-    largest = std::max(largest, last ? worldThickness(inverse, leafOfGroup(block, m, c, box))
-                                     : largestThickness(block, inverse, level + 1, 4*m + c, childBox(block, level, m, c, box)));
+    largest = std::max(
+      largest, last ? worldThickness(inverse, leafOfGroup(block, m, c, box))
+                    : largestThickness(block, inverse, level + 1, 4*m + c, childBox(block, level, m, c, box)));
   }
   return largest;
 }
 
-// In projective frames, where a unit of the frame is not everywhere the same in the world, and
-// on slopes, where a leaf is thinner across than it is high.
-TEST(LeafCodec, ThicknessIsThatOfTheWorld)
+// In projective frames a unit of the frame varies in world space. On slopes a leaf is thinner than its height.
+TEST(LeafCodec, ThicknessIsInWorldSpace)
 {
   constexpr uint32_t height = 4, n = 1 << height, width = n + 1;
   const float corners[4][3] = {{0, 0, 0}, {4, 0, 0}, {1.4f, 3, 0}, {2.6f, 3, 0}};
@@ -430,8 +455,8 @@ TEST(LeafCodec, ThicknessIsThatOfTheWorld)
   EXPECT_EQ(compared, 3u);
 }
 
-// Four random groups of one parent, each in a lane.
-TEST(LeafCodec, FourLatticesAtATimeAreThoseOfOneAtATime)
+// Four random groups of one parent, one per lane.
+TEST(LeafCodec, FourLatticesAtOnceMatchSingleOnes)
 {
   Random random(47);
   unsigned encoded = 0, refused = 0, undecided = 0;
@@ -453,14 +478,16 @@ TEST(LeafCodec, FourLatticesAtATimeAreThoseOfOneAtATime)
           lanes.rounding[k] = groups[lane].rounding[k];
         }
         for (int axis = 0; axis < 2; axis++)
-          for (int upper = 0; upper < 2; upper++) lanes.border[axis][upper] |= uint32_t(groups[lane].border[axis][upper]) << lane;
+          for (int upper = 0; upper < 2; upper++)
+            lanes.border[axis][upper] |= uint32_t(groups[lane].border[axis][upper]) << lane;
       }
       ExactBox boxes[4];
       for (int lane = 0; lane < 4; lane++)
         for (const ExactBox& box : groups[lane].boxes) boxes[lane].extend(box);
       for (int k = 0; k < 3; k++)
         for (int v = 0; v < 9; v++)
-          lanes.vertices[v][k] = Double4(groups[0].vertices[v][k], groups[1].vertices[v][k], groups[2].vertices[v][k], groups[3].vertices[v][k]);
+          lanes.vertices[v][k] = Double4(groups[0].vertices[v][k], groups[1].vertices[v][k], groups[2].vertices[v][k],
+                                         groups[3].vertices[v][k]);
       for (int k = 0; k < 2; k++) {
         lanes.lower[k] = Double4(boxes[0].lower[k], boxes[1].lower[k], boxes[2].lower[k], boxes[3].lower[k]);
         lanes.upper[k] = Double4(boxes[0].upper[k], boxes[1].upper[k], boxes[2].upper[k], boxes[3].upper[k]);

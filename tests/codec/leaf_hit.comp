@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through the leaves of a block of cLEAF, from the bytes of both to a hit: every step that an
- * intersector in GLSL takes but the walk, so that a compiler sees all of them called. Leaves come in
- * Morton order, hence what it finds is no answer. It is compiled, not run. */
+/* Intersects a ray with the leaves of a cLEAF block, from their bytes to a hit. It calls every function of a GLSL
+ * intersector except for the traversal, so that the compiler checks all of them. Leaves are visited in Morton order, so
+ * the result is not meaningful. The shader is compiled but not run. */
 
 #version 460
 #include "cbvh/framed/leaf/crossing.h"
@@ -16,7 +16,7 @@ layout(std430, binding = 0) readonly buffer Blocks { uint words[]; };
 layout(std430, binding = 1) readonly buffer Rays { vec4 rays[]; }; // origin and tnear, direction and tfar
 layout(std430, binding = 2) writeonly buffer Hits { vec4 hits[]; }; // normal and t, parameters and leaf
 
-const uint block = 0u; // its first word
+const uint block = 0u; // index of its first word
 
 BlockHeader readHeader ()
 {
@@ -40,7 +40,7 @@ Heights readHeights (BlockLayout sizes, uint m)
   return Heights(words[first], words[first + 1u]);
 }
 
-/* Decoded box of a group, along the path to it. */
+/* Decodes the box of a group along the path to it. */
 NodeBox groupBox (BlockLayout sizes, uint m)
 {
   NodeBox box = rootBox();
@@ -75,7 +75,8 @@ void main ()
     NodeBox parent = groupBox(sizes, m);
     LeafPatch patch_ = decodeLeaf(readWord(sizes.nodeLevels - 1u, m), readHeights(sizes, m), int(leaf & 3u), parent);
     if (!isOnSegment(rangeInBox(segment, patch_.box, 3))) {
-      if (wantsPassed(state) && isOnSegment(rangeInBox(segment, patch_.box, 2))) state = passBox(state, segment.P0[2] > upperOf(patch_.box, 2)).next;
+      if (wantsPassed(state) && isOnSegment(rangeInBox(segment, patch_.box, 2)))
+        state = passBox(state, segment.P0[2] > upperOf(patch_.box, 2)).next;
       continue;
     }
     Crossing x = crossPatch(segment, patch_);
@@ -98,9 +99,11 @@ void main ()
     vec3 normal = vec3(n.x[0], n.x[1], n.x[2]);
     float along = dot(normal, direction.xyz), direction2 = dot(direction.xyz, direction.xyz);
     if (isTurned(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
-    float size = float(1u << heightOf(header.info))/float(sizes.leaves); // of a leaf, in quads
-    float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), heightOf(header.info), size*(float(mortonX(leaf)) + u));
-    float faceV = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), heightOf(header.info), size*(float(mortonY(leaf)) + v_));
+    float size = float(1u << heightOf(header.info))/float(sizes.leaves); // size of a leaf in quads
+    float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling),
+                                heightOf(header.info), size*(float(mortonX(leaf)) + u));
+    float faceV = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling),
+                                heightOf(header.info), size*(float(mortonY(leaf)) + v_));
     hits[2u*ray] = vec4(normal, worldT(segment, s));
     hits[2u*ray + 1u] = vec4(faceU, faceV, uintBitsToFloat(leaf), 0.0);
   }

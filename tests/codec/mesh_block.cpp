@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Mesh blocks lose nothing: triangles of random and of hard meshes are the same floats after encoding and scalar
- * decoding, in the same order of corners, with the same numbers. A second decoder, written from
- * docs/formats/mesh_block.md, agrees with the first. */
+/* Mesh blocks are lossless: after encoding and scalar decoding, triangles of random and difficult meshes have the same
+ * floats, order of corners and numbers. A second decoder, written from docs/formats/mesh_block.md, must agree with the
+ * first. */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -49,7 +49,7 @@ struct Encoded
   const MeshHeader* block() const { return (const MeshHeader*)bytes; }
 };
 
-// All blocks of a mesh whose groups are runs of up to groupSize triangles.
+// Encodes a mesh into blocks whose groups are runs of up to groupSize triangles.
 std::vector<std::unique_ptr<Encoded>> encode(MeshEncoder& encoder, const Mesh& mesh, uint32_t groupSize,
   MeshStatistics& statistics)
 {
@@ -73,11 +73,11 @@ std::vector<std::unique_ptr<Encoded>> encode(MeshEncoder& encoder, const Mesh& m
 std::string bytesOf(const MeshTriangle& t)
 {
   float p[9];
-  for (int i = 0; i < 9; i++) p[i] = t.corners[i/3][i % 3] + 0.0f; // -0 may be 0
+  for (int i = 0; i < 9; i++) p[i] = t.corners[i/3][i % 3] + 0.0f; // maps -0 to 0
   return std::string((const char*)p, sizeof(p)) + std::string((const char*)&t.number, sizeof(t.number));
 }
 
-/* --- a decoder from the page ----------------------------------------------------------- */
+/* --- a decoder written from the page --------------------------------------------------- */
 
 class PageDecoder
 {
@@ -126,7 +126,7 @@ public:
       for (uint32_t i = 0, own = firstOwn; i < group.vertices; i++) numbers[i] = isOwn[i] ? own++
         : read(bits(vertices - 1));
       firstOwn += group.own;
-      // one triangle after the other
+      // triangle by triangle
       uint32_t at = 0, a = 0, b = 0, c = 0;
       bool flipped = false;
       for (uint32_t t = 0; t < n; t++) {
@@ -174,8 +174,8 @@ private:
   static uint32_t bits(uint64_t x) { uint32_t n = 0; for (; x; x >>= 1) n++; return n; }
   static int signed5(uint32_t x) { return int(x & 31) - ((x & 16) ? 32 : 0); }
 
-  // The float `steps` after x, by steps that are as large as one exponent has room for; `steps` keeps 1 of what was
-  // used.
+  // Returns the float `steps` after x, limited to the floats with the same exponent. Subtracts the used steps from
+  // `steps`.
   static float next(float x, int64_t& steps)
   {
     uint32_t bits;
@@ -217,7 +217,7 @@ long double shearedCoordinate(const MeshHeader* block, const float* p)
   return h*meshSpacing(block->spacings, m);
 }
 
-// That blocks have the triangles of a mesh, and each of the properties that the format promises.
+// Expects that blocks contain the triangles of a mesh and have all properties that the format guarantees.
 void expectMesh(const Mesh& mesh, const std::vector<std::unique_ptr<Encoded>>& blocks)
 {
   std::map<std::string, int> left;
@@ -278,7 +278,7 @@ float snapped(double x, int exponent) {
 
 bool areDifferent(const Point& a, const Point& b, const Point& c) { return a != b && b != c && c != a; }
 
-/* A wavy sheet of triangles with random diagonals and random first corners, on a lattice or not. */
+/* A wavy sheet of triangles with random diagonals and random first corners, optionally on a lattice. */
 Mesh sheet(Random& random, uint32_t size, int exponent, double far)
 {
   Mesh mesh;
@@ -315,7 +315,7 @@ Mesh sheet(Random& random, uint32_t size, int exponent, double far)
 
 /* --- tests ------------------------------------------------------------------------------ */
 
-TEST(MeshBlock, SheetsAreTheSame)
+TEST(MeshBlock, SheetsRoundTrip)
 {
   Random random(seed);
   auto encoder = std::make_unique<MeshEncoder>();
@@ -335,7 +335,7 @@ TEST(MeshBlock, SheetsAreTheSame)
 }
 
 // Any three of a few vertices: edges of many triangles, both orientations, duplicates.
-TEST(MeshBlock, NonManifoldTrianglesAreTheSame)
+TEST(MeshBlock, NonManifoldTrianglesRoundTrip)
 {
   Random random(seed + 1);
   auto encoder = std::make_unique<MeshEncoder>();
@@ -354,10 +354,10 @@ TEST(MeshBlock, NonManifoldTrianglesAreTheSame)
     expectMesh(*encoder, mesh, std::vector<uint32_t>{7, 16, 32}[i % 3], statistics);
     if (HasFatalFailure()) FAIL() << "mesh " << i;
   }
-  EXPECT_GT(statistics.groups, statistics.triangles/16) << "no group was stored as several";
+  EXPECT_GT(statistics.groups, statistics.triangles/16) << "no group was split";
 }
 
-TEST(MeshBlock, HardMeshesAreTheSame)
+TEST(MeshBlock, DifficultMeshesRoundTrip)
 {
   Random random(seed + 2);
   auto encoder = std::make_unique<MeshEncoder>();
@@ -395,7 +395,7 @@ TEST(MeshBlock, HardMeshesAreTheSame)
     }
 }
 
-TEST(MeshBlock, AGroupIsDecodedWithoutTheOthers)
+TEST(MeshBlock, GroupsDecodeIndependently)
 {
   Random random(seed + 3);
   auto encoder = std::make_unique<MeshEncoder>();
@@ -408,8 +408,8 @@ TEST(MeshBlock, AGroupIsDecodedWithoutTheOthers)
   ASSERT_GT(view.groups, 10u);
   for (uint32_t g = 0; g < view.groups; g++) {
     const auto group = std::make_unique<DecodedMeshGroup>(view, g);
-    // everything that the group does not need becomes 1s: topology and numbers of other groups, and vertices that it
-    // does not use
+    // Sets all bits that the group does not need to 1: topology and numbers of other groups, and vertices that it
+    // does not use.
     auto damaged = std::make_unique<Encoded>(whole);
     const auto setBits = [&](const uint8_t* section, size_t begin, size_t end) {
       for (size_t b = begin; b < end; b++) damaged->bytes[size_t(section - whole.bytes) + b/8] |= uint8_t(1 << b % 8);
@@ -437,7 +437,7 @@ TEST(MeshBlock, AGroupIsDecodedWithoutTheOthers)
   }
 }
 
-TEST(MeshBlock, AllSizesHaveRoom)
+TEST(MeshBlock, BuffersHoldAllSizes)
 {
   auto encoder = std::make_unique<MeshEncoder>();
   MeshStatistics statistics;
@@ -449,7 +449,7 @@ TEST(MeshBlock, AllSizesHaveRoom)
   size_t most = 0;
   for (const auto& block : encode(*encoder, mesh, 32, statistics)) most = std::max(most, block->size);
   EXPECT_GT(most, 5000u);
-  // what no mesh reaches: each section at its largest
+  // an upper bound that no mesh reaches: each section at its largest size
   const size_t topology = maxMeshGroups*((31 + 31 + 64 + 61 + 31 + 61*5 + 31*9 + 7)/8), vertices = maxMeshVertices*12,
     numbers = maxMeshTriangles*4 + maxMeshGroups*4;
   EXPECT_LE(meshHeaderBytes + 8*maxMeshGroups + topology + vertices + numbers + 8, MeshEncoder::maxBytes);
@@ -457,7 +457,7 @@ TEST(MeshBlock, AllSizesHaveRoom)
 
 /* --- strips ---------------------------------------------------------------------------- */
 
-TEST(MeshStrips, MasksSayWhereTrianglesAre)
+TEST(MeshStrips, MasksMarkTriangles)
 {
   Random random(seed + 5);
   for (int i = 0; i < 3000; i++) {
@@ -501,7 +501,7 @@ TEST(MeshStrips, RanksCountFloats)
 
 /* --- the page ----------------------------------------------------------------------------- */
 
-// A pyramid, its sides in one group; its base, and a triangle apart, in another.
+// A pyramid whose sides are in one group. Its base and a separate triangle are in another group.
 Mesh annotatedMesh()
 {
   Mesh mesh;
@@ -513,7 +513,7 @@ Mesh annotatedMesh()
   return mesh;
 }
 
-TEST(MeshBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
+TEST(MeshBlock, EncoderWritesAnnotatedBlock)
 {
   const std::vector<int> annotated = annotatedBytes(FORMATS "/mesh_block.md");
   auto encoder = std::make_unique<MeshEncoder>();
@@ -525,7 +525,7 @@ TEST(MeshBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
   EXPECT_EQ(std::vector<int>(blocks[0]->bytes, blocks[0]->bytes + blocks[0]->size), annotated);
 }
 
-TEST(MeshBlock, ConstantsAreThoseOfThePage)
+TEST(MeshBlock, ConstantsMatchPage)
 {
   std::ifstream file(FORMATS "/mesh_block.md");
   const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -543,7 +543,7 @@ TEST(MeshBlock, ConstantsAreThoseOfThePage)
       {"bytes after a block that decoders may read", readBehindVert}};
   for (const auto& constant : constants) table << "| " << constant.first << " | " << constant.second << " |\n";
   EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"),
-    std::string::npos) << "mesh_block.md has to have\n" << table.str();
+    std::string::npos) << "mesh_block.md must contain\n" << table.str();
   const std::pair<const char*, size_t> fields[] = {
     {"origin", offsetof(MeshHeader, origin)}, {"spacings", offsetof(MeshHeader, spacings)},
       {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damaged mesh blocks are refused with a reason, or decoded without reading other bytes. Blocks lie in allocations
- * of their own size, so that a sanitizer sees each byte too far. */
+/* Damaged mesh blocks are rejected with a reason, or decoded without reading other bytes. Each block is an allocation
+ * of exactly its size, so that a sanitizer detects reads beyond its end. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/encoder/mesh_encoder.h"
@@ -23,9 +23,9 @@ using namespace cvert;
 
 constexpr uint32_t seed = 815;
 
-typedef std::vector<uint32_t> Words; // aligned to 4 bytes, and of the block's size
+typedef std::vector<uint32_t> Words; // aligned to 4 bytes, exactly as large as the block
 
-// Blocks of several kinds: sheets, soups, on lattices and not.
+// Blocks of several kinds: sheets and soups, on and off lattices.
 std::vector<Words> someBlocks(Random& random)
 {
   std::vector<Words> blocks;
@@ -60,7 +60,7 @@ std::vector<Words> someBlocks(Random& random)
   return blocks;
 }
 
-TEST(MeshDamage, ReadersOfGridsRefuseMeshBlocksByTheirVersion)
+TEST(MeshDamage, GridReadersRejectMeshBlocksByVersion)
 {
   Random random(seed);
   for (const Words& block : someBlocks(random)) {
@@ -71,7 +71,7 @@ TEST(MeshDamage, ReadersOfGridsRefuseMeshBlocksByTheirVersion)
   }
 }
 
-TEST(MeshDamage, ReadersOfMeshBlocksRefuseGrids)
+TEST(MeshDamage, MeshReadersRejectGridBlocks)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (int i = 0; i < 25; i++)
@@ -85,7 +85,7 @@ TEST(MeshDamage, ReadersOfMeshBlocksRefuseGrids)
   EXPECT_FALSE(isMeshBlock(bytes));
 }
 
-TEST(MeshDamage, NewerPartsAreUnsupported)
+TEST(MeshDamage, NewerFeaturesAreUnsupported)
 {
   Random random(seed + 1);
   const Words block = someBlocks(random)[20];
@@ -102,7 +102,7 @@ TEST(MeshDamage, NewerPartsAreUnsupported)
   for (uint32_t bit = 0; bit < 32; bit++) expectUnsupported(7, bit); // motion
 }
 
-TEST(MeshDamage, ShorterBlocksAreRefused)
+TEST(MeshDamage, TruncatedBlocksAreRejected)
 {
   Random random(seed + 2);
   for (const Words& block : someBlocks(random))
@@ -112,7 +112,7 @@ TEST(MeshDamage, ShorterBlocksAreRefused)
     }
 }
 
-TEST(MeshDamage, RefusedOrDecodedWithinTheBlock)
+TEST(MeshDamage, DamagedBlocksAreRejectedOrDecodedWithinBounds)
 {
   Random random(seed + 3);
   const std::vector<Words> blocks = someBlocks(random);
@@ -122,7 +122,7 @@ TEST(MeshDamage, RefusedOrDecodedWithinTheBlock)
     Words words = blocks[random.below(uint32_t(blocks.size()))];
     uint8_t* const bytes = (uint8_t*)words.data();
     const uint32_t size = uint32_t(4*words.size());
-    // changes to the header and to records are the ones that matter most
+    // prefer changes to the header and to records, which have the largest effect
     for (uint32_t n = 1 + random.below(4); n > 0; n--) {
       const uint32_t end = std::vector<uint32_t>{meshHeaderBytes, 200, size}[random.below(3)],
         at = random.below(std::min(end, size));
@@ -146,8 +146,8 @@ TEST(MeshDamage, RefusedOrDecodedWithinTheBlock)
   (void)sum;
 }
 
-// Random bytes after a header that passes.
-TEST(MeshDamage, RandomBytesAreRefusedOrDecoded)
+// Random bytes after a valid header.
+TEST(MeshDamage, RandomBytesAreRejectedOrDecoded)
 {
   Random random(seed + 4);
   size_t decoded = 0;

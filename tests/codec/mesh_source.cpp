@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes become blocks: clusters, lattices, and what is left out. How far vertices move is computed in long double,
- * without the library's lattice. */
+/* Conversion of meshes to blocks: clusters, lattices, and skipped triangles. The distance by which vertices move is
+ * computed in long double, independently of the library's lattice. */
 
 #include "kernels/cvert/encoder/mesh_blocks.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -47,7 +47,7 @@ struct Mesh
   }
 };
 
-// Triangles of blocks by primID: corners as they are stored.
+// Triangles of blocks by primID, with their stored corners.
 struct Stored
 {
   MeshReport report;
@@ -70,7 +70,7 @@ struct Stored
           std::copy(decoded->vertices[decoded->triangles[t][c]], decoded->vertices[decoded->triangles[t][c]] + 3,
           corners[c].begin());
         ASSERT_TRUE(triangles.emplace(decoded->numbers[t],
-          corners).second) << "triangle " << decoded->numbers[t] << " is there twice";
+          corners).second) << "triangle " << decoded->numbers[t] << " is stored twice";
       }
     });
   }
@@ -85,8 +85,8 @@ Normal normal(const Point& a, const Point& b, const Point& c)
 }
 long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
 
-// Each triangle is there once, moved by half a spacing at most, not turned over or flattened; equal positions stay
-// equal.
+// Each triangle must be stored once. Its vertices move by at most half a spacing, it does not flip or degenerate, and
+// equal positions stay equal.
 void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
 {
   const long double most = exponent == exactLattice ? 0 : std::ldexp(0.5L, exponent);
@@ -103,12 +103,12 @@ void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
       for (int k = 0; k < 3; k++) ASSERT_LE(std::fabs((long double)found->second[c][k] - own[c][k]), most)
         << "triangle " << i;
       const auto place = placeOf.emplace(own[c], found->second[c]).first;
-      ASSERT_EQ(place->second, found->second[c]) << "a vertex of triangle " << i << " is stored at two places";
+      ASSERT_EQ(place->second, found->second[c]) << "a vertex of triangle " << i << " is stored at two positions";
     }
     const Normal before = normal(own[0], own[1], own[2]),
       after = normal(found->second[0], found->second[1], found->second[2]);
     ASSERT_GT(dot(after, after), 0) << "triangle " << i << " is flat";
-    ASSERT_GE(dot(before, after), 0) << "triangle " << i << " is turned over";
+    ASSERT_GE(dot(before, after), 0) << "triangle " << i << " is flipped";
   }
   EXPECT_EQ(count, stored.triangles.size());
   EXPECT_EQ(count + stored.report.invalidTriangles + stored.report.degenerateTriangles, mesh.triangles.size());
@@ -116,7 +116,7 @@ void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
   EXPECT_EQ(stored.report.statistics.blocks, stored.blocks);
 }
 
-// A closed, noisy sphere-like surface of 2 n^2 triangles.
+// A closed, noisy torus of 2 n^2 triangles.
 Mesh torus(Random& random, uint32_t n, double noise)
 {
   Mesh mesh;
@@ -148,8 +148,8 @@ TEST(MeshSource, VerticesMoveByHalfASpacingAndSurfacesStayClosed)
     }
 }
 
-// The quick test never says that a triangle is safe when it is not.
-TEST(MeshSource, RobustTrianglesDoNotTurnOver)
+// The fast test must be conservative: it never accepts a triangle that flips.
+TEST(MeshSource, RobustTrianglesDoNotFlip)
 {
   Random random(seed + 6);
   size_t robust = 0;
@@ -173,8 +173,8 @@ TEST(MeshSource, RobustTrianglesDoNotTurnOver)
   EXPECT_GT(robust, 30000u);
 }
 
-// Triangles not much larger than the spacing, and needles: many would turn over or become lines.
-TEST(MeshSource, NoTriangleTurnsOverOrIsFlattened)
+// Triangles that are not much larger than the spacing, and needles. Many of them would flip or degenerate.
+TEST(MeshSource, NoTriangleFlipsOrDegenerates)
 {
   Random random(seed + 1);
   size_t finer = 0;
@@ -196,11 +196,11 @@ TEST(MeshSource, NoTriangleTurnsOverOrIsFlattened)
   const Stored stored(needles, -7);
   expectStored(needles, stored, -7);
   EXPECT_GT(stored.report.finerVertices, 1000u);
-  // without a need, all vertices are on the lattice
+  // all vertices are on the lattice unless finer ones are required
   EXPECT_EQ(Stored(torus(random, 60, 0), -12).report.finerVertices, 0u);
 }
 
-TEST(MeshSource, LosslessToTheBit)
+TEST(MeshSource, LosslessIsBitExact)
 {
   Random random(seed + 2);
   const Mesh mesh = torus(random, 100, 0.02);
@@ -212,7 +212,7 @@ TEST(MeshSource, LosslessToTheBit)
       0) << "triangle " << i;
 }
 
-TEST(MeshSource, TrianglesThatCannotBeHitAreLeftOutAndCounted)
+TEST(MeshSource, TrianglesThatCannotBeHitAreSkippedAndCounted)
 {
   Mesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, 0}, {0, INFINITY, 0}, {1e30f, 0, 0}, {2, 0, 0},
@@ -229,7 +229,7 @@ TEST(MeshSource, TrianglesThatCannotBeHitAreLeftOutAndCounted)
   EXPECT_EQ(Stored(Mesh(), -10).blocks, 0u);
 }
 
-TEST(MeshSource, ScalesFromTinyToHuge)
+TEST(MeshSource, AllScalesAreSupported)
 {
   Random random(seed + 3);
   for (float scale : {1e-30f, 1e-20f, 1e-6f, 1e6f, 1e17f})
@@ -244,8 +244,8 @@ TEST(MeshSource, ScalesFromTinyToHuge)
     }
 }
 
-// A guard of the sizes that the format was made for; the numbers of a mesh are in the order of its rows here.
-TEST(MeshSource, BytesPerTriangle)
+// Guards the size of the format. In this mesh the numbers are in the order of the rows.
+TEST(MeshSource, BytesPerTriangleStaySmall)
 {
   Random random(seed + 4);
   const Mesh mesh = torus(random, 160, 0.001);
@@ -255,7 +255,7 @@ TEST(MeshSource, BytesPerTriangle)
   EXPECT_LT(double(Stored(mesh, exactLattice, 16).report.statistics.bytes)/triangles, 8.8);
 }
 
-TEST(MeshClusters, AllTrianglesInFullClusters)
+TEST(MeshClusters, ClustersAreFullAndContainAllTriangles)
 {
   Random random(seed + 5);
   for (uint32_t groupTriangles : {1u, 16u, 32u})
@@ -264,7 +264,7 @@ TEST(MeshClusters, AllTrianglesInFullClusters)
         std::vector<MeshCenter> centers(count);
         for (size_t i = 0; i < count; i++) {
           centers[i].index = uint32_t(i);
-          // many are at one place
+          // many centers at the same position
           for (float& x : centers[i].at) x = kind == 0 ? 1.0f : kind == 1 ? float(random.normal())
             : float(random.below(3))*1e18f;
         }

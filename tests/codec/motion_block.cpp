@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks of cVERT that move lose nothing: vertices are the same floats at every step, boxes of a segment contain their groups at both
- * of its ends, and what turns, bends or grows is stored as little. */
+/* Moving cVERT blocks are lossless: vertices have the same floats at every time step, boxes of a segment contain their
+ * groups at both of its ends, and rotation, bending and scaling need few bytes. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
@@ -21,9 +21,13 @@ using namespace cvert;
 
 constexpr uint32_t seed = 311;
 
-bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b)); }
+bool sameFloat(float a, float b)
+{
+  return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b));
+}
 
-// Boxes of the segment that begins with a step: where their form and margins are, or null if an end is raw.
+// Returns the form and the margins of the boxes of the segment that begins at a step, or null if one of its ends is
+// raw.
 const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& form)
 {
   const VertStep* const end = stepOf(block, segment + 1);
@@ -33,11 +37,12 @@ const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& fo
                  : (const uint8_t*)block + vertLayout(block->region, form).margins;
 }
 
-// From the origin of a step, exactly.
+// Relative to the origin of a step; exact.
 double shearedCoordinate(uint32_t form, const float origin[3], const float* p)
 {
   const int m = shearedAxis(form), a = (m + 1) % 3, b = (m + 2) % 3;
-  return double(p[m]) - origin[m] + shearSlope(form, 1)/16.0*(double(p[a]) - origin[a]) + shearSlope(form, 2)/16.0*(double(p[b]) - origin[b]);
+  return double(p[m]) - origin[m] + shearSlope(form, 1)/16.0*(double(p[a]) - origin[a]) +
+         shearSlope(form, 2)/16.0*(double(p[b]) - origin[b]);
 }
 
 void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
@@ -59,13 +64,14 @@ void expectBoxesContain(const EncodedMotion& encoded, uint32_t segment)
           for (int k = 0; k < 3; k++) {
             const float* const p = decoded->vertex(x, y);
             const double c = k == shearedAxis(form) ? shearedCoordinate(form, origin, p) : p[k];
-            ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
+            ASSERT_TRUE(lower[k] <= c && c <= upper[k])
+              << "segment " << segment << ", step " << step << ", group " << g << ", axis " << k;
           }
     }
   }
 }
 
-TEST(MotionBlock, VerticesAreTheSameFloatsAtEveryStep)
+TEST(MotionBlock, VerticesRoundTripAtEveryStep)
 {
   Random random(seed);
   auto encoder = std::make_unique<MotionEncoder>();
@@ -75,7 +81,7 @@ TEST(MotionBlock, VerticesAreTheSameFloatsAtEveryStep)
     const EncodedMotion encoded(*encoder, sheet);
     ASSERT_GT(encoded.size, sizeof(VertHeader));
     ASSERT_LE(encoded.size, MotionEncoder::maxBytes(sheet.steps.size()));
-    ASSERT_EQ((vertBytes(encoded.block()) + 3) & ~3u, encoded.size) << "bytes that nobody reads";
+    ASSERT_EQ((vertBytes(encoded.block()) + 3) & ~3u, encoded.size) << "unused bytes";
     ASSERT_EQ(validateVert(encoded.block(), encoded.size).message(), "");
     ASSERT_EQ(motionOf(encoded.block()).numSteps, sheet.steps.size());
     for (uint32_t s = 0; s < sheet.steps.size(); s++) {
@@ -84,7 +90,8 @@ TEST(MotionBlock, VerticesAreTheSameFloatsAtEveryStep)
         for (int k = 0; k < 3; k++) {
           const auto& p = sheet.steps[s][v];
           const bool isFinite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-          ASSERT_TRUE(isFinite ? sameFloat(decoded->vertices[v][k], p[k]) : std::isnan(decoded->vertices[v][k])) << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
+          ASSERT_TRUE(isFinite ? sameFloat(decoded->vertices[v][k], p[k]) : std::isnan(decoded->vertices[v][k]))
+            << "sheet " << i << ", step " << s << ", vertex " << v << ", axis " << k;
         }
       if (s + 1 < sheet.steps.size()) { ASSERT_NO_FATAL_FAILURE(expectBoxesContain(encoded, s)) << "sheet " << i; }
     }
@@ -98,14 +105,14 @@ TEST(MotionBlock, VerticesAreTheSameFloatsAtEveryStep)
   EXPECT_GT(alone, 500u);
 }
 
-// Bytes of the later steps of 16 x 16 quads.
+// Bytes of the later steps per 16 x 16 quads.
 double bytesOfLaterSteps(MotionEncoder& encoder, const MovingSheet& sheet) {
   const EncodedMotion encoded(encoder, sheet);
   EXPECT_FALSE(encoded.statistics.raw);
   return double(encoded.statistics.stepBytes);
 }
 
-TEST(MotionBlock, WhatTurnsBendsOrGrowsIsPredicted)
+TEST(MotionBlock, RotationBendingAndScalingArePredicted)
 {
   Random random(seed + 1);
   auto encoder = std::make_unique<MotionEncoder>();
@@ -118,11 +125,11 @@ TEST(MotionBlock, WhatTurnsBendsOrGrowsIsPredicted)
       still += bytesOfLaterSteps(*encoder, MovingSheet(sheet, {0, 0}));
     }
     EXPECT_LT(moving, 0.7*own) << "motion " << int(motion);
-    EXPECT_LT(still, 110.0*50) << "a step in which nothing moves has no fields";
+    EXPECT_LT(still, 110.0*50) << "a step without motion must have no fields";
   }
 }
 
-TEST(MotionBlock, AShakeTakesNoMoreThanBothStepsAlone)
+TEST(MotionBlock, RandomMotionIsNotLargerThanSeparateSteps)
 {
   Random random(seed + 2);
   auto encoder = std::make_unique<MotionEncoder>();

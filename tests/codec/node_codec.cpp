@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Containment: decoded bounds contain the geometry through all levels, in every
- * form of arithmetic that a traversal may have been compiled to. */
+/* Containment: decoded bounds contain the geometry on all levels, in every variant of arithmetic to which a traversal
+ * may be compiled. */
 
 #include "kernels/cbvh/framed/node_encoder.h"
 #include "kernels/cbvh/framed/node_tables.cpp"
@@ -29,10 +29,10 @@ ExactBox intersection(const ExactBox& a, const ExactBox& b)
   return r;
 }
 
-// What children look like beside each other.
+// Arrangements of children.
 enum Shape { QUADRANTS, FOLDED, NEEDLES, FLAT, POINTS, TOUCHING, SHAPES };
 
-// Children of a parent whose geometry has the given exact bounds.
+// Generates children of a parent whose geometry has the given exact bounds.
 void makeChildren(Random& random, Shape shape, const NodeBox& parent, const ExactBox& exact, ExactBox children[4])
 {
   for (int c = 0; c < 4; c++) {
@@ -40,7 +40,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
       const double l = exact.lower[axis], e = exact.upper[axis] - l;
       double a = random.uniform(), b = random.uniform();
       switch (shape) {
-      case QUADRANTS: // a little more than the quadrant
+      case QUADRANTS: // slightly more than the quadrant
         a = axis < 2 ? 0.5*childColumn(c, axis) - 0.03*random.uniform() : random.uniform(0, 0.5);
         b = axis < 2 ? a + 0.5 + 0.06*random.uniform() : random.uniform(0.5, 1);
         break;
@@ -50,7 +50,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
       default: break; // FOLDED: anywhere
       }
       double lower = l + e*std::min(a, b), upper = l + e*std::max(a, b);
-      if (shape == TOUCHING) { // exactly on planes that some code decodes to
+      if (shape == TOUCHING) { // exactly on planes of some code
         const uint32_t pair = random.below(32);
         const int column = childColumn(c, axis == 2 ? 0 : axis);
         const Interval z = zInterval(random.below(8));
@@ -65,8 +65,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
   }
 }
 
-// What an encoder without slack makes: bounds moved inwards by the slack that the
-// real one is going to keep.
+// An encoder without slack: moves bounds inwards by the slack that the real encoder adds.
 uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
 {
   ExactBox moved[4];
@@ -78,13 +77,13 @@ uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
   return encodeNode(parent, moved);
 }
 
-// Walks one random path from the root to level 8; the number of levels and forms at
-// which some child was not contained.
+// Follows one random path from the root to level 8. Returns the number of levels and variants for which a child was
+// not contained.
 template<typename Encode>
 unsigned violations(Random& random, int shape, const Encode& encode)
 {
   ExactBox exact;
-  for (int axis = 0; axis < 3; axis++) { // the frame's margin is 2^-18
+  for (int axis = 0; axis < 3; axis++) { // the margin of the frame is 2^-18
     exact.lower[axis] = 0x1p-18;
     exact.upper[axis] = 1 - 0x1p-18;
   }
@@ -105,7 +104,7 @@ unsigned violations(Random& random, int shape, const Encode& encode)
   return count;
 }
 
-TEST(NodeCodec, DecodedBoundsContainEveryChildThroughAllLevelsInAllArithmetic)
+TEST(NodeCodec, DecodedBoundsContainChildrenOnAllLevelsInAllArithmetic)
 {
   Random random(1);
   for (int shape = 0; shape <= SHAPES; shape++)
@@ -113,9 +112,9 @@ TEST(NodeCodec, DecodedBoundsContainEveryChildThroughAllLevelsInAllArithmetic)
       ASSERT_EQ(violations(random, shape, encodeNode), 0u) << "shape " << shape << ", path " << i;
 }
 
-// The test above has teeth: geometry that touches planes leaves an encoder that keeps
-// no slack in the fused form, as its planes are rounded only once.
-TEST(NodeCodec, WithoutSlackGeometryThatTouchesPlanesIsLost)
+// Checks the previous test: without slack, geometry that touches planes is lost with fused arithmetic, which rounds
+// planes only once.
+TEST(NodeCodec, GeometryTouchingPlanesIsLostWithoutSlack)
 {
   Random random(1);
   unsigned count = 0;
@@ -123,7 +122,7 @@ TEST(NodeCodec, WithoutSlackGeometryThatTouchesPlanesIsLost)
   EXPECT_GT(count, 100u);
 }
 
-TEST(NodeCodec, ReferenceDecoderIsOneOfTheForms)
+TEST(NodeCodec, ReferenceDecoderIsOneOfTheVariants)
 {
   Random random(2);
   for (int i = 0; i < 10000; i++) {
@@ -143,11 +142,11 @@ TEST(NodeCodec, ReferenceDecoderIsOneOfTheForms)
   }
 }
 
-// One step of decoding is off by at most an ulp of a number below 2 (node_encoder.h).
+// One decoding step has an error of at most one ulp of a number below 2 (node_encoder.h).
 constexpr double stepError = 0x1p-23;
 
-// Down random paths, box by box. A lower plane cannot round below its parent's: what is added
-// is not negative. An upper plane is the sum of two numbers that were rounded.
+// Random paths, box by box. A lower plane cannot round below its parent's, because the added term is not negative. An
+// upper plane is the sum of two rounded numbers.
 TEST(NodeCodec, BoundsNeverGrow)
 {
   Random random(3);
@@ -169,8 +168,8 @@ TEST(NodeCodec, BoundsNeverGrow)
   }
 }
 
-// No code that keeps the slack is tighter than the one that is taken.
-TEST(NodeCodec, EveryPlaneIsTheTightestThatKeepsTheSlack)
+// No code with sufficient slack gives a tighter bound than the chosen one.
+TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
 {
   Random random(4);
   unsigned taken[8] = {}; // inner planes, by their codes
@@ -189,18 +188,24 @@ TEST(NodeCodec, EveryPlaneIsTheTightestThatKeepsTheSlack)
             lower = std::min(lower, children[c].lower[axis]);
             upper = std::max(upper, children[c].upper[axis]);
           }
-        const uint32_t lowerPair = (word >> lowerShift(axis)) & planePairMask, upperPair = (word >> upperShift(axis)) & planePairMask;
+        const uint32_t lowerPair = (word >> lowerShift(axis)) & planePairMask,
+                       upperPair = (word >> upperShift(axis)) & planePairMask;
         taken[column ? lowerPair >> 2 : upperPair >> 2]++;
         for (uint32_t other = 0; other < 32; other++) {
-          if (lowerPlane(other, column) <= lower - containmentSlack) { ASSERT_LE(lowerPlane(other, column), lowerPlane(lowerPair, column)); }
-          if (upperPlane(other, column) >= upper + containmentSlack) { ASSERT_GE(upperPlane(other, column), upperPlane(upperPair, column)); }
+          if (lowerPlane(other, column) <= lower - containmentSlack) {
+            ASSERT_LE(lowerPlane(other, column), lowerPlane(lowerPair, column));
+          }
+          if (upperPlane(other, column) >= upper + containmentSlack) {
+            ASSERT_GE(upperPlane(other, column), upperPlane(upperPair, column));
+          }
         }
       }
     for (int c = 0; c < 4; c++) {
       const Interval z = zInterval(zCode(word, c));
       for (uint32_t code = 0; code < 8; code++) {
         const Interval other = zInterval(code);
-        if (other.lower <= children[c].lower[2] - containmentSlack && other.upper >= children[c].upper[2] + containmentSlack) {
+        if (other.lower <= children[c].lower[2] - containmentSlack &&
+            other.upper >= children[c].upper[2] + containmentSlack) {
           ASSERT_LE(z.upper - z.lower, other.upper - other.lower);
         }
       }
@@ -209,7 +214,7 @@ TEST(NodeCodec, EveryPlaneIsTheTightestThatKeepsTheSlack)
   for (unsigned n : taken) EXPECT_GT(n, 20u);
 }
 
-// Children that fill their quadrants: a code wastes at most the step of its table.
+// Children that fill their quadrants: a code loses at most one step of its table.
 TEST(NodeCodec, RegularChildrenGetTightBounds)
 {
   ExactBox children[4];
@@ -227,7 +232,7 @@ TEST(NodeCodec, RegularChildrenGetTightBounds)
   }
 }
 
-// A box that lies so many levels below the root.
+// A box at a level below the root.
 NodeBox randomBox(Random& random, int level)
 {
   NodeBox box = rootBox();
@@ -235,7 +240,7 @@ NodeBox randomBox(Random& random, int level)
   return box;
 }
 
-TEST(NodeCodec, EveryFieldReachesOnlyItsOwnPlanes)
+TEST(NodeCodec, EveryFieldAffectsOnlyItsPlanes)
 {
   // changing a field changes bounds of the axis it belongs to and of no other
   Random random(6);
@@ -259,7 +264,7 @@ TEST(NodeCodec, EveryFieldReachesOnlyItsOwnPlanes)
 
 // --- the tables of the traversal ---------------------------------------------------------
 
-// Planes of a child in the parent's extents, as the tables have them.
+// Planes of a child from the tables, in the parent's extents.
 void lookUp(const NodeTables& tables, uint32_t node, int child, float lower[3], float upper[3])
 {
   for (int axis = 0; axis < 2; axis++) {
@@ -283,7 +288,7 @@ Bounds boundsOf(const NodeBox& box)
   return bounds;
 }
 
-// A child by the tables, in double.
+// Decodes a child with the tables in double precision.
 Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bounds& parent)
 {
   float lower[3], upper[3];
@@ -297,15 +302,15 @@ Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bound
   return child;
 }
 
-// All planes are multiples of 1/256, so at the root both sides are exact.
-TEST(NodeTables, EqualTheScalarDecoderForAllCodes)
+// All planes are multiples of 1/256, so at the root both results are exact.
+TEST(NodeTables, MatchScalarDecoderForAllCodes)
 {
   static const NodeTables tables;
   Random random(4);
   std::vector<uint32_t> nodes;
   for (int field = 0; field < 4; field++) // every code of every pair
     for (uint32_t code = 0; code < 32; code++) nodes.push_back(code << (field*planePairBits));
-  for (uint32_t code = 0; code < 4096; code++) nodes.push_back(code << zShift); // every z
+  for (uint32_t code = 0; code < 4096; code++) nodes.push_back(code << zShift); // every code of z
   for (int i = 0; i < 4096; i++) nodes.push_back(random.bits());
 
   for (uint32_t node : nodes)
@@ -320,7 +325,7 @@ TEST(NodeTables, EqualTheScalarDecoderForAllCodes)
     }
 }
 
-TEST(NodeTables, MasksOfFourBecomeMasksOfSixteen)
+TEST(NodeTables, MasksOfFourExpandToMasksOfSixteen)
 {
   static const NodeTables tables;
   for (int mask = 0; mask < 16; mask++)
@@ -331,11 +336,10 @@ TEST(NodeTables, MasksOfFourBecomeMasksOfSixteen)
     }
 }
 
-// Down random paths: children of parents that no word of the root has. Three levels of
-// multiples of 1/256 are multiples of 2^-24 below 1, which floats hold: there both are exact,
-// as long as the parent's upper plane is, which is below 1 or 1 itself. Deeper, decodeChild
-// is off by a step's error a level.
-TEST(NodeTables, EqualTheScalarDecoderDownPathsThroughAllLevels)
+// Random paths reach parents that no word of the root describes. Three levels of multiples of 1/256 are multiples of
+// 2^-24 below 1, which float represents. There both decoders are exact if the parent's upper plane is exact, i.e. at
+// most 1. On deeper levels decodeChild has the error of one step per level.
+TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels)
 {
   static const NodeTables tables;
   Random random(5);
@@ -352,8 +356,10 @@ TEST(NodeTables, EqualTheScalarDecoderDownPathsThroughAllLevels)
         const Bounds decoded = boundsOf(box), exact = childByTables(tables, node, child, exactParent);
         const double error = level <= 3 ? 0 : level*stepError;
         for (int axis = 0; axis < 3; axis++) {
-          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error) << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
-          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error) << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.lower[axis], exact.lower[axis], error)
+            << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
+          ASSERT_NEAR(decoded.upper[axis], exact.upper[axis], error)
+            << std::hex << node << std::dec << " child " << child << " level " << level << " axis " << axis;
         }
         if (child == next) { nextBox = box; nextExact = exact; }
       }

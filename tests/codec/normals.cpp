@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Geometric normals of hits in the frame of a block, and which of them are turned. */
+/* Geometric normals of hits in the frame of a block, and the rule for flipping them. */
 
 #include "kernels/cbvh/framed/frame_map.h"
 #include "kernels/cbvh/framed/normal.h"
@@ -14,7 +14,7 @@ namespace {
 
 using namespace embree::cbvh;
 
-// A frame whose W varies, around the origin.
+// A frame with varying W, around the origin.
 Block randomFrame(Random& random)
 {
   Block block = {};
@@ -23,32 +23,36 @@ Block randomFrame(Random& random)
   return block;
 }
 
-// A normal is orthogonal to two steps along the surface, and on the side that z grows to.
-TEST(Normals, AreThoseOfTheSurfaceInTheWorld)
+// A normal is orthogonal to two tangents of the surface, and on the side of increasing z.
+TEST(Normals, MatchSurfaceInWorldSpace)
 {
   Random random(17);
   for (int i = 0; i < 2000; i++) {
     const Block block = randomFrame(random);
     const InverseFrame inverse(frameMap(&block));
-    const double x = random.uniform(), y = random.uniform(), z = random.uniform(), sx = 2*random.normal(), sy = 2*random.normal(), step = 1e-6;
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform(), sx = 2*random.normal(),
+                 sy = 2*random.normal(), step = 1e-6;
     const Vector<double> n = worldNormal<double>(block, {{x, y, z}}, sx, sy);
     const Double3 normal = {n.x[0], n.x[1], n.x[2]}, o = inverse({x, y, z});
-    auto cosine = [&](const Double3& to) { const Double3 d = to - o; return dot(normal, d)/(length(normal)*length(d)); };
+    auto cosine = [&](const Double3& to) {
+      const Double3 d = to - o;
+      return dot(normal, d)/(length(normal)*length(d));
+    };
     ASSERT_NEAR(cosine(inverse({x + step, y, z + step*sx})), 0, 1e-4) << "frame " << i;
     ASSERT_NEAR(cosine(inverse({x, y + step, z + step*sy})), 0, 1e-4) << "frame " << i;
     ASSERT_GT(cosine(inverse({x, y, z + step})), 0) << "frame " << i;
   }
 }
 
-// A ray that comes from above sees a normal against it (along < 0), one from below a normal
-// along it. Only normals that face away, by less than 30 degrees, are turned.
-TEST(Normals, AreTurnedWhereTheyFaceAwayByLessThan30Degrees)
+// A ray from above sees a normal that faces it (along < 0); a ray from below sees one that faces away. Only normals
+// that face away by less than 30 degrees are flipped.
+TEST(Normals, FlipIfFacingAwayByLessThan30Degrees)
 {
   for (double direction2 : {1.0, 9.0})
     for (double normal2 : {1.0, 0.25}) {
       const double length = std::sqrt(direction2*normal2);
-      for (int degrees = -90; degrees <= 90; degrees++) { // of the ray over the surface, along its normal
-        if (std::abs(degrees) == 30) continue; // either
+      for (int degrees = -90; degrees <= 90; degrees++) { // angle of the ray over the surface, along its normal
+        if (std::abs(degrees) == 30) continue; // both results are valid
         const double along = length*std::sin(degrees*M_PI/180);
         SCOPED_TRACE(degrees);
         EXPECT_EQ(isTurned(along, normal2, direction2, sideAbove), degrees > 0 && degrees < 30);

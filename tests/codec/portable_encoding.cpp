@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The encoder in plain C++, as it is compiled where there is no SSE; for portable_bytes.cpp.
+// The encoder in plain C++, as on machines without SSE; for portable_bytes.cpp.
 
 #define CVERT_PORTABLE
 #define HERE portable
@@ -9,7 +9,9 @@
 
 namespace cbvh::test {
 
-std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height, int exponent) {
+std::vector<uint8_t> encodePortably(const std::vector<std::vector<float>>& steps, uint32_t width, uint32_t height,
+                                    int exponent)
+{
   return portable::encode(steps, width, height, exponent);
 }
 

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks of cVERT lose nothing: random vertices on random lattices, of every size of block, are
- * the same floats after encoding and scalar decoding, and boxes contain their groups in the
- * floats of the traversal. */
+/* cVERT blocks are lossless: random vertices on random lattices, in blocks of all sizes, are the same floats after
+ * encoding and scalar decoding, and boxes contain their groups in the float arithmetic of traversal. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/block_encoder.h"
@@ -25,7 +24,7 @@ using namespace cvert;
 
 constexpr uint32_t seed = 71;
 
-// A block's room; memory behind it is not the encoder's.
+// Memory for a block. The encoder must not write after it.
 struct Encoded
 {
   alignas(16) uint8_t bytes[VertEncoder::maxBytes];
@@ -36,13 +35,19 @@ struct Encoded
   const VertHeader* block() const { return (const VertHeader*)bytes; }
 };
 
-// A block that is all of its patch.
-VertPlacement whole(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)}; }
+// A block that is a whole patch.
+VertPlacement whole(uint32_t quadsX, uint32_t quadsY)
+{
+  return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)};
+}
 
-// The same with edges behind its header.
-VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY) { return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)}; }
+// The same with edges after its header.
+VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY)
+{
+  return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)};
+}
 
-// A sheet of that many quads on a lattice: a plane, a bend and noise in steps of the lattice.
+// A sheet of quads on a lattice: a plane, a bend and noise in lattice spacings.
 struct Sheet
 {
   uint32_t quadsX, quadsY;
@@ -62,10 +67,12 @@ struct Sheet
       for (uint32_t x = 0; x <= quadsX; x++) {
         const double h = roughness*random.normal() + 0.02*(double(x)*x - double(y)*x);
         std::array<float, 3> v;
-        // 40 is not along a normal any more: residuals of all axes are large
+        // 40 is not along a normal: residuals of all axes are large
         const double sideways = roughness == 40 ? 1000 : 0;
         for (int k = 0; k < 3; k++)
-          v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] + (sideways > 0 ? sideways*random.normal() : h*axis[2][k])))*spacing);
+          v[k] = float((origin[k] + std::floor(x*axis[0][k] + y*axis[1][k] +
+                                               (sideways > 0 ? sideways*random.normal() : h*axis[2][k])))*
+                       spacing);
         vertices.push_back(v);
       }
   }
@@ -76,7 +83,7 @@ struct Sheet
   }
 };
 
-// From the block's origin, exactly.
+// Relative to the block's origin; exact.
 float shearedCoordinate(const VertHeader* block, const float* p)
 {
   const int m = shearedAxis(block->boxForm), a = (m + 1) % 3, b = (m + 2) % 3;
@@ -88,27 +95,30 @@ float spacingOf(const VertHeader* block, int axis) { return vertSpacing(block->w
 
 bool sameFloat(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0); }
 
-TEST(VertBlock, VerticesAreTheSameFloats)
+TEST(VertBlock, VerticesRoundTrip)
 {
   Random random(seed);
   auto encoder = std::make_unique<VertEncoder>();
   size_t packed = 0, raw = 0, byAxis = 0;
   for (int i = 0; i < 4000; i++) {
-    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16), std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
+    const Sheet sheet(random, 1 + random.below(16), 1 + random.below(16),
+                      std::vector<double>{0, 0.05, 0.5, 5, 40}[i % 5]);
     sheet.fill(*encoder);
-    const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY));
+    const Encoded encoded(*encoder,
+                          i % 4 == 0 ? withEdges(sheet.quadsX, sheet.quadsY) : whole(sheet.quadsX, sheet.quadsY));
     ASSERT_GT(encoded.size, sizeof(VertHeader));
     const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
     ASSERT_EQ(decoded->quadsX, sheet.quadsX);
     ASSERT_EQ(decoded->quadsY, sheet.quadsY);
     for (size_t v = 0; v < sheet.vertices.size(); v++)
       for (int k = 0; k < 3; k++)
-        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
+        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], sheet.vertices[v][k]))
+          << "sheet " << i << ", vertex " << v << ", axis " << k;
     ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxForm));
     (encoded.statistics.raw ? raw : packed)++;
     byAxis += !encoded.statistics.raw && isByAxis(encoded.block()->word);
     if (!encoded.statistics.raw) {
-      ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
+      ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "unused bytes";
     }
   }
   EXPECT_GT(packed, 3000u);
@@ -116,7 +126,7 @@ TEST(VertBlock, VerticesAreTheSameFloats)
   EXPECT_GT(byAxis, 300u);
 }
 
-TEST(VertBlock, AFlatPartTakesNoFields)
+TEST(VertBlock, FlatPartHasNoFields)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (uint32_t y = 0; y <= 16; y++)
@@ -154,25 +164,27 @@ TEST(VertBlock, BoxesContainTheirGroups)
         for (uint32_t y = y0; y <= std::min(y0 + groupQuads, sheet.quadsY); y++)
           for (uint32_t x = x0; x <= std::min(x0 + groupQuads, sheet.quadsX); x++) {
             if (hole && x + y == 0) continue;
-            const float v = isSheared ? shearedCoordinate(encoded.block(), decoded->vertex(x, y)) : decoded->vertex(x, y)[k];
+            const float v = isSheared ? shearedCoordinate(encoded.block(), decoded->vertex(x, y))
+                                      : decoded->vertex(x, y)[k];
             ASSERT_LE(lower[k], v) << "sheet " << i << ", group " << g;
             ASSERT_GE(upper[k], v) << "sheet " << i << ", group " << g;
             least = std::min(least, v); greatest = std::max(greatest, v);
           }
-        if (encoded.statistics.raw) { // exact
+        if (encoded.statistics.raw) { // must be exact
           ASSERT_EQ(lower[k], least) << "sheet " << i << ", group " << g;
           ASSERT_EQ(upper[k], greatest) << "sheet " << i << ", group " << g;
           continue;
         }
-        const float spacing = spacingOf(encoded.block(), k), step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
+        const float spacing = spacingOf(encoded.block(), k),
+                    step = spacing*float(1u << marginShift(encoded.block()->boxForm, k));
         planes += 2;
-        // margins are whole coordinates, sheared ones sixteenths
+        // margins are whole coordinates; sheared ones are multiples of a sixteenth
         const float most = isSheared ? step + spacing : step;
         loose += (least - lower[k] >= most) + (upper[k] - greatest >= most);
       }
     }
   }
-  EXPECT_EQ(loose, 0u) << "of " << planes << " planes are more than a step off";
+  EXPECT_EQ(loose, 0u) << "of " << planes << " planes are off by more than a step";
   EXPECT_GT(sheared, 1000u);
 }
 
@@ -194,24 +206,27 @@ TEST(VertBlock, ReachContainsTheBlock)
     float least[3] = {INFINITY, INFINITY, INFINITY}, greatest[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t v = 0; v < (sheet.quadsX + 1)*(sheet.quadsY + 1); v++) {
       const float* p = decoded->vertices[v];
-      const float x[3] = {p[(m + 1) % 3] - block->origin[(m + 1) % 3], p[(m + 2) % 3] - block->origin[(m + 2) % 3], shearedCoordinate(block, p)};
+      const float x[3] = {p[(m + 1) % 3] - block->origin[(m + 1) % 3], p[(m + 2) % 3] - block->origin[(m + 2) % 3],
+                          shearedCoordinate(block, p)};
       for (int k = 0; k < 3; k++) { least[k] = std::min(least[k], x[k]); greatest[k] = std::max(greatest[k], x[k]); }
     }
     ASSERT_EQ(least[0], 0);
     ASSERT_EQ(least[1], 0);
     for (int k = 0; k < 3; k++) {
       const float step = stepOn(k < 2 ? (m + 1 + k) % 3 : m);
-      const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step, lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
+      const float upper = float(reachOf(block->reach, k < 2 ? k : 3))*step,
+                  lower = k < 2 ? 0 : float(reachOf(block->reach, 2))*step;
       ASSERT_LE(lower, least[k]);
       ASSERT_GE(upper, greatest[k]);
-      loose += upper - greatest[k] > 1.0625f*step || least[k] - lower > 1.0625f*step; // sheared coordinates are sixteenths
+      // sheared coordinates are multiples of a sixteenth
+      loose += upper - greatest[k] > 1.0625f*step || least[k] - lower > 1.0625f*step;
     }
   }
   EXPECT_GT(blocks, 1000u);
   EXPECT_EQ(loose, 0u);
 }
 
-TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
+TEST(VertBlock, NonFiniteVerticesAreRawAndNaN)
 {
   Random random(seed + 2);
   auto encoder = std::make_unique<VertEncoder>();
@@ -227,10 +242,11 @@ TEST(VertBlock, VerticesThatAreNotFiniteAreRawAndNaN)
     for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
   }
   for (auto& v : encoder->vertices) v[0] = NAN;
-  EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without a vertex";
+  EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without valid vertices";
 }
 
-// Sheets of floats on no lattice: somewhere, of any size, with other units on each axis, through zero or far from it, smooth or rough.
+// Sheets of floats that are not on a lattice: at any position, of any size, with different units per axis, through
+// zero or far from it, smooth or rough.
 void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, int i)
 {
   double unit[3], place[3], axis[2][3];
@@ -244,10 +260,12 @@ void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint3
   for (uint32_t y = 0; y <= quadsY; y++)
     for (uint32_t x = 0; x <= quadsX; x++)
       for (int k = 0; k < 3; k++)
-        encoder.vertices[y*(quadsX + 1) + x][k] = float(unit[k]*(place[k] + x*axis[0][k] + y*axis[1][k] + 1e-3*(double(x)*x - y*x) + roughness*random.normal()));
+        encoder.vertices[y*(quadsX + 1) + x][k] = float(
+          unit[k]*
+          (place[k] + x*axis[0][k] + y*axis[1][k] + 1e-3*(double(x)*x - y*x) + roughness*random.normal()));
 }
 
-TEST(VertBlock, AnyFloatsAreTheSame)
+TEST(VertBlock, AnyFloatsRoundTrip)
 {
   Random random(seed + 3);
   auto encoder = std::make_unique<VertEncoder>();
@@ -256,34 +274,41 @@ TEST(VertBlock, AnyFloatsAreTheSame)
     const uint32_t quadsX = 1 + random.below(16), quadsY = 1 + random.below(16);
     fillWithFloats(random, *encoder, quadsX, quadsY, i);
     std::vector<std::array<float, 3>> given;
-    for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++) given.push_back({encoder->vertices[v][0], encoder->vertices[v][1], encoder->vertices[v][2]});
+    for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++)
+      given.push_back({encoder->vertices[v][0], encoder->vertices[v][1], encoder->vertices[v][2]});
     const Encoded encoded(*encoder, i % 4 == 0 ? withEdges(quadsX, quadsY) : whole(quadsX, quadsY));
     const VertHeader* const block = encoded.block();
     ASSERT_EQ(validateVert(block, encoded.size).message(), "") << "sheet " << i;
-    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u) << "more than a raw block has";
+    ASSERT_LE(encoded.size, (vertLayout(block->region, block->boxForm).rawBytes + 3) & ~3u)
+      << "larger than a raw block";
     const auto decoded = std::make_unique<DecodedBlock>(block);
     for (size_t v = 0; v < given.size(); v++)
-      for (int k = 0; k < 3; k++) ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k])) << "sheet " << i << ", vertex " << v << ", axis " << k;
+      for (int k = 0; k < 3; k++)
+        ASSERT_TRUE(sameFloat(decoded->vertices[v][k], given[v][k]))
+          << "sheet " << i << ", vertex " << v << ", axis " << k;
     raw += encoded.statistics.raw;
     withRemainders += hasRemainders(block->boxForm);
     if (encoded.statistics.raw) continue;
-    ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "bytes that nobody reads";
+    ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "unused bytes";
     sheared += shearSlope(block->boxForm, 1) != 0;
-    // boxes and bounds, in long double, of what is stored
+    // boxes and bounds of the stored vertices, in long double
     const int m = shearedAxis(block->boxForm);
     auto coordinate = [&](const float* p, int k) {
       if (k != m) return (long double)p[k];
       long double h = (long double)p[m] - block->origin[m];
-      for (int n : {1, 2}) h += shearSlope(block->boxForm, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
+      for (int n : {1, 2})
+        h += shearSlope(block->boxForm, n)/16.0L*((long double)p[(m + n) % 3] - block->origin[(m + n) % 3]);
       return h;
     };
     const VertLayout layout = vertLayout(block->region, block->boxForm);
-    const float extent = vertExtent(block->boxForm, block->reach, reachStep(block->boxForm), vertSpacing(block->word, block->corners));
+    const float extent = vertExtent(block->boxForm, block->reach, reachStep(block->boxForm),
+                                    vertSpacing(block->word, block->corners));
     for (uint32_t g = 0; g < layout.groups; g++) {
       float lower[3], upper[3];
       decoded->groupBox(g, lower, upper);
       for (int k = 0; k < 3; k++)
-        for (float plane : {lower[k], upper[k]}) ASSERT_LE(std::fabs((long double)plane - (k == m ? 0 : block->origin[k])), extent) << "sheet " << i;
+        for (float plane : {lower[k], upper[k]})
+          ASSERT_LE(std::fabs((long double)plane - (k == m ? 0 : block->origin[k])), extent) << "sheet " << i;
       const uint32_t x0 = groupQuads*(g % layout.groupsX), y0 = groupQuads*(g/layout.groupsX);
       for (uint32_t y = y0; y <= std::min(y0 + groupQuads, quadsY); y++)
         for (uint32_t x = x0; x <= std::min(x0 + groupQuads, quadsX); x++)
@@ -291,9 +316,12 @@ TEST(VertBlock, AnyFloatsAreTheSame)
             ASSERT_LE(std::fabs((long double)decoded->vertex(x, y)[k] - block->origin[k]), extent) << "sheet " << i;
             const long double c = coordinate(decoded->vertex(x, y), k);
             ASSERT_TRUE(lower[k] <= c && c <= upper[k]) << "sheet " << i << ", group " << g << ", axis " << k;
-            const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm), from = k == m ? c : c - block->origin[k];
+            const long double step = (long double)spacingOf(block, k)*reachStep(block->boxForm),
+                              from = k == m ? c : c - block->origin[k];
             const int of = k == m ? 3 : (k - m + 2) % 3;
-            ASSERT_TRUE((k == m ? step*reachOf(block->reach, 2) : 0) <= from && from <= step*reachOf(block->reach, of)) << "sheet " << i << ", axis " << k;
+            ASSERT_TRUE((k == m ? step*reachOf(block->reach, 2) : 0) <= from &&
+                        from <= step*reachOf(block->reach, of))
+              << "sheet " << i << ", axis " << k;
           }
     }
   }
@@ -302,15 +330,17 @@ TEST(VertBlock, AnyFloatsAreTheSame)
   EXPECT_GT(sheared, 500u);
 }
 
-TEST(VertBlock, ASheetOfFloatsTakesFewerBytesThanFloats)
+TEST(VertBlock, SheetOfFloatsIsSmallerThanFloats)
 {
   Random random(seed + 4);
   auto encoder = std::make_unique<VertEncoder>();
-  // heights with all bits over a plane whose vertices are whole numbers, far away: as a terrain has them
+  // heights that use all bits, over a plane whose vertices are integers far from the origin, as in terrains
   for (uint32_t y = 0; y <= 16; y++)
     for (uint32_t x = 0; x <= 16; x++) {
       float* v = encoder->vertices[17*y + x];
-      v[0] = float(2700000 + 2*x); v[1] = float(1180000 + 2*y); v[2] = float(431.7 + 0.4*x - 0.1*y + 0.01*random.normal());
+      v[0] = float(2700000 + 2*x);
+      v[1] = float(1180000 + 2*y);
+      v[2] = float(431.7 + 0.4*x - 0.1*y + 0.01*random.normal());
     }
   const Encoded encoded(*encoder, whole(16, 16));
   EXPECT_LT(encoded.size, 256*2.6);
@@ -319,12 +349,13 @@ TEST(VertBlock, ASheetOfFloatsTakesFewerBytesThanFloats)
   EXPECT_LE(spacingOf(block, 2), std::ldexp(1.0f, -9));
 }
 
-TEST(VertBlock, AStrayVertexIsRawAlone)
+TEST(VertBlock, OnlyTheBlockOfAStrayVertexIsRaw)
 {
   auto encoder = std::make_unique<VertEncoder>();
   for (float stray : {1e6f, 1e12f, 1e18f}) {
     for (int v = 0; v < 17*17; v++)
-      for (int k = 0; k < 3; k++) encoder->vertices[v][k] = float((k == 0 ? v % 17 : k == 1 ? v/17 : (v*v) % 7) + 0.1*k)*0.01f;
+      for (int k = 0; k < 3; k++)
+        encoder->vertices[v][k] = float((k == 0 ? v % 17 : k == 1 ? v/17 : (v*v) % 7) + 0.1*k)*0.01f;
     encoder->vertices[100][1] = stray;
     const float beside = encoder->vertices[101][1];
     const Encoded encoded(*encoder, whole(16, 16));
@@ -350,7 +381,7 @@ TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
   }
 }
 
-TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
+TEST(VertBlock, EncoderWritesAnnotatedBlock)
 {
   const std::vector<int> annotated = annotatedBytes(FORMATS "/block_example.md");
   auto encoder = std::make_unique<VertEncoder>();
@@ -366,7 +397,7 @@ TEST(VertBlock, TheAnnotatedBlockIsWhatTheEncoderWrites)
   EXPECT_EQ(std::vector<int>(encoded.bytes, encoded.bytes + encoded.size), annotated);
 }
 
-TEST(VertCell, FieldsOfVerticesAreAllButTheCorners)
+TEST(VertCell, AllVerticesExceptForCornersHaveFields)
 {
   std::vector<int> seen(cellFields, 0);
   for (int j = 0; j < 5; j++)
@@ -394,14 +425,15 @@ TEST(VertCell, PredictionsAreBilinearAndInterpolateCorners)
   }
 }
 
-TEST(VertCell, SlopesAreSixteenthsRoundedToTheNearest)
+TEST(VertCell, SlopesAreRoundedToSixteenths)
 {
   for (int slope = -maxSlope; slope <= maxSlope; slope++)
-    for (int main = -300; main <= 300; main++) EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
+    for (int main = -300; main <= 300; main++)
+      EXPECT_EQ(slopeResidual(slope, main), int(std::floor(slope*main/16.0 + 0.5)));
 }
 
-// The spacing asked for or a finer one, wherever.
-TEST(WorldLattice, ExponentsAreThoseAskedFor)
+// The requested spacing or a finer one, at any position.
+TEST(WorldLattice, ExponentsMatchRequestedSpacing)
 {
   EXPECT_EQ(latticeExponent(0.25), -2);
   EXPECT_EQ(latticeExponent(0.3), -2);
@@ -410,8 +442,8 @@ TEST(WorldLattice, ExponentsAreThoseAskedFor)
   EXPECT_EQ(latticeExponent(1e38), maxLatticeExponent);
 }
 
-// In long double, whose multiples of the spacing are exact.
-TEST(WorldLattice, MovesByHalfASpacingAtMostWhereverAVertexIs)
+// Computed in long double, which represents multiples of the spacing exactly.
+TEST(WorldLattice, VerticesMoveByAtMostHalfASpacing)
 {
   Random random(seed + 6);
   for (int i = 0; i < 200000; i++) {
@@ -428,13 +460,13 @@ TEST(WorldLattice, MovesByHalfASpacingAtMostWhereverAVertexIs)
   }
 }
 
-TEST(WorldLattice, ExactVerticesStay)
+TEST(WorldLattice, ExactVerticesDoNotMove)
 {
   for (float x : {0.1f, 1e-30f, -3e-38f, 1e30f, INFINITY}) EXPECT_EQ(WorldLattice(exactLattice).snap(x), x);
 }
 
-// As stitch() of upstream's tessellation.h, whose vertices GRID's are.
-TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
+// The same as stitch() of upstream's tessellation.h, which determines GRID's vertices.
+TEST(VertParameters, StitchedVerticesMatchEmbree)
 {
   for (uint32_t quads = 1; quads <= 256; quads += quads < 20 ? 1 : 17)
     for (uint32_t rate = 1; rate <= quads; rate++) {
@@ -448,11 +480,12 @@ TEST(VertParameters, StitchedVerticesAreThoseOfEmbree)
     }
 }
 
-TEST(VertHeader, FieldsOfPlaceAndEdgesAreApart)
+TEST(VertHeader, FieldsOfPlaceAndEdgesDoNotOverlap)
 {
   Random random(seed + 5);
   for (int n = 0; n < 1000; n++) {
-    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096), y = 16*random.below(4096), u = random.below(16), v = random.below(16);
+    const uint32_t w = 1 + random.below(16), h = 1 + random.below(16), x = 16*random.below(4096),
+                   y = 16*random.below(4096), u = random.below(16), v = random.below(16);
     const uint32_t region = vertRegion(w, h, x, y);
     EXPECT_EQ(vertQuadsX(region), w); EXPECT_EQ(vertQuadsY(region), h);
     EXPECT_EQ(vertX(region), x); EXPECT_EQ(vertY(region), y);

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The tables of the pages about cVERT blocks against the code: constants, offsets of fields, and bits of words. A table of
- * constants is generated here and found in its page as it stands. vert_block.cpp has the block that block_example.md shows. */
+/* Compares the tables of the pages about cVERT blocks with the code: constants, offsets of fields, and bits of words.
+ * Tables of constants are generated here and must occur literally on the page. vert_block.cpp tests the block of
+ * block_example.md. */
 
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/cbvh/framed/block.h"
@@ -48,55 +49,67 @@ struct Constant
   double value;
 };
 
-// That the page has a table of just these constants.
+// Expects that the page has a table of exactly these constants.
 void expectConstants(const std::string& name, const std::vector<Constant>& constants)
 {
   std::ostringstream table;
   table << "| constant | value |\n|:--|--:|\n";
   for (const Constant& constant : constants) table << "| " << constant.name << " | " << constant.value << " |\n";
-  EXPECT_NE(page(name).find("-->\n\n" + table.str() + "\n"), std::string::npos) << name << " has to have\n" << table.str();
+  EXPECT_NE(page(name).find("-->\n\n" + table.str() + "\n"), std::string::npos) << name << " must contain\n"
+                                                                                << table.str();
 }
 
-TEST(VertFormat, ConstantsAreThoseOfTheCode)
+TEST(VertFormat, ConstantsMatchPages)
 {
   const double side = 1u << maxVertHeight;
   EXPECT_EQ(maxVertGroups, (side/groupQuads)*(side/groupQuads));
   EXPECT_EQ(double(vertBlockQuads), side);
   EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
-  expectConstants("block.md", {
-    {"format version, `vertFormatVersion`", vertFormatVersion}, {"alignment of a block, bytes", blockAlignment},
-    {"bytes after a block that decoders may read", readBehindVert}, {"type of a block in the tree", VERT_BLOCK},
-    {"type of a moving block in the tree", MOVING_VERT_BLOCK}, {"quads along a side of a block, at most", side},
-    {"quads along a side of a group, at most", groupQuads}, {"bytes of the header", vertHeaderBytes},
-    {"bytes of edges or numbers", vertEdgesBytes}, {"bytes of the remainders' word", vertRemaindersBytes},
-    {"bits of a remainder along an axis, at most", maxRemainderBits}, {"bits of a coordinate", std::log2(double(maxExtent))},
-    {"bits of a field, above which it is stored in three parts", maxFieldBits}});
+  expectConstants("block.md", {{"format version, `vertFormatVersion`", vertFormatVersion},
+                               {"alignment of a block, bytes", blockAlignment},
+                               {"bytes after a block that decoders may read", readBehindVert},
+                               {"type of a block in the tree", VERT_BLOCK},
+                               {"type of a moving block in the tree", MOVING_VERT_BLOCK},
+                               {"quads along a side of a block, at most", side},
+                               {"quads along a side of a group, at most", groupQuads},
+                               {"bytes of the header", vertHeaderBytes},
+                               {"bytes of edges or numbers", vertEdgesBytes},
+                               {"bytes of the remainders' word", vertRemaindersBytes},
+                               {"bits of a remainder along an axis, at most", maxRemainderBits},
+                               {"bits of a coordinate", std::log2(double(maxExtent))},
+                               {"bits of a field, above which it is stored in three parts", maxFieldBits}});
   expectConstants("motion.md", {
     {"bytes of the motion section", vertMotionBytes}, {"bytes of the header of a step", vertStepBytes},
     {"time steps, at most", maxTimeSteps}});
-  // The least speed along the normal of the triangle (0,0,0), (1,0,0), (0,1,0), by the sum of |n[i] dir[i]|, which is 3.
+  // The smallest speed along the normal of the triangle (0,0,0), (1,0,0), (0,1,0), relative to the sum of |n[i]
+  // dir[i]|, which is 3.
   const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
   const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
   const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
   EXPECT_EQ(at.speed, 3);
-  expectConstants("rays.md", {
-    {"ulps by which boxes are widened, `slackUlps`", slackUlps}, {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
-    {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
-    {"median edge / default spacing", 1/spacingOfEdge}, {"the same of grids of an application", 1/spacingOfGridEdge}, {"the same of quads and triangles", 1/spacingOfMeshEdge}, {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
-    {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal}, {"quads along u or v, below which the default spacing shrinks", fullQuads}});
+  expectConstants("rays.md", {{"ulps by which boxes are widened, `slackUlps`", slackUlps},
+                              {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
+                              {"a plane contains the ray up to this part of the sum, `minCosine`", at.least/3},
+                              {"median edge / default spacing", 1/spacingOfEdge},
+                              {"median edge / default spacing, grids of an application", 1/spacingOfGridEdge},
+                              {"median edge / default spacing, quads and triangles", 1/spacingOfMeshEdge},
+                              {"median edge / spacing that the diagonal asks for, at most", 1/finestOfEdge},
+                              {"diagonal / spacing that the diagonal asks for", 1/spacingOfDiagonal},
+                              {"quads along u or v, below which the default spacing shrinks", fullQuads}});
 }
 
-// The rule that accuracy.md describes, for a median edge of 1. The numbers are those of the table of rays.md.
-TEST(VertFormat, TheDefaultSpacingIsThatOfThePage)
+// The rule in accuracy.md for a median edge of 1. The numbers are those of the table in rays.md.
+TEST(VertFormat, DefaultSpacingMatchesPage)
 {
   const double ofEdge = spacingOfEdge, least = finestOfEdge, ofDiagonal = spacingOfDiagonal;
   const unsigned full = fullQuads;
   for (unsigned quads = 1; quads < full; quads++)
-    for (double size : {0.0, 1e9}) EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";
+    for (double size : {0.0, 1e9})
+      EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, size), ofEdge*quads/full) << quads << " quads";
   for (unsigned quads : {full, 100u}) {
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 1e9), ofEdge);
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, 0), least);
-    const double between = 0.5*(ofEdge + least); // the diagonal's
+    const double between = 0.5*(ofEdge + least); // determined by the diagonal
     EXPECT_DOUBLE_EQ(defaultSpacing(1, quads, between/ofDiagonal), between);
   }
 }
@@ -110,18 +123,21 @@ struct Row
 // Rows "| offset | type | `field` | meaning |" of a section.
 std::vector<Row> rowsOf(const std::string& name, const std::string& heading)
 {
-  const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4}, {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8}, {"uint32[2]", 8}};
+  const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4},
+                                                 {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8},
+                                                 {"uint32[2]", 8}};
   const std::string all = page(name);
   const size_t begin = all.find("\n## " + heading + "\n"), end = all.find("\n## ", begin + 1);
   EXPECT_NE(begin, std::string::npos) << heading;
   const std::string part = all.substr(begin, end - begin);
   const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
   std::vector<Row> rows;
-  for (std::sregex_iterator i(part.begin(), part.end(), row), last; i != last; ++i) rows.push_back({size_t(std::stoul((*i)[1])), bytesOf.at((*i)[2]), (*i)[3]});
+  for (std::sregex_iterator i(part.begin(), part.end(), row), last; i != last; ++i)
+    rows.push_back({size_t(std::stoul((*i)[1])), bytesOf.at((*i)[2]), (*i)[3]});
   return rows;
 }
 
-// That rows have the fields at these offsets, one behind the other, and end there.
+// Expects that rows have the fields at these offsets, consecutively, up to the end.
 void expectRows(const std::vector<Row>& rows, const std::map<std::string, size_t>& offsetOf, size_t begin, size_t size)
 {
   size_t end = begin;
@@ -160,37 +176,51 @@ std::vector<Bits> bitsOf(const std::string& name, const std::string& word)
 
 uint32_t onesOf(const Bits& bits) { return bits.count == 32 ? ~0u : (1u << bits.count) - 1; }
 
-// Each field in the bits that its row names: wordOf(field, ones) has the value of all ones there, other fields none.
+// Expects each field in the bits of its row: wordOf(field, ones) has all ones there, and zeros in the bits of other
+// fields.
 void expectFields(const std::vector<Bits>& bits, const std::function<uint32_t(size_t field, uint32_t ones)>& wordOf)
 {
   for (size_t field = 0; field < bits.size(); field++)
     EXPECT_EQ(wordOf(field, onesOf(bits[field])), onesOf(bits[field]) << bits[field].first) << "field " << field;
 }
 
-// Each row with just one bit is what a question is asked about.
+// Expects that a function tests the single bit of a row.
 void expectFlag(const Bits& bits, bool (*isSet)(uint32_t))
 {
   EXPECT_EQ(bits.count, 1u);
   EXPECT_TRUE(isSet(1u << bits.first) && !isSet(~(1u << bits.first))) << "bit " << bits.first;
 }
 
-TEST(VertFormat, TheHeaderIsThatOfThePage)
+TEST(VertFormat, HeaderMatchesPage)
 {
-  expectRows(rowsOf("block.md", "Header"), {
-    {"origin", offsetof(VertHeader, origin)}, {"reach", offsetof(VertHeader, reach)}, {"surface", offsetof(VertHeader, surface)},
-    {"primID", offsetof(VertHeader, primID)}, {"region", offsetof(VertHeader, region)}, {"patchQuads", offsetof(VertHeader, patchQuads)},
-    {"corners", offsetof(VertHeader, corners)}, {"boxForm", offsetof(VertHeader, boxForm)}, {"word", offsetof(VertHeader, word)}}, 0, vertHeaderBytes);
-  expectRows(rowsOf("block.md", "Edges"), {{"edges", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
-  expectRows(rowsOf("mesh_numbers.md", "When does a block have numbers?"), {{"numbers", vertHeaderBytes}}, vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
+  expectRows(rowsOf("block.md", "Header"),
+             {{"origin", offsetof(VertHeader, origin)},
+              {"reach", offsetof(VertHeader, reach)},
+              {"surface", offsetof(VertHeader, surface)},
+              {"primID", offsetof(VertHeader, primID)},
+              {"region", offsetof(VertHeader, region)},
+              {"patchQuads", offsetof(VertHeader, patchQuads)},
+              {"corners", offsetof(VertHeader, corners)},
+              {"boxForm", offsetof(VertHeader, boxForm)},
+              {"word", offsetof(VertHeader, word)}},
+             0, vertHeaderBytes);
+  expectRows(rowsOf("block.md", "Edges"), {{"edges", vertHeaderBytes}}, vertHeaderBytes,
+             vertHeaderBytes + vertEdgesBytes);
+  expectRows(rowsOf("mesh_numbers.md", "When does a block have numbers?"), {{"numbers", vertHeaderBytes}},
+             vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
 }
 
-TEST(VertFormat, FieldsAreWhereThePageSays)
+TEST(VertFormat, FieldsMatchPages)
 {
   expectFields(bitsOf("block.md", "`region`"), [](size_t field, uint32_t ones) {
-    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads, (field == 3)*ones*vertBlockQuads);
+    return vertRegion(1 + (field == 0)*ones, 1 + (field == 1)*ones, (field == 2)*ones*vertBlockQuads,
+                      (field == 3)*ones*vertBlockQuads);
   });
-  expectFields(bitsOf("block.md", "`patchQuads`"), [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
-  expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) { return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low; });
+  expectFields(bitsOf("block.md", "`patchQuads`"),
+               [](size_t field, uint32_t ones) { return vertPatch(1 + (field == 0)*ones, 1 + (field == 1)*ones); });
+  expectFields(bitsOf("block.md", "`edges`"), [](size_t field, uint32_t ones) {
+    return vertEdges(1 + (field == 0)*ones, 1, 1, 1, (field == 1)*ones, 0).low;
+  });
   const std::vector<Bits> form = bitsOf("block.md", "`boxForm`");
   ASSERT_EQ(form.size(), 11u);
   for (int k = 0; k < 3; k++) EXPECT_EQ(marginShift(5u << form[size_t(k)].first, k), 5u);
@@ -207,7 +237,7 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   const uint32_t none[6] = {};
   EXPECT_EQ(vertSpacing(127u << word[1].first, none).at[0], 1.0f);
   EXPECT_EQ(vertSpacing(130u << word[1].first | onesOf(word[0]), none).at[0], 8.0f);
-  // exponents on y and z, the version, and what is reserved, a bit in each value of corners
+  // exponents on y and z, the version, and reserved bits are distributed over the values of corners
   const std::vector<Bits> value = bitsOf("block.md", "value i");
   ASSERT_EQ(value.size(), 3u);
   for (uint32_t i = 0; i < 12; i++) {
@@ -219,7 +249,9 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
     auto spacing = [&](int k) { return bitsOfFloat(vertSpacing(0, corners).at[k]); };
     set(0);
     EXPECT_EQ(cornerCoordinate(corners[cornerPair(int(i/3), int(i % 3))], int(i/3), int(i % 3)), int(onesOf(value[0])));
-    EXPECT_EQ(spacing(1) | spacing(2) | versionOfCorners(corners[4], corners[5]) | reservedOfCorners(corners[4], corners[5]), 0u);
+    EXPECT_EQ(spacing(1) | spacing(2) | versionOfCorners(corners[4], corners[5]) |
+                reservedOfCorners(corners[4], corners[5]),
+              0u);
     set(1);
     EXPECT_EQ(spacing(2), i < 8 ? 1u << (23 + i) : 0u);
     EXPECT_EQ(spacing(1), 0u);
@@ -241,13 +273,24 @@ TEST(VertFormat, FieldsAreWhereThePageSays)
   for (int i = 0; i < 2; i++) EXPECT_EQ(cellSlope(uint32_t(-7 & 31) << cell[size_t(4 + i)].first, 1 + i), -7) << i;
 }
 
-TEST(VertFormat, MotionIsThatOfThePage)
+TEST(VertFormat, MotionMatchesPage)
 {
-  expectRows(rowsOf("motion.md", "The motion section"), {
-    {"begin", offsetof(VertMotion, begin)}, {"end", offsetof(VertMotion, end)}, {"numSteps", offsetof(VertMotion, numSteps)}, {"steps", offsetof(VertMotion, steps)}}, 0, vertMotionBytes);
-  expectRows(rowsOf("motion.md", "A later step"), {
-    {"origin", offsetof(VertStep, origin)}, {"boxForm", offsetof(VertStep, boxForm)}, {"word", offsetof(VertStep, word)}, {"corners", offsetof(VertStep, corners)},
-    {"turned", offsetof(VertStep, turned)}, {"turn", offsetof(VertStep, turn)}, {"reach", offsetof(VertStep, reach)}, {"endReach", offsetof(VertStep, endReach)}}, 0, vertStepBytes);
+  expectRows(rowsOf("motion.md", "The motion section"),
+             {{"begin", offsetof(VertMotion, begin)},
+              {"end", offsetof(VertMotion, end)},
+              {"numSteps", offsetof(VertMotion, numSteps)},
+              {"steps", offsetof(VertMotion, steps)}},
+             0, vertMotionBytes);
+  expectRows(rowsOf("motion.md", "A later step"),
+             {{"origin", offsetof(VertStep, origin)},
+              {"boxForm", offsetof(VertStep, boxForm)},
+              {"word", offsetof(VertStep, word)},
+              {"corners", offsetof(VertStep, corners)},
+              {"turned", offsetof(VertStep, turned)},
+              {"turn", offsetof(VertStep, turn)},
+              {"reach", offsetof(VertStep, reach)},
+              {"endReach", offsetof(VertStep, endReach)}},
+             0, vertStepBytes);
   const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
   ASSERT_EQ(form.size(), 6u);
   expectFlag(form[1], hasRemainders);
@@ -270,7 +313,8 @@ TEST(VertFormat, MotionIsThatOfThePage)
   for (uint32_t q = 0; q <= 6; q++)
     for (int x = -50; x <= 50; x++) {
       const double sum = 91.0*x - 17*3.0 + 5*x*x;
-      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)), std::floor((sum + std::exp2(6.0 - q))/std::exp2(7.0 - q)));
+      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)),
+                std::floor((sum + std::exp2(6.0 - q))/std::exp2(7.0 - q)));
     }
   VertMotion motion = {0.25f, 0.75f, 5, 0};
   EXPECT_TRUE(isThere(motion, 0.25f) && isThere(motion, 0.75f) && !isThere(motion, 0.2f) && !isThere(motion, 0.8f));
@@ -280,7 +324,7 @@ TEST(VertFormat, MotionIsThatOfThePage)
   EXPECT_EQ(timeInMotion(motion, 0.4375f).fraction, 0.5f);
 }
 
-TEST(VertFormat, NumbersAreThoseOfThePage)
+TEST(VertFormat, NumbersMatchPage)
 {
   const std::vector<Bits> form = bitsOf("mesh_numbers.md", "the form");
   ASSERT_EQ(form.size(), 8u);
@@ -301,7 +345,7 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
   EXPECT_EQ(patternNumber(numbersRecursive | 0xFFu << 8, bytes, 5, 8), 0xFFu ^ 0x01u ^ 0x10u ^ 0xC0u);
   EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles, bytes, 2, 1), 2*(0x04u ^ 0x03u));
   EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles | numbersOfHalves, bytes, 2, 1), 0x04u ^ 0x03u);
-  // table: bits of it
+  // table: its bits
   alignas(16) uint8_t block[256] = {};
   VertHeader& header = *(VertHeader*)block;
   header.primID = 1000;
@@ -315,7 +359,7 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
     if ((1234u >> b) & 1) block[128 + (bit + b)/8] |= uint8_t(1u << ((bit + b) % 8));
   EXPECT_EQ(numberOfQuad(&header, 2, 1), 2234u);
   EXPECT_EQ(numberOfQuad(&header, 1, 1), 1000u);
-  EXPECT_EQ(numberOfQuad(&header, 3, 15), 2234u) << "the last quad's, of one outside";
+  EXPECT_EQ(numberOfQuad(&header, 3, 15), 2234u) << "quads outside have the number of the last quad";
 
   // (w1,w2), (w2,w0) or (w0,w1)
   const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b}, second[] = {1 - (1 - a) - (1 - b), 1 - a, 1 - b};
@@ -327,7 +371,7 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
     EXPECT_EQ(q.u, w[(1 + turn) % 3]);
     EXPECT_EQ(q.v, w[(2 + turn) % 3]);
   }
-  EXPECT_LT(second[0], 0) << "outside of the second triangle w0 is cut off at 0";
+  EXPECT_LT(second[0], 0) << "outside of the second triangle w0 is clamped to 0";
   EXPECT_EQ(ownParameters(numbersOfTriangles | formOfTurns(0, 2), true, a, b).u, 0);
   const OwnParameters own = ownParameters(0, true, a, b);
   EXPECT_EQ(own.u, a);
@@ -350,7 +394,7 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1011u);
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 911u);
 
-  // a table of triangles: entries of 7 bits, of which 2 are the turn
+  // a table of triangles: entries of 7 bits; 2 of them are the turn
   std::memset(block + 128, 0, 128);
   const VertNumbers ofTriangles = {128, 7};
   std::memcpy(&header + 1, &ofTriangles, sizeof(ofTriangles));
@@ -363,8 +407,8 @@ TEST(VertFormat, NumbersAreThoseOfThePage)
   EXPECT_EQ(turnOfTriangle(primitiveOfQuad(&header, 2, 1, true).form, true), 2u);
 }
 
-// What the encoder writes of numbers in any order is read back.
-TEST(VertFormat, NumbersOfTrianglesAreReadBack)
+// Numbers in any order must be the same after encoding and decoding.
+TEST(VertFormat, NumbersOfTrianglesRoundTrip)
 {
   struct Quad { uint32_t first, second, turns; };
   struct Case { const char* name; uint32_t pattern; bool hasHalves; std::function<Quad(uint32_t)> quad; };

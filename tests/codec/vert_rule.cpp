@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cVERT's ray rule by itself: what a device without 64-bit floats computes equals what doubles do, and of any two hits one
- * counts. */
+/* cVERT's intersection rule: the arithmetic for devices without 64-bit floats gives the same results as double
+ * precision, and of any two hits exactly one precedes the other. */
 
 #include "kernels/cvert/rule/rule.h"
 #include "support/random.h"
@@ -18,7 +18,7 @@ namespace {
 
 using namespace cvert;
 
-// Any finite float; every third is like another one, so that products are nearly or exactly equal.
+// A random finite float. Every third is similar to another one, so that products are nearly or exactly equal.
 float drawn(Random& random, float like)
 {
   switch (random.below(6)) {
@@ -26,12 +26,12 @@ float drawn(Random& random, float like)
   case 1: return std::nextafter(like, random.chance(0.5) ? INFINITY : -INFINITY);
   case 2: return -like;
   case 3: return float(int(random.below(9)) - 4);
-  case 4: return std::ldexp(float(random.uniform(-1, 1)), int(random.below(250)) - 149); // subnormals, too
+  case 4: return std::ldexp(float(random.uniform(-1, 1)), int(random.below(250)) - 149); // includes denormals
   default: return float(random.uniform(-1, 1));
   }
 }
 
-TEST(VertRule, SignsInIntegersAreThoseOfDoubles)
+TEST(VertRule, IntegerSignsMatchDoubles)
 {
   Random random(101);
   std::array<size_t, 3> found = {};
@@ -49,9 +49,9 @@ TEST(VertRule, SignsInIntegersAreThoseOfDoubles)
   for (size_t n : found) EXPECT_GT(n, 100000u);
 }
 
-// Points of a grid of integers: whatever is on an edge is in the triangles of both of its sides, and whatever is
-// inside is in one. Judged by integers.
-TEST(VertRule, ContainmentCountsEdgesForBothSides)
+// Points of an integer grid: a point on an edge is inside both adjacent triangles, and an inner point is in exactly
+// one. Computed with integers.
+TEST(VertRule, EdgesBelongToBothTriangles)
 {
   Random random(102);
   size_t inside = 0, onEdges = 0, lines = 0;
@@ -64,7 +64,7 @@ TEST(VertRule, ContainmentCountsEdgesForBothSides)
     const int least = *std::min_element(s, s + 3), greatest = *std::max_element(s, s + 3);
     const bool expected = (least >= 0 && greatest > 0) || (least < 0 && greatest <= 0);
     ASSERT_EQ(contains(p[0][0], p[0][1], p[1][0], p[1][1], p[2][0], p[2][1]), expected);
-    ASSERT_EQ(contains(p[0][0], p[0][1], p[2][0], p[2][1], p[1][0], p[1][1]), expected) << "the other way round";
+    ASSERT_EQ(contains(p[0][0], p[0][1], p[2][0], p[2][1], p[1][0], p[1][1]), expected) << "reversed";
     inside += least > 0 || greatest < 0;
     onEdges += expected && least <= 0 && greatest >= 0;
     lines += least == 0 && greatest == 0;
@@ -76,22 +76,22 @@ TEST(VertRule, ContainmentCountsEdgesForBothSides)
   EXPECT_FALSE(contains(-1, -1, INFINITY, 0, 0, 1));
 }
 
-// Nearly along its plane a ray meets a triangle where the plane is, as long as that is within the triangle: here, in
-// doubles that are exact, 1/1024 after it began or before.
-TEST(VertRule, ADistanceWithinTheTriangleIsThePlanes)
+// A ray that is nearly parallel to the plane hits a triangle where it hits the plane, if that is within the
+// triangle's span: here 1/1024 after or before its start, with exact doubles.
+TEST(VertRule, DistanceWithinTheSpanIsThePlanes)
 {
   for (double tilt : {1.0, 1e-3, 1e-6, 1e-7, 1e-9, 1e-12})
     for (double start : {-1.0/1024, 1.0/1024}) {
       WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}}; // in the plane z = 0
-      // along x, through (1,0,0) after `start`
+      // along x, through (1,0,0) at distance `start`
       const double org[3] = {1 - start, 0, -tilt*start}, dir[3] = {1, 0, tilt};
       const auto span = spanOf(triangle.at[0][0], triangle.at[0][1], triangle.at[0][2], org[0], dir[0]);
       EXPECT_NEAR(distanceOfHit(triangle, normalOf(triangle), span, org, dir, 0.0), start, 1e-9) << tilt;
     }
 }
 
-// In the plane it hits where it is near the longest edge, but not before it begins, as long as the triangle is not behind it.
-TEST(VertRule, ARayInThePlaneHitsWhereItIs)
+// A ray in the plane hits near the longest edge, but not before its start, unless the triangle is behind the start.
+TEST(VertRule, RayInThePlaneHitsNearTheLongestEdge)
 {
   const WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}};
   for (double x : {-3.0, 0.5, 2.0, 3.5, 5.0}) {
@@ -107,19 +107,19 @@ TEST(VertRule, ARayInThePlaneHitsWhereItIs)
   }
 }
 
-// The ends of a triangle's span belong to it: the plane's distance counts there, and a ray that begins there hits.
-TEST(VertRule, TheEndsOfASpanAreWithinTheTriangle)
+// The ends of a triangle's span are inclusive: the plane's distance is valid there, and rays that start there hit.
+TEST(VertRule, EndsOfTheSpanAreInclusive)
 {
   const TriangleSpan<double> span = {1, 5};
   for (double t : {1.0, 5.0}) EXPECT_TRUE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
   for (double t : {0.999, 5.001}) EXPECT_FALSE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
 
   const WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}};
-  const double org[3] = {-1, -0.5, 0}, dir[3] = {1, 0, 0}; // in its plane; nearest to its longest edge at 3
+  const double org[3] = {-1, -0.5, 0}, dir[3] = {1, 0, 0}; // in its plane; closest to its longest edge at 3
   EXPECT_EQ(distanceOfHit(triangle, normalOf(triangle), span, org, dir, 5.0), 5.0);
 }
 
-TEST(VertRule, ATriangleWithAVertexThatIsNotFiniteContainsNothing)
+TEST(VertRule, TriangleWithNonFiniteVertexContainsNothing)
 {
   for (float odd : {INFINITY, -INFINITY, NAN})
     for (int i = 0; i < 6; i++) {
@@ -130,9 +130,9 @@ TEST(VertRule, ATriangleWithAVertexThatIsNotFiniteContainsNothing)
     }
 }
 
-// Parameters at edges of lower rates: barycentrics of the vertices' own, which are those of GRID: vertex i of n quads has that of
-// vertex floor((i + 1/2) rate / n) of the edge.
-TEST(VertRule, ParametersAtLowerEdgesAreInterpolatedFromTheVertices)
+// Parameters at edges of lower rates are interpolated from those of the vertices, which match GRID's: vertex i of n
+// quads has the parameter of vertex floor((i + 1/2) rate / n) of the edge.
+TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
 {
   const uint32_t quads[2] = {7, 5}, rates[4] = {3, 2, 7, 4}; // v = 0, u = 1, v = 1, u = 0
   const VertEdges edges = vertEdges(rates[0], rates[1], rates[2], rates[3], 1, 0);
@@ -152,19 +152,21 @@ TEST(VertRule, ParametersAtLowerEdgesAreInterpolatedFromTheVertices)
             a += weight[k]*(corners[k] & 1);
             b += weight[k]*(corners[k] >> 1);
           }
-          const FaceParameters found = parametersAtLowerEdge(vertPatch(quads[0], quads[1]), edges, x, y, isSecond, float(a), float(b));
+          const FaceParameters found = parametersAtLowerEdge(vertPatch(quads[0], quads[1]), edges, x, y, isSecond,
+                                                             float(a), float(b));
           EXPECT_NEAR(found.u, u, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
           EXPECT_NEAR(found.v, v, 1e-6) << x << " " << y << " " << isSecond << " " << a << " " << b;
         }
 }
 
-TEST(VertRule, OfTwoTrianglesOneComesBefore)
+TEST(VertRule, OrderOfTwoTrianglesIsTotal)
 {
   Random random(103);
   const auto draw = [&] { return TriangleName{random.below(2), random.below(2), random.below(2), random.below(3)}; };
   for (int n = 0; n < 10000; n++) {
     const TriangleName a = draw(), b = draw(), c = draw();
-    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.region == b.region && a.triangle == b.triangle;
+    const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.region == b.region &&
+                        a.triangle == b.triangle;
     EXPECT_EQ(comesBefore(a, b) + comesBefore(b, a), isSame ? 0 : 1);
     if (comesBefore(a, b) && comesBefore(b, c)) { EXPECT_TRUE(comesBefore(a, c)); }
     if (a.geomID < b.geomID) { EXPECT_TRUE(comesBefore(a, b)); }

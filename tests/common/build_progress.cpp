@@ -30,7 +30,7 @@ protected:
   }
 };
 
-TEST_P(BuildProgress, IsToldWhileItGoesOn)
+TEST_P(BuildProgress, IsReportedDuringTheBuild)
 {
   std::vector<double> all, within;
   std::string first;
@@ -47,7 +47,7 @@ TEST_P(BuildProgress, IsToldWhileItGoesOn)
   EXPECT_GE(within.size(), 4u) << first;
 }
 
-TEST_P(BuildProgress, StopsWhenThatIsRequestedAndCanBeStartedAgain)
+TEST_P(BuildProgress, BuildStopsOnRequestAndCanBeRepeated)
 {
   setPhaseListener([&](const std::string&, double fraction) {
     if (fraction > 0.0)
@@ -59,7 +59,9 @@ TEST_P(BuildProgress, StopsWhenThatIsRequestedAndCanBeStartedAgain)
   EXPECT_NO_THROW(build());
 }
 
-INSTANTIATE_TEST_SUITE_P(, BuildProgress, testing::Values(RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CVert),
+INSTANTIATE_TEST_SUITE_P(, BuildProgress,
+                         testing::Values(RepresentationKind::Naive, RepresentationKind::Grid,
+                                         RepresentationKind::CVert),
                          [](const auto& info) { return Representation{info.param}.fileStem(); });
 
 } // namespace

@@ -12,7 +12,7 @@
 namespace cbvh::test {
 namespace {
 
-/* Sets a variable of the environment, or takes it away, until the end of a test. */
+/* Sets or unsets an environment variable until the end of a test. */
 class Variable
 {
 public:
@@ -37,13 +37,13 @@ private:
   std::optional<std::string> before;
 };
 
-TEST(CacheFolder, IsWhereTheEnvironmentSays)
+TEST(CacheFolder, IsNamedByTheEnvironment)
 {
   const Variable cache("XDG_CACHE_HOME", "/some/caches"), home("HOME", "/home/user");
   EXPECT_EQ(userCacheFolder(), "/some/caches/embree-cbvh");
 }
 
-TEST(CacheFolder, IsAtHomeWithoutAnAbsolutePathInTheEnvironment)
+TEST(CacheFolder, IsInHomeWithoutAnAbsolutePathInTheEnvironment)
 {
   const Variable home("HOME", "/home/user");
   for (const std::optional<std::string>& value : std::vector<std::optional<std::string>>{std::nullopt, "", "caches"})
@@ -53,7 +53,7 @@ TEST(CacheFolder, IsAtHomeWithoutAnAbsolutePathInTheEnvironment)
   }
 }
 
-TEST(CacheFolder, ThatIsNowhereIsAnError)
+TEST(CacheFolder, MissingFolderIsAnError)
 {
   const Variable cache("XDG_CACHE_HOME", std::nullopt), home("HOME", std::nullopt);
   EXPECT_THROW(userCacheFolder(), Error);

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What the `t` tags of an OBJ do to the surface that is traced, in stock GRID and in a
- * compressed representation. */
+/* Effects of the `t` tags of an OBJ on the traced surface, in stock GRID and in a compressed representation. */
 
 #include "building/built_scene.h"
 #include "surface/obj_reader.h"
@@ -15,7 +14,7 @@
 namespace cbvh::test {
 namespace {
 
-/* A cube of 2 x 2 x 2 about the origin, outwards; face 0 is at -x, 5 at +z. */
+/* A cube of 2 x 2 x 2 around the origin with outward faces; face 0 is at -x, face 5 at +z. */
 const std::string cube = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
                          "f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n";
 
@@ -34,7 +33,7 @@ protected:
     return BuiltScene(model, {GetParam(), 1}, settings);
   }
 
-  /* How far from the middle the surface lies in a direction; infinite for a miss. */
+  /* Distance of the surface from the center in a direction; infinite for a miss. */
   static float reach(const BuiltScene& scene, Vec3f direction)
   {
     const Ray ray{10.0f * normalize(direction), 0.0f, -normalize(direction), INFINITY};
@@ -45,7 +44,7 @@ protected:
   Model model;
 };
 
-constexpr float tolerance = 0.01f; // of a compressed surface at this level
+constexpr float tolerance = 0.01f; // for a compressed surface at this level
 
 TEST_P(CageTags, WithoutTagsTheCubeIsRound)
 {
@@ -73,21 +72,21 @@ TEST_P(CageTags, SemiSharpCreasesLieBetween)
 TEST_P(CageTags, HardCornersAreReached)
 {
   const BuiltScene scene = build("t corner 1/1/0 7 10\n");
-  // leaves reach past it by less than a quad, and the bounds hold them
+  // leaves extend beyond the corner by less than a quad, and the bounds contain them
   const float past = GetParam() == RepresentationKind::Grid ? tolerance : 2.0f / 32;
   for (float upper : {scene.bounds().upper.x, scene.bounds().upper.y, scene.bounds().upper.z})
   {
     EXPECT_GE(upper, 1.0f - tolerance);
     EXPECT_LE(upper, 1.0f + past);
   }
-  EXPECT_GT(scene.bounds().lower.x, -0.9f) << "the others stay round";
+  EXPECT_GT(scene.bounds().lower.x, -0.9f) << "the other corners stay round";
 }
 
 TEST_P(CageTags, HolesHaveNoSurface)
 {
   const BuiltScene scene = build("t hole 1/0/0 5\n");
   EXPECT_EQ(scene.report().quads, 5u * 32 * 32);
-  EXPECT_LT(reach(scene, {0, 0, 1}), 0.0f) << "through the hole onto the far side";
+  EXPECT_LT(reach(scene, {0, 0, 1}), 0.0f) << "the ray passes the hole and hits the far side";
   EXPECT_GT(reach(scene, {0, 0, -1}), 0.0f);
 }
 
@@ -96,7 +95,8 @@ std::string kindName(const testing::TestParamInfo<RepresentationKind>& info)
   return Representation{info.param}.fileStem();
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, CageTags, testing::Values(RepresentationKind::Grid, RepresentationKind::CLeaf), kindName);
+INSTANTIATE_TEST_SUITE_P(Kinds, CageTags, testing::Values(RepresentationKind::Grid, RepresentationKind::CLeaf),
+                         kindName);
 
 } // namespace
 } // namespace cbvh::test

@@ -60,7 +60,7 @@ ptrdiff_t linesOf(const std::string& text)
   return std::count(text.begin(), text.end(), '\n');
 }
 
-/* A fan of triangles around vertex 0, closed. */
+/* A closed fan of triangles around vertex 0. */
 std::vector<std::vector<unsigned>> fan(unsigned n)
 {
   std::vector<std::vector<unsigned>> faces;
@@ -91,13 +91,13 @@ TEST(CageValidation, WarnsOfAnEdgeOfThreeFaces)
   EXPECT_TRUE(result.cage.holes.empty());
 }
 
-TEST(CageValidation, WarnsOfFacesThatDisagreeOnTheirSide)
+TEST(CageValidation, WarnsOfFacesWithOppositeOrientation)
 {
   const Checked result = checked(withFaces(4, {{0, 1, 2}, {0, 1, 3}}));
   EXPECT_NE(result.warnings.find("not manifold"), std::string::npos) << result.warnings;
 }
 
-TEST(CageValidation, RefusesRepeatedVertices)
+TEST(CageValidation, RejectsRepeatedVertices)
 {
   EXPECT_TRUE(containsInOrder(errorOf(withFaces(3, {{0, 1, 1}})), {"test: ", "face 1 ", "vertex 2 "}));
 }
@@ -114,7 +114,7 @@ TEST(CageValidation, CutsOutLargeFaces)
   EXPECT_NE(errorOf(withFaces(17, {ring})).find("no face is left"), std::string::npos);
 }
 
-TEST(CageValidation, CutsOutFacesAroundAVertexOfTooMany)
+TEST(CageValidation, CutsOutFacesAroundAVertexWithTooMany)
 {
   std::vector<std::vector<unsigned>> faces = fan(65);
   faces.push_back({2, 1, 66});
@@ -125,9 +125,9 @@ TEST(CageValidation, CutsOutFacesAroundAVertexOfTooMany)
   EXPECT_EQ(checked(withFaces(65, fan(64))).warnings, "");
 }
 
-TEST(CageValidation, CountsFacesAroundAVertexAsEmbreeDoes)
+TEST(CageValidation, CountsFacesAroundAVertexLikeEmbree)
 {
-  std::vector<std::vector<unsigned>> fins; // 70 triangles on one edge: each is alone at its vertices
+  std::vector<std::vector<unsigned>> fins; // 70 triangles at one edge; each of them has a vertex of its own
   for (unsigned i = 0; i < 70; i++)
     fins.push_back({0, 1, 2 + i});
   const Checked result = checked(withFaces(72, fins));
@@ -155,7 +155,7 @@ Cage creasedQuads(const std::vector<float>& sharpness)
   return cage;
 }
 
-TEST(CageValidation, WarnsWhereEmbreeHasAnotherRuleForCreases)
+TEST(CageValidation, WarnsIfEmbreesRuleForCreasesDiffers)
 {
   const auto isNamed = [](const Cage& cage) {
     const std::vector<unsigned> vertices = findVerticesWithOtherCreaseRules(cage);
@@ -166,7 +166,7 @@ TEST(CageValidation, WarnsWhereEmbreeHasAnotherRuleForCreases)
   EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f})));
   EXPECT_FALSE(isNamed(creasedQuads({1.0f, 2.0f, 2.0f}))) << "whole numbers";
   EXPECT_TRUE(isNamed(creasedQuads({0.1f, 5.0f, 5.0f})));
-  EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f, 3.0f}))) << "of which two are left";
+  EXPECT_TRUE(isNamed(creasedQuads({1.0f, 2.0f, 3.0f}))) << "two of them remain";
   const Cage uneven = creasedQuads({0.1f, 5.0f, 5.0f});
   const std::string vertex = std::to_string(findVerticesWithOtherCreaseRules(uneven).front() + 1);
   EXPECT_TRUE(containsInOrder(checked(uneven).warnings, {"creases meet at ", " " + vertex + ",", "rule"}));

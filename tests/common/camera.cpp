@@ -9,7 +9,7 @@
 namespace cbvh::test {
 namespace {
 
-TEST(Camera, AFittedViewHoldsAllPointsInItsMiddleAndUpToItsRim)
+TEST(Camera, FittedViewContainsAllPointsCenteredAndUpToItsBorder)
 {
   Random random(7);
   for (int round = 0; round < 200; round++)
@@ -27,7 +27,7 @@ TEST(Camera, AFittedViewHoldsAllPointsInItsMiddleAndUpToItsRim)
     const ImageSize size{int(200 + random.below(800)), int(200 + random.below(800))};
     const Camera camera = Camera::fit(points, 0, hints, 35, size);
 
-    /* In half pictures from the middle, from three directions through pixels. */
+    /* In units of half pictures from the center, from three directions through pixels. */
     const Vec3f forward = normalize(camera.lookAt() - camera.eye());
     const auto tangent = [&](float x, float y) {
       const Vec3f d = camera.direction(x, y);

@@ -20,7 +20,7 @@
 namespace cbvh::test {
 namespace {
 
-/* Two quads beside each other, one atlas over both: face 0 left, face 1 right. */
+/* Two adjacent quads with one atlas: face 0 left, face 1 right. */
 Cage twoQuads()
 {
   Cage cage;
@@ -42,7 +42,7 @@ HeightMap ramp(int size)
   return map;
 }
 
-/* Heights of a map, read as it is by default. */
+/* Heights of a map, read with the default settings. */
 std::unique_ptr<Displacement> displaced(const Cage& cage, const std::string& path, float scale)
 {
   DisplacementMap map;
@@ -75,7 +75,7 @@ float offset(const Displacement& d, unsigned face, float u, float v, int level =
   return result;
 }
 
-/* Maps in files, in a folder that goes at the end. */
+/* Maps in files, in a folder that is removed at the end. */
 class Displacing : public testing::Test
 {
 protected:
@@ -92,7 +92,7 @@ protected:
     return (folder / name).string();
   }
 
-  /* A TIFF of one page a face. */
+  /* A TIFF with one page per face. */
   std::string pages(const std::vector<HeightMap>& maps)
   {
     const std::string file = (folder / "pages.tif").string();
@@ -126,7 +126,7 @@ HeightMap flat(int size, float height)
   return map;
 }
 
-/* A pyramid of a triangle and quads over a pentagon, closed, no coordinates. */
+/* A closed pyramid of a triangle and quads over a pentagon, without texture coordinates. */
 Cage mixedCage()
 {
   Cage cage;
@@ -139,7 +139,7 @@ Cage mixedCage()
   return cage;
 }
 
-/* Every point of every border from all of its sides, at one level. */
+/* Compares every point of every border from all of its faces, at one level. */
 void expectClosed(const Cage& cage, const Displacement& d, int level)
 {
   const FaceBorders borders(cage);
@@ -158,7 +158,7 @@ void expectClosed(const Cage& cage, const Displacement& d, int level)
       }
 }
 
-TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeMeetExactly)
+TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeAreClosed)
 {
   const Cage cage = twoQuads();
   const auto d = displaced(cage, path(ramp(64)), 2.0f);
@@ -169,7 +169,7 @@ TEST_F(Displacing, FacesWithTheSameCoordinatesOnAnEdgeMeetExactly)
 
 TEST_F(Displacing, SeamsOfAnAtlasAreClosed)
 {
-  Cage cage = mixedCage(); // every face a square of its own: all edges are seams
+  Cage cage = mixedCage(); // every face is a separate square: all edges are seams
   for (unsigned face = 0; face < cage.numFaces(); face++)
     for (unsigned i = 0; i < cage.faceSizes[face]; i++)
     {
@@ -192,10 +192,10 @@ TEST_F(Displacing, OneMapOnEveryFaceIsClosed)
   EXPECT_EQ(warningsOf(cage, path(flat(8, 0.25f))), "");
 }
 
-TEST_F(Displacing, AnImageAFaceIsReadByItsFaceAndClosed)
+TEST_F(Displacing, ImagePerFaceIsReadAndClosed)
 {
   const Cage cage = mixedCage();
-  std::vector<HeightMap> maps; // 5 of the pentagon, 3 of the triangle
+  std::vector<HeightMap> maps; // 5 for the pentagon, 3 for the triangle
   for (int i = 0; i < 14; i++)
     maps.push_back(flat(8, float(i)));
   EXPECT_EQ(warningsOf(cage, pages(maps)), "");
@@ -208,7 +208,7 @@ TEST_F(Displacing, AnImageAFaceIsReadByItsFaceAndClosed)
   EXPECT_THROW(displaced(cage, pages(maps), 1.0f), Error);
 }
 
-/* An image of some channels, the same in all texels. */
+/* An image of some channels, with the same value in all texels. */
 std::string constantImage(const std::filesystem::path& file, const std::vector<float>& color, OIIO::TypeDesc type)
 {
   const auto output = OIIO::ImageOutput::create(file.string());
@@ -216,13 +216,13 @@ std::string constantImage(const std::filesystem::path& file, const std::vector<f
   std::vector<float> texels;
   for (int i = 0; i < 64; i++)
     texels.insert(texels.end(), color.begin(), color.end());
-  spec.attribute("oiio:UnassociatedAlpha", 1); // as an artist has it: colours are not multiplied
+  spec.attribute("oiio:UnassociatedAlpha", 1); // unassociated alpha: colors are not multiplied
   EXPECT_TRUE(output->open(file.string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) &&
               output->close());
   return file.string();
 }
 
-/* The two quads, the right one a tile further. */
+/* The two quads, the right one on the next tile. */
 Cage quadsOnTiles()
 {
   Cage cage = twoQuads();
@@ -230,7 +230,7 @@ Cage quadsOnTiles()
   return cage;
 }
 
-TEST_F(Displacing, UdimTilesAreReadByTheMiddleOfAFace)
+TEST_F(Displacing, UdimTileIsChosenByTheCenterOfAFace)
 {
   const Cage cage = quadsOnTiles();
   path(flat(8, 0.75f), "skin.1001.exr");
@@ -239,16 +239,16 @@ TEST_F(Displacing, UdimTilesAreReadByTheMiddleOfAFace)
   EXPECT_EQ(warningsOf(cage, skin), "");
   const auto d = displaced(cage, skin, 1.0f);
   EXPECT_FLOAT_EQ(offset(*d, 0, 0.5f, 0.5f), 0.25f);
-  EXPECT_FLOAT_EQ(offset(*d, 0, 0.999f, 0.5f), 0.25f) << "up to the border of the tile";
+  EXPECT_FLOAT_EQ(offset(*d, 0, 0.999f, 0.5f), 0.25f) << "includes the border of the tile";
   EXPECT_FLOAT_EQ(offset(*d, 1, 0.5f, 0.5f), 1.0f);
-  for (int i = 0; i <= 16; i++) // on the border of both
+  for (int i = 0; i <= 16; i++) // on the common border
   {
     EXPECT_FLOAT_EQ(offset(*d, 0, 1.0f, float(i) / 16), 0.625f) << i;
     EXPECT_EQ(offset(*d, 0, 1.0f, float(i) / 16), offset(*d, 1, 0.0f, float(i) / 16)) << i;
   }
 }
 
-TEST_F(Displacing, UdimTilesAreNamedInTheWaysOfPrograms)
+TEST_F(Displacing, UdimTilesCanBeNamedInSeveralWays)
 {
   const std::pair<const char*, std::pair<const char*, const char*>> spellings[] = {
     {"skin.<UDIM>.exr", {"skin.1001.exr", "skin.1002.exr"}},
@@ -293,7 +293,7 @@ TEST_F(Displacing, TextureCoordinatesOnSomeFacesOnlyAreAnError)
   }
 }
 
-TEST_F(Displacing, MissingTexelsDisplaceNothing)
+TEST_F(Displacing, MissingTexelsDoNotDisplace)
 {
   const std::string file = constantImage(folder / "missing.exr", {NAN, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
   DisplacementMap map;
@@ -311,10 +311,10 @@ TEST_F(Displacing, MissingTexelsDisplaceNothing)
   const Vec3f normal{0, 0, 1};
   Vec3f moved{1, 1, 1};
   displaceByMap(twoQuads(), map, warnings)->vectors({0, finestLevel, 1, &u, &v}, &normal, &moved);
-  EXPECT_EQ(length(moved), 0.0f) << "a vector without one of its channels";
+  EXPECT_EQ(length(moved), 0.0f) << "a vector with a missing channel";
 }
 
-TEST_F(Displacing, FacesWithoutAUdimTileStayAsTheyAre)
+TEST_F(Displacing, FacesWithoutAUdimTileAreNotDisplaced)
 {
   path(flat(8, 0.75f), "skin.1001.exr");
   const std::string skin = (folder / "skin.<UDIM>.exr").string();
@@ -324,18 +324,18 @@ TEST_F(Displacing, FacesWithoutAUdimTileStayAsTheyAre)
   EXPECT_THROW(displaced(withoutUVs(quadsOnTiles()), skin, 1.0f), Error);
 }
 
-TEST_F(Displacing, CoordinatesAndMapsThatAreLikelyNotMeantAreWarnedOf)
+TEST_F(Displacing, SuspiciousCoordinatesAndMapsCauseWarnings)
 {
   const std::string map = path(flat(8, 0.75f));
   EXPECT_NE(warningsOf(quadsOnTiles(), map).find("laid out in UDIM tiles, 1001 to 1002"), std::string::npos);
   EXPECT_EQ(warningsOf(twoQuads(), map), "");
   const std::string normals = constantImage(folder / "normals.png", {0.5f, 0.55f, 0.99f}, OIIO::TypeDesc::UINT8);
   EXPECT_NE(warningsOf(twoQuads(), normals).find("looks like a normal map"), std::string::npos);
-  const std::string grey = constantImage(folder / "grey.png", {0.7f, 0.7f, 0.7f}, OIIO::TypeDesc::UINT8);
-  EXPECT_EQ(warningsOf(twoQuads(), grey), "");
+  const std::string gray = constantImage(folder / "gray.png", {0.7f, 0.7f, 0.7f}, OIIO::TypeDesc::UINT8);
+  EXPECT_EQ(warningsOf(twoQuads(), gray), "");
 }
 
-TEST_F(Displacing, MidLevelAndChannelSayWhatIsRead)
+TEST_F(Displacing, MidLevelAndChannelAreApplied)
 {
   DisplacementMap map;
   map.path = constantImage(folder / "color.exr", {0.1f, 0.2f, 0.4f}, OIIO::TypeDesc::FLOAT);
@@ -362,7 +362,7 @@ TEST_F(Displacing, AlphaIsNotMultipliedIn)
   EXPECT_NEAR(offset(*displaced(twoQuads(), map, 1.0f), 0, 0.5f, 0.5f), 0.8f - neutralHeight, 1e-4f);
 }
 
-TEST_F(Displacing, RepeatedMapsReturn)
+TEST_F(Displacing, RepeatedMapsWrapAround)
 {
   DisplacementMap map;
   map.path = path(ramp(64));
@@ -393,7 +393,7 @@ void expectVector(Vec3f found, Vec3f expected)
   EXPECT_NEAR(length(found - expected), 0.0f, 1e-5f) << found.x << ", " << found.y << ", " << found.z;
 }
 
-TEST_F(Displacing, VectorsAreThoseOfTheCageOrOfItsTexture)
+TEST_F(Displacing, VectorsAreInTheFrameOfTheCageOrOfItsTexture)
 {
   DisplacementMap map;
   map.path = constantImage(folder / "vectors.exr", {0.1f, 0.2f, -0.3f}, OIIO::TypeDesc::FLOAT);
@@ -409,7 +409,7 @@ TEST_F(Displacing, VectorsAreThoseOfTheCageOrOfItsTexture)
   map.values = MapValues::TangentVectors; // tangent, normal, second axis
   cage.uvs = {{0, 0}, {0.5f, 0}, {1, 0}, {0, 1}, {0.5f, 1}, {1, 1}};
   expectVector(vectorAt(*displaceByMap(cage, map, warnings), 0, 0.4f, 0.7f, up), {0.2f, -0.6f, 0.4f});
-  Cage turnedCage = cage; // texture coordinates a quarter further: u along y, v along -x
+  Cage turnedCage = cage; // texture coordinates rotated by 90 degrees: u along y, v along -x
   for (Vec2f& uv : turnedCage.uvs)
     uv = {uv.y, 1 - uv.x};
   expectVector(vectorAt(*displaceByMap(turnedCage, map, warnings), 1, 0.4f, 0.7f, up), {0.6f, 0.2f, 0.4f});
@@ -419,13 +419,13 @@ TEST_F(Displacing, VectorsAreThoseOfTheCageOrOfItsTexture)
   expectVector(vectorAt(*displaceByMap(mirrored, map, warnings), 0, 0.4f, 0.7f, up), {-0.2f, -0.6f, 0.4f});
   EXPECT_THROW(displaceByMap(withoutUVs(cage), map, warnings), Error);
   map.channel = "1";
-  EXPECT_THROW(displaceByMap(cage, map, warnings), Error) << "two channels are left";
+  EXPECT_THROW(displaceByMap(cage, map, warnings), Error) << "two channels are not enough";
 }
 
 TEST_F(Displacing, VectorsAreClosedOnSeams)
 {
   Cage cage = mixedCage();
-  for (unsigned face = 0; face < cage.numFaces(); face++) // every face a square of its own, some mirrored
+  for (unsigned face = 0; face < cage.numFaces(); face++) // every face is a separate square, some of them mirrored
     for (unsigned i = 0; i < cage.faceSizes[face]; i++)
     {
       const float angle = (face % 2 ? 6.2832f : -6.2832f) * float(i) / float(cage.faceSizes[face]);
@@ -450,7 +450,7 @@ TEST_F(Displacing, VectorsAreClosedOnSeams)
       }
 }
 
-/* Three quads on one edge, of which one runs through it the same way as another. */
+/* Three quads at one edge; two of them traverse it in the same direction. */
 TEST_F(Displacing, EdgesOfThreeFacesAreClosed)
 {
   Cage cage;
@@ -470,7 +470,7 @@ TEST_F(Displacing, EdgesOfThreeFacesAreClosed)
 
 TEST_F(Displacing, MapsAreFilteredToTheSpacing)
 {
-  HeightMap checker(256, 256); // too fine for coarse levels, which see its mean
+  HeightMap checker(256, 256); // too fine for coarse levels, which must sample its mean
   for (int y = 0; y < 256; y++)
     for (int x = 0; x < 256; x++)
       checker.at(x, y) = float((x + y) & 1);
@@ -486,7 +486,7 @@ TEST_F(Displacing, MapsAreFilteredToTheSpacing)
   }
 }
 
-TEST_F(Displacing, IsTheSameFromManyThreadsInAnyOrder)
+TEST_F(Displacing, IsIndependentOfThreadsAndOrder)
 {
   const Cage cage = twoQuads();
   const std::string file = path(ramp(512));
@@ -509,12 +509,13 @@ TEST_F(Displacing, NeutralHeightMovesNothing)
   const Cage cage = twoQuads();
   EXPECT_EQ(offset(*displaced(cage, map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
   EXPECT_EQ(offset(*displaced(withoutUVs(cage), map, 3.0f), 1, 0.3f, 0.7f), 0.0f);
-  EXPECT_EQ(offset(*displaceByAtlas(cage, FaceAtlas::forFaces(2, 2), flat(6, neutralHeight), 3.0f), 0, 0.3f, 0.7f), 0.0f);
+  EXPECT_EQ(offset(*displaceByAtlas(cage, FaceAtlas::forFaces(2, 2), flat(6, neutralHeight), 3.0f), 0, 0.3f, 0.7f),
+            0.0f);
 }
 
 TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)
 {
-  /* Height = s: what comes back is the first texture coordinate. */
+  /* Height = s: the result is the first texture coordinate. */
   Cage triangle;
   triangle.name = "triangle";
   triangle.positions.resize(3);
@@ -528,10 +529,10 @@ TEST_F(Displacing, PolygonsInterpolateOverTheirCornerQuads)
       map.at(x, y) = (float(x) + 0.5f) / 128.0f + neutralHeight;
   const auto d = displaced(triangle, path(map), 1.0f);
   EXPECT_NEAR(offset(*d, 0, 0.5f, 0.5f), 0.2f, 1e-5f);  // corner 0
-  EXPECT_NEAR(offset(*d, 0, 1.5f, 0.5f), 0.5f, 1e-5f);  // middle of its edge
+  EXPECT_NEAR(offset(*d, 0, 1.5f, 0.5f), 0.5f, 1e-5f);  // center of its edge
   EXPECT_NEAR(offset(*d, 0, 2.5f, 0.5f), 0.8f, 1e-5f);  // corner 1
-  EXPECT_NEAR(offset(*d, 0, 1.5f, 1.5f), 0.5f, 1e-5f);  // centre, from corner 0
-  EXPECT_NEAR(offset(*d, 0, 3.5f, 1.5f), 0.5f, 1e-5f);  // and from corner 1
+  EXPECT_NEAR(offset(*d, 0, 1.5f, 1.5f), 0.5f, 1e-5f);  // center of the face, from corner 0
+  EXPECT_NEAR(offset(*d, 0, 3.5f, 1.5f), 0.5f, 1e-5f);  // the same from corner 1
 }
 
 TEST(FaceAtlas, TilesAgreeOnBordersAtEveryLevel)
@@ -543,11 +544,11 @@ TEST(FaceAtlas, TilesAgreeOnBordersAtEveryLevel)
     for (int x = 0; x < map.width(); x++)
       map.at(x, y) = std::sin(0.37f * float(x * x) + 1.7f * float(y));
   const auto d = displaceByAtlas(cube, atlas, map, 1.0f);
-  for (int level : {0, 1, 2, 3}) // the tiles themselves disagree: coarser ones are made to agree
+  for (int level : {0, 1, 2, 3}) // the tiles themselves disagree; coarser levels are made consistent
     expectClosed(cube, *d, level);
 }
 
-TEST(FaceAtlas, TilesAreReadAtTheirOwnTexelsExactly)
+TEST(FaceAtlas, TilesAreExactAtTheirTexels)
 {
   const FaceAtlas atlas = FaceAtlas::forFaces(7, 8);
   Cage cage;

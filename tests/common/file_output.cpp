@@ -45,13 +45,13 @@ protected:
   std::string at(const std::string& name) const { return (folder / name).string(); }
   size_t files() const { return size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator())); }
 
-  /* That it is refused, in a line with this in it. */
+  /* Expects an error of one line that contains `what`. */
   static void expectError(const std::function<void()>& write, const std::string& what)
   {
     try
     {
       write();
-      ADD_FAILURE() << "nothing is wrong, but expected: " << what;
+      ADD_FAILURE() << "expected an error: " << what;
     }
     catch (const Error& e)
     {
@@ -62,28 +62,28 @@ protected:
   const fs::path folder = fs::temp_directory_path() / ("cbvh_file_output_" + std::to_string(getpid()));
 };
 
-/* --- where it goes -------------------------------------------------------------------- */
+/* --- destinations --------------------------------------------------------------------- */
 
-TEST_F(FileOutput, AFileIsReplacedAndKeepsItsPermissions)
+TEST_F(FileOutput, FileIsReplacedAndKeepsItsPermissions)
 {
   writeTextFile(at("a"), "old");
   ASSERT_EQ(chmod(at("a").c_str(), 0604), 0);
   std::ifstream before(at("a"));
   writeTextFile(at("a"), "new");
   EXPECT_EQ(textOf(at("a")), "new");
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(before), {}), "old") << "it was written into";
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(before), {}), "old") << "the file was overwritten in place";
   struct stat status;
   ASSERT_EQ(stat(at("a").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 07777, 0604u);
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(FileOutput, LinksStayAndLeadToTheOutput)
+TEST_F(FileOutput, LinksStayAndTheirTargetIsWritten)
 {
   fs::create_directory(folder / "store");
   fs::create_symlink("store/a", folder / "link");
   fs::create_symlink(at("link"), folder / "another");
-  for (const char* text : {"first", "second"}) // where the target is not there yet, and where it is
+  for (const char* text : {"first", "second"}) // first without a target, then with it
   {
     writeTextFile(at("another"), text);
     EXPECT_TRUE(fs::is_symlink(folder / "another") && fs::is_symlink(folder / "link"));
@@ -92,11 +92,11 @@ TEST_F(FileOutput, LinksStayAndLeadToTheOutput)
   EXPECT_EQ(files(), 3u);
 }
 
-TEST_F(FileOutput, DevicesAndPipesAreWrittenInto)
+TEST_F(FileOutput, DevicesAndPipesAreWrittenInPlace)
 {
   ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
   fs::create_symlink("pipe", folder / "link");
-  const std::string text(1 << 18, 'x'); // more than a pipe holds
+  const std::string text(1 << 18, 'x'); // more than the capacity of a pipe
   for (const char* name : {"pipe", "link"})
   {
     std::string found;
@@ -116,8 +116,8 @@ TEST_F(FileOutput, DevicesAndPipesAreWrittenInto)
   EXPECT_EQ(files(), 4u);
 }
 
-/* As >(command) of a shell, and /dev/stdout where that goes to a file. */
-TEST_F(FileOutput, DescriptorsOfTheProcessAreWrittenInto)
+/* Like >(command) of a shell, and /dev/stdout redirected to a file. */
+TEST_F(FileOutput, DescriptorsOfTheProcessAreWrittenInPlace)
 {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
@@ -137,7 +137,7 @@ TEST_F(FileOutput, DescriptorsOfTheProcessAreWrittenInto)
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(FileOutput, TheFileOfStandardOutputIsWrittenInto)
+TEST_F(FileOutput, FileOfStandardOutputIsWrittenInPlace)
 {
   const int status = statusOfChild([&] {
     dup2(open(at("log").c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
@@ -153,7 +153,7 @@ TEST_F(FileOutput, TheFileOfStandardOutputIsWrittenInto)
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(FileOutput, ImagesGoIntoPipesToo)
+TEST_F(FileOutput, ImagesAreWrittenIntoPipes)
 {
   Image image(ImageSize{40, 30});
   writePng(at("picture.png"), image);
@@ -165,7 +165,7 @@ TEST_F(FileOutput, ImagesGoIntoPipesToo)
   EXPECT_TRUE(!found.empty() && found == textOf(at("picture.png")));
 }
 
-TEST_F(FileOutput, WhatCannotBeWrittenIsNamedAndNothingIsLeft)
+TEST_F(FileOutput, FailedWritesAreReportedAndLeaveNoFile)
 {
   expectError([&] { writeTextFile(at("missing/a"), "x"); }, "missing/a: cannot be written: No such file or directory");
   expectError([&] { writeTextFile(at(""), "x"); }, "cannot be written: Is a directory");
@@ -176,8 +176,8 @@ TEST_F(FileOutput, WhatCannotBeWrittenIsNamedAndNothingIsLeft)
 
 /* --- full disks and limits --------------------------------------------------------------- */
 
-/* Each writer at each size that the file may have: an error, and nothing in the folder. */
-TEST_F(FileOutput, LimitsOnFileSizesAreErrorsOfEachWriter)
+/* Each writer with each limit of the file size: an error, and an empty folder. */
+TEST_F(FileOutput, FileSizeLimitsAreErrorsOfEachWriter)
 {
   const ImageSize size{64, 48};
   const Crop whole{0, 0, size.width, size.height};
@@ -186,8 +186,8 @@ TEST_F(FileOutput, LimitsOnFileSizesAreErrorsOfEachWriter)
   HeightMap map(64, 64);
   for (size_t i = 0; i < pixels; i++)
   {
-    const float grey = float(i * 7919 % 997) / 997.0f; // hardly compressible
-    image.set(i, Vec3f{grey, 1.0f - grey, grey * grey});
+    const float gray = float(i * 7919 % 997) / 997.0f; // hardly compressible
+    image.set(i, Vec3f{gray, 1.0f - gray, gray * gray});
   }
   const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   const std::vector<std::array<unsigned, 4>> quads(500, std::array<unsigned, 4>{0, 1, 2, 3});
@@ -210,7 +210,7 @@ TEST_F(FileOutput, LimitsOnFileSizesAreErrorsOfEachWriter)
     for (size_t limit : {size_t(0), bytes / 2, bytes - 1})
     {
       SCOPED_TRACE(std::string(name) + ", " + std::to_string(limit) + " of " + std::to_string(bytes) + " bytes");
-      const auto handler = std::signal(SIGXFSZ, SIG_IGN); // as runProgram
+      const auto handler = std::signal(SIGXFSZ, SIG_IGN); // like runProgram
       rlimit before;
       ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
       const rlimit most = {limit, before.rlim_max};
@@ -254,7 +254,7 @@ TEST_F(FileOutput, InputsAreNotReplaced)
   writeTextFile(at("other.png"), "x");
   writeTextFile(at("missing.png"), "x");
   writeTextFile("/dev/null", "x");
-  /* what has the inode of an input that is gone is none */
+  /* a new file with the inode of a deleted input is not an input */
   fs::rename(folder / "skin.png", folder / "moved.png");
   writeTextFile(at("moved.png"), "x");
   EXPECT_EQ(textOf(at("moved.png")), "x");

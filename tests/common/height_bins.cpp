@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Bins on a plane: a flat square, displaced by a slope, has bins in closed form. */
+/* Bins on a flat square that is displaced by a slope; their size has a closed form. */
 
 #include "measure/height_bins.h"
 
@@ -21,7 +21,7 @@ struct Slope : Displacement
     for (size_t i = 0; i < points.n; i++)
       offsets[i] = rise * points.u[i];
   }
-  const float rise; // from u = 0 to 1
+  const float rise; // height difference between u = 0 and 1
 };
 
 Model plane(float rise, Placement placement = {})
@@ -36,7 +36,7 @@ Model plane(float rise, Placement placement = {})
   return model;
 }
 
-/* Of one ray with a direction that meets the middle of the plane. */
+/* Bins of one ray with this direction through the center of the plane. */
 HeightBins bins(const Model& model, Vec3f direction, int frameLevel)
 {
   const TrueSurfaces surfaces(model);
@@ -50,13 +50,13 @@ HeightBins bins(const Model& model, Vec3f direction, int frameLevel)
   return heightBins({model, surfaces, rays, {0}, footprint}, {hit}, {model.layout(level), level, frameLevel}, 1);
 }
 
-/* A bin of the box of one of 16 x 16 quads, in pixels. */
+/* Size of a bin of a quad's box, of 16 x 16 quads, in pixels. */
 constexpr double binOf(double rise)
 {
   return rise / 16 / 16 / (footprint * distance);
 }
 
-TEST(HeightBins, OfASlopeSeenAlongZAreASixteenthOfAQuadsRise)
+TEST(HeightBins, OnSlopeAlongZAreASixteenthOfAQuadsRise)
 {
   for (int frameLevel : {0, 2, 4})
   {
@@ -67,30 +67,30 @@ TEST(HeightBins, OfASlopeSeenAlongZAreASixteenthOfAQuadsRise)
   }
 }
 
-TEST(HeightBins, ErrorsAreEvenWithinHalfABin)
+TEST(HeightBins, ErrorsAreUniformWithinHalfABin)
 {
   const HeightBins b = bins(plane(12), {0, 0, -1}, 2);
   EXPECT_NEAR(b.inlierRmse, binOf(12) / std::sqrt(12.0), 1e-5);
   EXPECT_NEAR(b.median, binOf(12) / 4, binOf(12) / 2 / 20);
 }
 
-TEST(HeightBins, AlongASlantingRayAPlaneMovesByItsNormal)
+TEST(HeightBins, SlantingRayOnPlaneMovesAlongItsNormal)
 {
   const Vec3d d = normalize(Vec3d{0.5, 0.25, -1}), n = {-12 / width, 0, 1};
   EXPECT_NEAR(bins(plane(12), {0.5f, 0.25f, -1}, 2).quantiles[9], binOf(12) / -dot(d, n), 1e-5);
 }
 
-TEST(HeightBins, OfACopyGrowWithIt)
+TEST(HeightBins, ScaleWithCopies)
 {
   Placement copy;
   copy.scale = 3;
   copy.angle = 2;
-  const Vec3d down = {-std::sin(2.0), 0, -std::cos(2.0)}; // against the turned z axis
+  const Vec3d down = {-std::sin(2.0), 0, -std::cos(2.0)}; // opposite to the rotated z axis
   const Vec3f direction{float(down.x), float(down.y), float(down.z)};
   EXPECT_NEAR(bins(plane(12, copy), direction, 2).quantiles[9], 3 * binOf(12), 1e-4);
 }
 
-TEST(HeightBins, ErrorsBeyond5PixelsStayOutOfTheRmse)
+TEST(HeightBins, ErrorsBeyond5PixelsAreNotInTheRmse)
 {
   const HeightBins b = bins(plane(480), {0, 0, -1}, 2);
   ASSERT_GT(binOf(480), 2 * 5.0);
@@ -98,7 +98,7 @@ TEST(HeightBins, ErrorsBeyond5PixelsStayOutOfTheRmse)
   EXPECT_NEAR(b.median, binOf(480) / 4, binOf(480) / 2 / 20);
 }
 
-TEST(HeightBins, OfAFlatSurfaceAreNothing)
+TEST(HeightBins, OnFlatSurfaceAreZero)
 {
   const HeightBins b = bins(plane(0), {0, 0, -1}, 2);
   EXPECT_EQ(b.hits, 1u);

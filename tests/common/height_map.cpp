@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/* 3 x 2 texels of distinct heights. */
+/* 3 x 2 texels with distinct heights. */
 HeightMap smallMap()
 {
   HeightMap map(3, 2);
@@ -41,7 +41,7 @@ protected:
   std::string path;
 };
 
-TEST(HeightMap, IsBilinearBetweenTexelCentres)
+TEST(HeightMap, IsBilinearBetweenTexelCenters)
 {
   const HeightMap map = smallMap();
   EXPECT_EQ(map.sampleTexels(1, 1), 11.0f);
@@ -50,7 +50,7 @@ TEST(HeightMap, IsBilinearBetweenTexelCentres)
   EXPECT_EQ(map.sampleTexels(-5, 9), 10.0f) << "the border is repeated";
 }
 
-TEST_F(HeightMapFile, KnowsAConstantBorder)
+TEST_F(HeightMapFile, DetectsConstantBorders)
 {
   HeightMap map(3, 3);
   map.at(1, 1) = 7.0f;
@@ -73,10 +73,10 @@ TEST_F(HeightMapFile, FloatExrKeepsEveryBit)
   for (int y = 0; y < 2; y++)
     for (int x = 0; x < 3; x++)
       EXPECT_EQ(again.at(x, y), map.at(x, y));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "no temporary file is left";
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "a temporary file was left";
 }
 
-TEST_F(HeightMapFile, RefusesWhatIsMissingTruncatedOrNoImage)
+TEST_F(HeightMapFile, RejectsMissingTruncatedAndInvalidFiles)
 {
   EXPECT_THROW(HeightMap::read(path), Error);
   HeightMap(64, 64).write(path);
@@ -101,14 +101,14 @@ TEST_F(HeightMapFile, KeepsItsRecipe)
   EXPECT_EQ(HeightMap::recipeOf(path + ".missing"), "");
 }
 
-TEST_F(HeightMapFile, RefusesPtexWithAReasonWhereItHasNoReader)
+TEST_F(HeightMapFile, RejectsPtexWithAReasonWithoutAReader)
 {
   const std::string ptex = (folder / "map.ptx").string();
   std::ofstream(ptex) << "Ptex";
   try
   {
     HeightMap::read(ptex);
-    FAIL() << "read without an error";
+    FAIL() << "expected an error";
   }
   catch (const Error& e)
   {
@@ -117,7 +117,7 @@ TEST_F(HeightMapFile, RefusesPtexWithAReasonWhereItHasNoReader)
   }
 }
 
-TEST_F(HeightMapFile, RefusesHeightsThatAreNotFinite)
+TEST_F(HeightMapFile, RejectsHeightsThatAreNotFinite)
 {
   HeightMap map = smallMap();
   map.at(2, 1) = NAN;
@@ -125,7 +125,7 @@ TEST_F(HeightMapFile, RefusesHeightsThatAreNotFinite)
   try
   {
     HeightMap::read(path);
-    FAIL() << "read without an error";
+    FAIL() << "expected an error";
   }
   catch (const Error& e)
   {

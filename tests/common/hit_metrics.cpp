@@ -32,7 +32,7 @@ TEST(HitMetrics, DistanceIsInFootprintsAtTheReference)
   EXPECT_NEAR(e.rmse, std::sqrt((9.0 + 16.0) / 2), 1e-4);
 }
 
-TEST(HitMetrics, FalseHitsAndMissesStayOutOfTheDistances)
+TEST(HitMetrics, FalseHitsAndMissesAreNotInTheDistances)
 {
   const HitErrors e = compareHits({miss, hitAt(10), hitAt(10), miss}, {hitAt(1), miss, hitAt(10), miss}, 0.01f, layout);
   EXPECT_EQ(e.falseHits, 1u);
@@ -43,7 +43,7 @@ TEST(HitMetrics, FalseHitsAndMissesStayOutOfTheDistances)
             (std::vector<float>{falseHitError, missError, 0.0f, backgroundError}));
 }
 
-TEST(HitMetrics, RaysFarOffAreCountedAndLeftOutOfTheSecondRmse)
+TEST(HitMetrics, DistantHitsAreCountedAndNotInTheSecondRmse)
 {
   const HitErrors e = compareHits({hitAt(10), hitAt(10)}, {hitAt(10.1f), hitAt(15)}, 0.01f, layout);
   EXPECT_EQ(e.farOff, 1u);
@@ -51,7 +51,7 @@ TEST(HitMetrics, RaysFarOffAreCountedAndLeftOutOfTheSecondRmse)
   EXPECT_GT(e.rmse, 30.0);
 }
 
-TEST(HitMetrics, AWrongSignOfTheNormalIs180Degrees)
+TEST(HitMetrics, FlippedNormalIs180Degrees)
 {
   const HitErrors e = compareHits({hitAt(10)}, {hitAt(10, 0, 0.5f, 0.5f, {0, 0, -3})}, 0.01f, layout);
   EXPECT_NEAR(e.normalMedian, 180.0, 1e-3);
@@ -76,7 +76,7 @@ TEST(HitMetrics, ParametersOfPolygonsAreComparedInTheirCornerQuad)
   EXPECT_EQ(e.otherPatch, 1u);
 }
 
-TEST(HitMetrics, NearerHitsTakeTheSmallerDistanceAndAnyHit)
+TEST(HitMetrics, NearerHitsUseTheSmallerDistanceAndAnyHit)
 {
   const auto n = nearerHits({hitAt(10), hitAt(9), miss}, {hitAt(8), miss, hitAt(3)});
   EXPECT_EQ(n[0].t, 8.0f);

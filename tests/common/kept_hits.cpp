@@ -11,23 +11,24 @@
 namespace cbvh::test {
 namespace {
 
-TEST(KeptHits, AreThoseOfSingleRaysThroughEveryEntrance)
+TEST(KeptHits, EveryQueryModeMatchesSingleRays)
 {
   const Model model = makeCube();
   BuildSettings build;
   build.level = 3;
   build.threads = 1;
   const BuiltScene scene(model, {RepresentationKind::Grid}, build);
-  const Camera camera({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 40.0f, {101, 97}); // neither whole packets nor whole streams
+  const Camera camera({3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 40.0f, {101, 97}); // not a multiple of packets or streams
   const std::vector<Ray> rays = primaryRays(camera);
   const std::vector<SurfaceHit> expected = traceClosest(scene, rays, 1);
-  for (TraceMode mode : {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
+  for (TraceMode mode :
+       {TraceMode::Single, TraceMode::Packet4, TraceMode::Packet8, TraceMode::Packet16, TraceMode::Stream})
     for (Query query : {Closest, Any})
     {
       const std::vector<KeptHit> kept = keepHits(scene, rays, {query, mode, true, 3, 1});
       ASSERT_EQ(kept.size(), rays.size());
-      EXPECT_EQ(compareKeptHits(kept, keepHits(scene, rays, {query, mode, true, 1, 1})).all(), 0u) << "on one thread";
-      size_t others = 0; // packets may round differently where a ray grazes
+      EXPECT_EQ(compareKeptHits(kept, keepHits(scene, rays, {query, mode, true, 1, 1})).all(), 0u) << "with one thread";
+      size_t others = 0; // packets may round differently for grazing rays
       for (size_t i = 0; i < rays.size(); i++)
       {
         const SurfaceHit& hit = expected[i];
@@ -40,7 +41,7 @@ TEST(KeptHits, AreThoseOfSingleRaysThroughEveryEntrance)
     }
 }
 
-TEST(KeptHits, DifferencesAreCountedOnceByWhatComesFirst)
+TEST(KeptHits, DifferencesAreCountedOnceByTheFirstCriterion)
 {
   KeptHit hit;
   hit.hit = true;
@@ -62,7 +63,7 @@ TEST(KeptHits, DifferencesAreCountedOnceByWhatComesFirst)
   EXPECT_EQ(found.all(), 4u);
 }
 
-TEST(KeptHits, NoNumberIsTheSameAsNoNumber)
+TEST(KeptHits, NaNEqualsNaN)
 {
   KeptHit hit;
   hit.hit = true;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* OpenSubdiv's limit surface against formulas and against Embree's own evaluation. */
+/* Compares OpenSubdiv's limit surface with formulas and with Embree's evaluation. */
 
 #include "building/subdivision_geometry.h"
 #include "scenes/cube.h"
@@ -15,14 +15,15 @@
 namespace cbvh::test {
 namespace {
 
-/* Some of the edges, all equally sharp. */
+/* Creases some of the edges, with equal sharpness. */
 Cage creased(Cage cage, float sharpness, Random& random)
 {
   const FaceBorders borders(cage);
   for (unsigned face = 0; face < cage.numFaces(); face++)
     for (unsigned i = 0, n = cage.faceSizes[face]; i < n; i++)
     {
-      const unsigned a = cage.faceIndices[borders.corner(face, i)], b = cage.faceIndices[borders.corner(face, (i + 1) % n)];
+      const unsigned a = cage.faceIndices[borders.corner(face, i)],
+                     b = cage.faceIndices[borders.corner(face, (i + 1) % n)];
       if (a < b && random.chance(0.3))
         cage.creaseEdges.push_back({a, b});
     }
@@ -30,7 +31,7 @@ Cage creased(Cage cage, float sharpness, Random& random)
   return cage;
 }
 
-/* The ring about the middle of a trapezohedron. */
+/* Creases the ring around the middle of a trapezohedron. */
 Cage belted(Cage cage, float sharpness)
 {
   const unsigned n = unsigned(cage.numFaces());
@@ -40,9 +41,9 @@ Cage belted(Cage cage, float sharpness)
   return cage;
 }
 
-/* --- against formulas ------------------------------------------------------------ */
+/* --- formulas --------------------------------------------------------------------- */
 
-TEST(LimitSurface, APlaneStaysAPlane)
+TEST(LimitSurface, PlaneStaysAPlane)
 {
   Cage cage = sheet(5);
   for (Vec3f& p : cage.positions)
@@ -51,7 +52,7 @@ TEST(LimitSurface, APlaneStaysAPlane)
   for (double u : {0.0, 0.3, 1.0})
     for (double v : {0.0, 0.75, 1.0})
     {
-      const LimitSample s = limit.evaluate({12, 0, u, v}); // the middle face
+      const LimitSample s = limit.evaluate({12, 0, u, v}); // the face in the center
       EXPECT_NEAR(s.p.x, 2 + u, 1e-12);
       EXPECT_NEAR(s.p.y, 2 + v, 1e-12);
       EXPECT_NEAR(s.p.z, 0.25 * s.p.x - 0.5 * s.p.y, 1e-12);
@@ -99,9 +100,9 @@ TEST(LimitSurface, RegularPatchesAreBicubicSplines)
   }
 }
 
-TEST(LimitSurface, CubeCornersComeToAHalf)
+TEST(LimitSurface, CubeCornersConvergeToOneHalf)
 {
-  /* (n^2 v + 4 sum of neighbours + sum of those across the faces) / (n (n + 5)) */
+  /* (n^2 v + 4 sum of neighbors + sum of vertices opposite in the faces) / (n (n + 5)) */
   const LimitSample s = LimitSurface(makeCube().cage).evaluate({5, 0, 1, 1});
   EXPECT_NEAR(length(s.p - Vec3d{0.5, 0.5, 0.5}), 0, 1e-12);
 }
@@ -119,13 +120,14 @@ TEST(LimitSurface, VerticesOfAnyValenceHaveTheKnownLimit)
       neighbours += toDouble(cage.positions[2 * i]);
       across += toDouble(cage.positions[2 * i + 1]);
     }
-    const Vec3d expected = (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) * (1.0 / (n * (n + 5.0)));
+    const Vec3d expected = (double(n * n) * toDouble(cage.positions[2 * n]) + 4.0 * neighbours + across) *
+                           (1.0 / (n * (n + 5.0)));
     for (unsigned face = 0; face < 2 * n; face += 2)
       EXPECT_NEAR(length(limit.evaluate({face, 0, 0, 0}).p - expected), 0, 1e-7) << "valence " << n;
   }
 }
 
-TEST(LimitSurface, DerivativesAreThoseOfThePosition)
+TEST(LimitSurface, DerivativesMatchPositions)
 {
   Random random(3);
   for (const Cage& cage : {moved(prism(5), random, 0.2), moved(trapezohedron(7), random, 0.2)})
@@ -151,14 +153,14 @@ TEST(LimitSurface, DerivativesAreThoseOfThePosition)
   }
 }
 
-/* --- against Embree --------------------------------------------------------------- */
+/* --- Embree ------------------------------------------------------------------------ */
 
 struct Deviation
 {
   double position = 0, angle = 0;
 };
 
-/* margin: of points from the borders of their patch. */
+/* margin: distance of points from the borders of their patch. */
 Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
 {
   const Model model = modelOf(cage);
@@ -189,8 +191,8 @@ Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
   return most;
 }
 
-/* Some ulps of coordinates up to 4. Near extraordinary vertices Embree takes tangents
- * from differences over 2^-10 of a face, which lets those ulps grow 2^10-fold. */
+/* Some ulps of coordinates up to 4. Near extraordinary vertices Embree computes tangents from differences over 2^-10 of
+ * a face, which multiplies those ulps by 2^10. */
 constexpr double ulp = 0x1p-23, positionBound = 4 * 4 * ulp, angleBound = 4 * ulp * 0x1p10;
 
 void expectEmbrees(const Cage& cage, double margin, Random& random)
@@ -200,7 +202,7 @@ void expectEmbrees(const Cage& cage, double margin, Random& random)
   EXPECT_LT(d.angle, angleBound) << cage.name << " of " << cage.numFaces() << " faces";
 }
 
-TEST(LimitSurface, EqualsEmbreesOnSmoothCages)
+TEST(LimitSurface, MatchesEmbreeOnSmoothCages)
 {
   Random random(4);
   expectEmbrees(makeCube().cage, 0, random);
@@ -211,7 +213,7 @@ TEST(LimitSurface, EqualsEmbreesOnSmoothCages)
   }
 }
 
-TEST(LimitSurface, EqualsEmbreesOnOpenSheetsWithHoles)
+TEST(LimitSurface, MatchesEmbreeOnOpenSheetsWithHoles)
 {
   Random random(5);
   Cage cage = moved(sheet(4), random, 0.3);
@@ -223,14 +225,14 @@ TEST(LimitSurface, EqualsEmbreesOnOpenSheetsWithHoles)
   cage.boundary = BoundaryRule::EdgeAndCorner;
   cage.holes = {5};
   expectEmbrees(cage, 0, random);
-  cage.boundary = BoundaryRule::EdgeOnly; // but for corner faces
+  cage.boundary = BoundaryRule::EdgeOnly; // except for corner faces
   cage.holes = {0, 3, 12, 15};
   cage.cornerVertices = {1, 3, 5, 9, 15, 19, 21, 23};
   cage.cornerSharpness.assign(8, INFINITY);
   expectEmbrees(cage, 0, random);
 }
 
-/* Faces around vertex 0, open over five sixths of a circle, of so many vertices each. */
+/* Faces with these numbers of vertices around vertex 0, open, over five sixths of a circle. */
 Cage fan(const std::vector<unsigned>& faceSizes)
 {
   Cage cage;
@@ -238,7 +240,8 @@ Cage fan(const std::vector<unsigned>& faceSizes)
   cage.boundary = BoundaryRule::EdgeAndCorner;
   const double step = 10 * M_PI / 6 / double(faceSizes.size());
   const auto addVertex = [&](double angle, double radius) {
-    cage.positions.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
+    cage.positions.push_back(
+      {float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(0.1 * std::cos(3 * angle))});
     return unsigned(cage.positions.size() - 1);
   };
   cage.positions.push_back({0, 0, 0.3f});
@@ -255,9 +258,9 @@ Cage fan(const std::vector<unsigned>& faceSizes)
   return cage;
 }
 
-/* Of quads, and in the middle of them one of so many vertices. A ring has two vertices a quad, one more a
- * pentagon, and two between the borders: 129 at most. */
-TEST(LimitSurface, EqualsEmbreesAtTheLongestRings)
+/* Quads, and in their middle one face with this number of vertices. A ring has two vertices per quad, one more per
+ * pentagon, and two between the borders: at most 129. */
+TEST(LimitSurface, MatchesEmbreeAtTheLongestRings)
 {
   Random random(9);
   for (const auto& [quads, other] : {std::pair(62u, 4u), {62u, 5u}, {61u, 7u}, {60u, 9u}, {53u, 16u}})
@@ -268,9 +271,9 @@ TEST(LimitSurface, EqualsEmbreesAtTheLongestRings)
   }
 }
 
-/* Away from borders of patches: along infinitely sharp creases either side closes the
- * last 2^-10 of a face its own way. */
-TEST(LimitSurface, EqualsEmbreesWithCreasesAndCorners)
+/* Away from borders of patches: along infinitely sharp creases both sides close the last 2^-10 of a face differently.
+ * */
+TEST(LimitSurface, MatchesEmbreeWithCreasesAndCorners)
 {
   Random random(6);
   constexpr double margin = 0x1p-8;
@@ -293,8 +296,8 @@ TEST(LimitSurface, EqualsEmbreesWithCreasesAndCorners)
   }
 }
 
-/* OpenSubdiv's shapes catmark_cube_creases1 and 2: a cube of creases, of which the last one,
- * from vertex 3 to 5, is another. */
+/* OpenSubdiv's shapes catmark_cube_creases1 and 2: a cube of creases. The sharpness of the last one, from vertex 3 to
+ * 5, is given separately. */
 Cage creasedCube(float sharpness, float last)
 {
   Cage cage;
@@ -309,10 +312,10 @@ Cage creasedCube(float sharpness, float last)
   return cage;
 }
 
-constexpr unsigned fadingVertex = 3;             // of the creased cube
-constexpr PatchPoint fadingPoint{0, 0, 1, 1};    // there, in face 0
+constexpr unsigned fadingVertex = 3;             // a vertex of the creased cube
+constexpr PatchPoint fadingPoint{0, 0, 1, 1};    // its position in face 0
 
-/* The cage after one step of OpenSubdiv's subdivision, with the sharpness that is left. */
+/* Returns the cage after one step of OpenSubdiv's subdivision, with the remaining sharpness. */
 Cage refined(const Cage& cage)
 {
   namespace Far = OpenSubdiv::Far;
@@ -351,9 +354,9 @@ Cage refined(const Cage& cage)
   return result;
 }
 
-/* The first step at vertex 3 by hand: 0.1 of the corner, which stays, and 0.9 of the crease
- * through it. 1.09601581 is also what Hbr has, in OpenSubdiv's regression baseline. */
-TEST(LimitSurface, AFadingCreaseIsBlendedAsInThePaper)
+/* The first step at vertex 3 computed by hand: 0.1 of the corner, which stays, and 0.9 of the crease through it.
+ * OpenSubdiv's regression baseline of Hbr also has 1.09601581. */
+TEST(LimitSurface, FadingCreaseIsBlendedAsInThePaper)
 {
   const Cage cage = creasedCube(5.0f, 0.1f);
   const float corner = cage.positions[fadingVertex].y, crease = 6.0f / 8.0f * corner;
@@ -366,7 +369,7 @@ TEST(LimitSurface, AFadingCreaseIsBlendedAsInThePaper)
   EXPECT_NE(found, after.end());
 }
 
-TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseAndEmbreesIsNot)
+TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseUnlikeEmbree)
 {
   const auto reach = [](float last) { return LimitSurface(creasedCube(INFINITY, last)).evaluate(fadingPoint).p.y; };
   EXPECT_NEAR(reach(0.001f), reach(0.0f), 0.001);
@@ -377,9 +380,9 @@ TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseAndEmbreesIsNot)
   EXPECT_GT(deviationFromEmbree(creasedCube(INFINITY, 0.001f), 0x1p-8, random).position, 0.1);
 }
 
-/* Once the fading crease is gone, both have the same rules again, and so the surface that
- * Embree makes of the refined cage is OpenSubdiv's of the cage itself. */
-TEST(LimitSurface, EqualsEmbreesAfterOneStepOfOpenSubdivs)
+/* After the fading crease is gone, both use the same rules. Embree's surface of the refined cage is then OpenSubdiv's
+ * surface of the original cage. */
+TEST(LimitSurface, MatchesEmbreeAfterOneStepOfOpenSubdiv)
 {
   Random random(8);
   for (float sharpness : {5.0f, INFINITY})

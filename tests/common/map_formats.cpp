@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Height maps in every pixel type and layout that OpenImageIO reads: the height that is sampled, or the message. */
+/* Height maps in every pixel type and layout that OpenImageIO reads: checks the sampled height, or the error message.
+ * */
 
 #include "basics/error.h"
 #include "support/message_parts.h"
@@ -24,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned size = 20; // of images along both axes: tiles of 16 are cut off
+constexpr unsigned size = 20; // width and height of images; tiles of 16 are clipped
 
 class MapFormats : public testing::Test
 {
@@ -43,11 +44,11 @@ protected:
 
 struct Sample
 {
-  float height = NAN, mean = NAN; // filtered by a texel at most, and over the width of two
+  float height = NAN, mean = NAN; // filtered over at most one texel, and over two texels
   std::string error, warnings;
 };
 
-/* A height of a file as displacements sample it. */
+/* Samples a height of a file as displacements do. */
 Sample sampleAt(const std::string& path, float s, float t, TextureWrap wrap = TextureWrap::Clamp, float neutral = 0.5f,
                 const std::string& channel = "")
 {
@@ -56,7 +57,8 @@ Sample sampleAt(const std::string& path, float s, float t, TextureWrap wrap = Te
   {
     const HeightTexture texture({path}, {channel, 1, neutral}, wrap, sample.warnings);
     texture.sample(0, s, t, 0.0f, 0.0f, &sample.height);
-    texture.sample(0, s, t, 2.0f / texture.size(0).x, 2.0f / texture.size(0).y, &sample.mean); // by another filter
+    // with a different filter
+    texture.sample(0, s, t, 2.0f / texture.size(0).x, 2.0f / texture.size(0).y, &sample.mean);
   }
   catch (const Error& e)
   {
@@ -65,7 +67,7 @@ Sample sampleAt(const std::string& path, float s, float t, TextureWrap wrap = Te
   return sample;
 }
 
-/* One pixel, all over an image. */
+/* One pixel, repeated over an image. */
 std::string repeated(const std::string& pixel)
 {
   std::string samples;
@@ -96,8 +98,8 @@ struct PixelType
 {
   const char* name;
   unsigned bits, format;
-  std::string (*pixel)(std::vector<double> channels); // of channels from 0 to 1
-  double greatest;                                    // what 1 is stored as
+  std::string (*pixel)(std::vector<double> channels); // channels from 0 to 1
+  double greatest;                                    // the stored value of 1
 };
 
 const PixelType pixelTypes[] = {
@@ -122,7 +124,7 @@ const PixelLayout pixelLayouts[] = {
   {"RGB planar", 3, 2, -1, true, 0},     {"RGB planar tiled", 3, 2, -1, true, 16}, {"RGBA", 4, 2, 2, false, 0},
   {"RGBA associated", 4, 2, 1, false, 0}, {"RGBA planar", 4, 2, 2, true, 0},    {"RGB and another", 4, 2, 0, false, 0}};
 
-TEST_F(MapFormats, TiffOfEveryTypeAndLayoutIsReadOrRefusedByName)
+TEST_F(MapFormats, TiffOfEveryTypeAndLayoutIsReadOrRejectedByName)
 {
   for (const PixelType& type : pixelTypes)
     for (const PixelLayout& l : pixelLayouts)
@@ -163,12 +165,12 @@ TEST_F(MapFormats, TiffOfEveryTypeAndLayoutIsReadOrRefusedByName)
         }
 }
 
-TEST_F(MapFormats, SignedIntegersGoFromMinusOneToOne)
+TEST_F(MapFormats, SignedIntegersRangeFromMinusOneToOne)
 {
   for (unsigned bits : {8u, 16u, 32u})
     for (double height : {-1.0, -0.25, 0.0, 0.5, 1.0})
     {
-      constexpr unsigned edge = 100; // more than a tile of the texture system
+      constexpr unsigned edge = 100; // larger than a tile of the texture system
       TiffLayout t;
       t.width = t.height = edge;
       t.bits = bits;
@@ -190,15 +192,15 @@ TEST_F(MapFormats, SignedIntegersGoFromMinusOneToOne)
     }
 }
 
-/* Of one sample per pixel, in layouts that are not among the types above. */
-TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRefusedByName)
+/* One sample per pixel, in layouts other than the types above. */
+TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRejectedByName)
 {
   struct Case
   {
     const char* name;
     unsigned bits, format, photometric, samples;
-    std::string rows;  // of 20 pixels each, the same
-    float expected;    // NAN: refused
+    std::string rows;  // 20 equal pixels each
+    float expected;    // NAN: rejected
     const char* message;
   };
   const auto row = [](const std::string& pixel) {
@@ -293,7 +295,7 @@ TEST_F(MapFormats, TiffOfOtherDepthsAndColorsIsReadOrRefusedByName)
     }
 }
 
-TEST_F(MapFormats, OtherFilesAreReadWithTheirValuesWhateverTheAlpha)
+TEST_F(MapFormats, OtherFilesAreReadIndependentlyOfAlpha)
 {
   struct Case
   {
@@ -373,11 +375,11 @@ TEST_F(MapFormats, TexelsOutsideOfTheDataWindowAreNeutral)
   };
   const float half = 0.5f;
   const auto texel = [](int i, int of = 8) { return (float(i) + 0.5f) / float(of); };
-  /* data from 2,3 to 5,4: bicubic filters reach two texels far, so look beyond that */
+  /* data from 2,3 to 5,4; bicubic filters extend over two texels, so sample beyond that */
   const std::string cropped = writeWindow(pathOf("cropped.exr"), 2, 3);
   check(cropped, {{texel(0), texel(0), half}, {texel(3), texel(7), half}, {texel(7), texel(6), half}});
   const HeightMap map = HeightMap::read(writeWindow(pathOf("full.exr"), 0, 0, 0, 0, 2));
-  EXPECT_EQ(map.width(), 2) << "what lies outside of the display window is not part of the map";
+  EXPECT_EQ(map.width(), 2) << "texels outside of the display window are not part of the map";
   EXPECT_EQ(map.at(1, 1), 0.9f);
   for (int tile : {0, 16})
     for (int shift : {-3, 0, 5})
@@ -393,9 +395,9 @@ TEST_F(MapFormats, TexelsOutsideOfTheDataWindowAreNeutral)
       EXPECT_GT(height, 0.8f) << shift;
       EXPECT_FLOAT_EQ(around, 0.25f) << shift;
     }
-  /* a data window that moved by its own size has no texel in the display window */
+  /* a data window that is offset by its own size has no texel in the display window */
   check(writeWindow(pathOf("beside.exr"), 8, 8), {{texel(1), texel(1), half}, {texel(6), texel(6), half}});
-  /* a position on a page, which PNG stores and TIFF does without Pixar's tags, is no display window */
+  /* a position on a page, which PNG stores and TIFF stores without Pixar's tags, is not a display window */
   check(writeWindow(pathOf("placed.png"), 5, 1), {{0.5f, 0.5f, 230.0f / 255.0f}, {0.1f, 0.1f, 230.0f / 255.0f}});
   const std::string pixar = writeWindow(pathOf("cropped.tif"), 2, 3);
   check(pixar, {{texel(0), texel(0), half}, {texel(3), texel(7), half}});
@@ -409,7 +411,7 @@ TEST_F(MapFormats, MissingTexelsAreNeutralAndCounted)
     unsigned bits, format, photometric;
     const char* nodata;
     std::string missing, other; // samples
-    float expected;             // of the other
+    float expected;             // value of the other samples
   };
   const auto f = [](double x) { return integersOf<float>({x}); };
   const auto f64 = [](double x) { return integersOf<double>({x}); };
@@ -453,7 +455,7 @@ TEST_F(MapFormats, MissingTexelsAreNeutralAndCounted)
       t.nodata = c.nodata;
       t.isBigEndian = t.isBigTiff = isBig;
       if (c.name == std::string("half"))
-        t.nodata = "-10000"; // -9999 is no half
+        t.nodata = "-10000"; // half does not represent -9999
       std::string samples;
       for (unsigned i = 0; i < size * size; i++)
         samples += i % size < 10 ? c.missing : c.other; // the left half
@@ -467,7 +469,7 @@ TEST_F(MapFormats, MissingTexelsAreNeutralAndCounted)
     }
 }
 
-TEST_F(MapFormats, ValuesThatOnlyLookMissingAreHeights)
+TEST_F(MapFormats, ValuesThatResembleMissingOnesAreHeights)
 {
   TiffLayout t;
   t.width = t.height = size;
@@ -513,13 +515,13 @@ TEST_F(MapFormats, EachPageHasItsOwnMissingValue)
   EXPECT_EQ(warnings, path + ": 400 texels have no value and displace nothing\n");
 }
 
-TEST_F(MapFormats, SmallerCopiesAndMasksAreNoImages)
+TEST_F(MapFormats, SmallerCopiesAndMasksAreIgnored)
 {
   for (unsigned tile : {0u, 16u})
   {
     TiffWriter writer(false, false);
     for (unsigned page = 0; page < 2; page++)
-      for (unsigned subfile : {0u, 1u, 1u, 4u, 5u}) // a page, two copies of it, its mask and a copy of that
+      for (unsigned subfile : {0u, 1u, 1u, 4u, 5u}) // a page, two copies of it, its mask and a copy of the mask
       {
         TiffLayout t;
         t.width = t.height = size;
@@ -541,7 +543,7 @@ TEST_F(MapFormats, SmallerCopiesAndMasksAreNoImages)
   }
 }
 
-TEST_F(MapFormats, APageThatCannotBeReadRefusesTheFile)
+TEST_F(MapFormats, FileWithAnUnreadablePageIsRejected)
 {
   TiffWriter writer(false, false);
   TiffLayout t;
@@ -556,7 +558,7 @@ TEST_F(MapFormats, APageThatCannotBeReadRefusesTheFile)
     << sampleAt(path, 0.5f, 0.5f).error;
 }
 
-TEST_F(MapFormats, DeepImagesAreRefused)
+TEST_F(MapFormats, DeepImagesAreRejected)
 {
   const std::string path = pathOf("deep.exr");
   OIIO::ImageSpec spec(4, 4, 1, OIIO::TypeDesc::FLOAT);
@@ -568,7 +570,7 @@ TEST_F(MapFormats, DeepImagesAreRefused)
     << sampleAt(path, 0.5f, 0.5f).error;
 }
 
-TEST_F(MapFormats, PipesAreRefusedWithoutOpeningThem)
+TEST_F(MapFormats, PipesAreRejectedWithoutOpeningThem)
 {
   const std::string path = pathOf("pipe.exr");
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);

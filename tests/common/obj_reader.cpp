@@ -44,7 +44,7 @@ std::string errorOf(const std::string& text)
   return "";
 }
 
-TEST(ObjReader, KeepsPolygonsWhole)
+TEST(ObjReader, PolygonsAreNotSplit)
 {
   const Cage cage = read(square + "v 2 2 2\nf 1 2 3 4 5\nf 1 2 3\n");
   EXPECT_EQ(cage.faceSizes, (std::vector<unsigned>{5, 3}));
@@ -64,7 +64,7 @@ TEST(ObjReader, ReadsAllCornerForms)
   EXPECT_FALSE(read(square + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n").hasUVs());
 }
 
-TEST(ObjReader, NegativeIndicesCountFromWhatWasReadSoFar)
+TEST(ObjReader, NegativeIndicesCountFromTheCurrentEnd)
 {
   const Cage cage = read(square + "f -4 -3 -2 -1\nv 9 9 9\nf -1 1 2\n");
   EXPECT_EQ(cage.faceIndices, (std::vector<unsigned>{0, 1, 2, 3, 4, 0, 1}));
@@ -105,7 +105,7 @@ TEST(ObjReader, CagesWithSomeTextureCoordinatesAreValid)
   EXPECT_TRUE(cage.holes.empty());
 }
 
-/* A named pipe in a folder that goes at the end. */
+/* A named pipe in a folder that is removed at the end. */
 struct NamedPipe
 {
   NamedPipe() : folder(std::filesystem::temp_directory_path() / ("cbvh_obj_pipe_" + std::to_string(::getpid())))
@@ -120,7 +120,7 @@ struct NamedPipe
   std::string path;
 };
 
-TEST(ObjReader, ReadsPipesWhoseWriterComesLaterAndRests)
+TEST(ObjReader, ReadsPipesWithLateAndSlowWriters)
 {
   const NamedPipe pipe;
   std::thread writer([&] {
@@ -128,7 +128,7 @@ TEST(ObjReader, ReadsPipesWhoseWriterComesLaterAndRests)
     std::ofstream stream(pipe.path);
     stream << square << std::flush;
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    for (int i = 0; i < 20000; i++) // more than a pipe holds
+    for (int i = 0; i < 20000; i++) // more than the capacity of a pipe
       stream << "f 1 2 3 4\n";
   });
   std::string warnings;
@@ -153,7 +153,7 @@ TEST(ObjReader, PipesWithoutAWriterAreReported)
   EXPECT_TRUE(containsInOrder(error, {"pipe", "10 seconds"}));
 }
 
-TEST(ObjReader, CancellingEndsTheWaitForAWriter)
+TEST(ObjReader, CancellationEndsTheWaitForAWriter)
 {
   const NamedPipe pipe;
   std::string warnings;
@@ -164,8 +164,9 @@ TEST(ObjReader, CancellingEndsTheWaitForAWriter)
 
 TEST(ObjReader, ReadsTags)
 {
-  const Cage cage = read("t interpolateboundary 1/0/0 1\n" + square +
-                         "f 1 2 3 4\nt crease 2/1/0 0 1 2.5\nt crease 4/2/0 1 2 2 3 10 1\nt corner 1/1/0 3 4\nt hole 1/0/0 0\n");
+  const Cage cage = read(
+    "t interpolateboundary 1/0/0 1\n" + square +
+    "f 1 2 3 4\nt crease 2/1/0 0 1 2.5\nt crease 4/2/0 1 2 2 3 10 1\nt corner 1/1/0 3 4\nt hole 1/0/0 0\n");
   EXPECT_EQ(cage.boundary, BoundaryRule::EdgeAndCorner);
   ASSERT_EQ(cage.creaseEdges.size(), 3u);
   EXPECT_EQ(cage.creaseEdges[1], (std::pair<unsigned, unsigned>{1, 2}));
@@ -182,7 +183,7 @@ TEST(ObjReader, WindowsLineEndsCommentsAndContinuations)
   EXPECT_EQ(cage.faceSizes, (std::vector<unsigned>{3}));
 }
 
-// Each of them is the square with one face; what differs is how programs write it.
+// Each of them is the square with one face, in the style of some program.
 TEST(ObjReader, DialectsOfPrograms)
 {
   const std::string face = "f 1 2 3 4\n";
@@ -233,7 +234,7 @@ TEST(ObjReader, FilesOfManyProgramsHaveTheirFaces)
   }
 }
 
-TEST(ObjReader, CoordinatesNextToNothingAreZero)
+TEST(ObjReader, DenormalCoordinatesAreZero)
 {
   const Cage cage = read("v 0 1e-60 -4e-320\nv 1 1e-999 0\nv 1 1 0\nf 1 2 3\n");
   EXPECT_EQ(cage.positions[0].y, 0.0f);
@@ -241,7 +242,7 @@ TEST(ObjReader, CoordinatesNextToNothingAreZero)
   EXPECT_EQ(cage.positions[1].y, 0.0f);
 }
 
-TEST(ObjReader, RefusesBadInputWithItsLine)
+TEST(ObjReader, RejectsBadInputWithItsLine)
 {
   struct Case
   {
@@ -290,7 +291,7 @@ TEST(ObjReader, RefusesBadInputWithItsLine)
   EXPECT_THROW(readObj("/", warnings), Error);
 }
 
-TEST(ObjReader, RulesOfSubdivisionAreReadOrWarnedOf)
+TEST(ObjReader, SubdivisionRulesAreReadOrCauseWarnings)
 {
   EXPECT_EQ(read(square + "f 1 2 3 4\n").creaseRule, CreaseRule::Uniform);
   EXPECT_EQ(read(square + "f 1 2 3 4\nt creasemethod 0/0/1 chaikin\n").creaseRule, CreaseRule::Chaikin);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Steps in parameters over the borders of patches, against the surface they run over. */
+/* Steps in parameters across the borders of patches, compared with the surface. */
 
 #include "support/random_cages.h"
 
@@ -10,8 +10,8 @@
 namespace cbvh::test {
 namespace {
 
-/* A plane of unit squares, each with its first corner anywhere. */
-TEST(PatchWalk, LinesStayStraightHoweverFacesAreTurned)
+/* A plane of unit squares, each with a random first corner. */
+TEST(PatchWalk, LinesStayStraightForAnyOrientationOfFaces)
 {
   Random random(6);
   constexpr unsigned n = 8;
@@ -31,7 +31,7 @@ TEST(PatchWalk, LinesStayStraightHoweverFacesAreTurned)
   }
 }
 
-TEST(PatchWalk, BordersAreCrossedWhereTheSurfaceGoesOn)
+TEST(PatchWalk, CrossedBordersContinueOnTheSurface)
 {
   Random random(7);
   Cage holed = moved(sheet(4), random, 0.3);
@@ -51,17 +51,18 @@ TEST(PatchWalk, BordersAreCrossedWhereTheSurfaceGoesOn)
       constexpr double least = 1e-9;
       const double side = random.uniform(-0.1, 0.1);
       across = border;
-      const PatchPoint q = surface.patches().go(p, edge % 2 ? outward * least : side, edge % 2 ? side : outward * least);
+      const PatchPoint q = surface.patches().go(p, edge % 2 ? outward * least : side,
+                                                edge % 2 ? side : outward * least);
       along += side;
       EXPECT_LT(length(surface.evaluate(p).position - surface.evaluate(q).position), 1e-7)
         << "face " << p.face << " edge " << edge << " to face " << q.face;
 
-      /* As deep on the far side as the step goes beyond the border. */
+      /* The distance beyond the border is the same on the other side. */
       along -= side;
       const double depth = random.uniform(0.01, 0.2);
       const PatchPoint far = surface.patches().go(p, edge % 2 ? outward * depth : 0, edge % 2 ? 0 : outward * depth);
       if (far.face == p.face && far.subPatch == p.subPatch)
-        continue; // a boundary
+        continue; // a boundary of the cage
       const unsigned here = cage.faceSizes[p.face], there = cage.faceSizes[far.face];
       const double scale = here == 4 && there != 4 ? 2 : here != 4 && there == 4 ? 0.5 : 1;
       const double depths[4] = {far.u, far.v, 1 - far.u, 1 - far.v};

@@ -19,7 +19,7 @@
 namespace cbvh::test {
 namespace {
 
-/* Handlers and flags are of the process: what sets them runs in one of its own. */
+/* Handlers and flags belong to the process: code that sets them runs in its own process. */
 
 void loopUntilCancelled()
 {
@@ -39,12 +39,12 @@ void loopUntilCancelled()
   }
 }
 
-TEST(CancelDeathTest, ASignalEndsLoops)
+TEST(CancelDeathTest, SignalEndsLoops)
 {
   EXPECT_EXIT(loopUntilCancelled(), testing::ExitedWithCode(7), "stopped by itself");
 }
 
-/* As code does that does not look at the flag. */
+/* Like code that does not check the flag. */
 void hang(const std::string& path)
 {
   installCancelHandler();
@@ -56,12 +56,12 @@ void hang(const std::string& path)
     pause();
 }
 
-TEST(CancelDeathTest, WhatHangsIsEndedAndItsFileRemoved)
+TEST(CancelDeathTest, HangingProcessIsEndedAndItsFileRemoved)
 {
   const std::filesystem::path folder =
     std::filesystem::temp_directory_path() / ("cbvh_progress_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
-  EXPECT_EXIT(hang((folder / "file.txt").string()), testing::ExitedWithCode(130), "test: cancelled");
+  EXPECT_EXIT(hang((folder / "file.txt").string()), testing::ExitedWithCode(130), "test: cancel+ed");
   EXPECT_TRUE(std::filesystem::is_empty(folder));
   std::filesystem::remove_all(folder);
 }

@@ -26,7 +26,7 @@ TEST(Quantiles, MedianAndInterquartileRange)
   EXPECT_EQ(median({4, 1}), 2.5);
   EXPECT_EQ(median({9, 1, 5}), 5);
   EXPECT_EQ(interquartileRange({7}), 0);
-  EXPECT_EQ(interquartileRange({1, 2, 3, 4, 100}), 2) << "one outlier does not count";
+  EXPECT_EQ(interquartileRange({1, 2, 3, 4, 100}), 2) << "one outlier has no effect";
 }
 
 } // namespace

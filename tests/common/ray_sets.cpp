@@ -18,9 +18,9 @@ std::vector<Ray> numbered(ImageSize size)
   return rays;
 }
 
-TEST(RaySets, CoherentRaysGoTileByTileAndCoverThePicture)
+TEST(RaySets, CoherentRaysAreInTilesAndCoverThePicture)
 {
-  const ImageSize size{19, 13}; // no multiple of 8
+  const ImageSize size{19, 13}; // not a multiple of 8
   const std::vector<Ray> rays = coherentRays(numbered(size), size, 0);
   ASSERT_EQ(rays.size(), size_t(19 * 13));
   std::set<float> seen;
@@ -52,7 +52,7 @@ TEST(RaySets, BouncesStartOffTheSurfaceOnTheCamerasSide)
   BounceSettings settings;
   settings.offset = 0.25f;
   const std::vector<Ray> rays = bounceRays(primary, hits, settings);
-  ASSERT_EQ(rays.size(), 999u) << "none from a miss";
+  ASSERT_EQ(rays.size(), 999u) << "misses have no bounce";
   double cosine = 0;
   for (const Ray& r : rays)
   {

@@ -11,7 +11,7 @@
 namespace cbvh::test {
 namespace {
 
-TEST(Representation, ListsTakeFrameLevelsOfTheirOwn)
+TEST(Representation, ListsAcceptFrameLevelsPerEntry)
 {
   const auto list = parseRepresentations("NAIVE,grid,cGRID,cvoxel^3,cleaf:0,cleaf:auto", 2);
   ASSERT_EQ(list.size(), 6u);
@@ -24,8 +24,8 @@ TEST(Representation, ListsTakeFrameLevelsOfTheirOwn)
   EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=1,cbvh_frame_level=auto");
 }
 
-// One stores faces exactly that leaves hold badly, the other none: they share no name anywhere.
-TEST(Representation, LeavesAloneHaveANameOfTheirOwn)
+// The one stores faces exactly if leaves represent them badly; the other never does. They must not share a name.
+TEST(Representation, LeavesOnlyHasAName)
 {
   const auto list = parseRepresentations("cleaf^2,cleaf-only^2,cLEAF-only", autoFrameLevel);
   ASSERT_EQ(list.size(), 3u);
@@ -39,7 +39,7 @@ TEST(Representation, LeavesAloneHaveANameOfTheirOwn)
   EXPECT_FALSE(list[1].hasExactFaces());
 }
 
-TEST(Representation, TheLibrarysNamesAreTakenAsWell)
+TEST(Representation, NamesOfTheLibraryAreAccepted)
 {
   const std::pair<const char*, const char*> words[] = {
     {"cvert,CVERT,vert,Vert,cbvh.vert,CBVH.Vert", "cVERT"}, {"cleaf,leaf,LEAF,cbvh.leaf", "cLEAF"},
@@ -54,11 +54,12 @@ TEST(Representation, TheLibrarysNamesAreTakenAsWell)
       EXPECT_EQ(parseRepresentations(word, autoFrameLevel)[0].label(), label);
     }
   EXPECT_EQ(parseRepresentations("Leaf^3", autoFrameLevel)[0].label(), "cLEAF^3");
-  for (const char* list : {"cvert,vert", "leaf^2,cbvh.leaf:2", "cbvh.naive", "naiv", "aive", "cbvh", "cbvh.cvert", "ccvert"})
+  for (const char* list :
+       {"cvert,vert", "leaf^2,cbvh.leaf:2", "cbvh.naive", "naiv", "aive", "cbvh", "cbvh.cvert", "ccvert"})
     EXPECT_THROW(parseRepresentations(list, 2), Error) << list;
 }
 
-TEST(Representation, ListsAreOfTheLibrarysKinds)
+TEST(Representation, ListsContainTheLibrarysKinds)
 {
   EXPECT_EQ(listOfRepresentations(",", " or "), "naive,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
   EXPECT_EQ(defaultRepresentations(), "naive,grid,cgrid,cvoxel,cleaf,cvert");
@@ -80,14 +81,14 @@ TEST(Representation, ListsAreOfTheLibrarysKinds)
   EXPECT_EQ(list.back().deviceConfig(), "subdiv_accel=cbvh.vert");
 }
 
-TEST(Representation, FrameLevelsEndWithTheLibrarys)
+TEST(Representation, FrameLevelsAreLimitedLikeTheLibrarys)
 {
   EXPECT_EQ(levelRange(), "0 to 8");
   EXPECT_EQ(parseFrameLevel("8"), 8);
   EXPECT_THROW(parseFrameLevel("9"), Error);
 }
 
-TEST(Representation, RefusesWhatItDoesNotKnow)
+TEST(Representation, RejectsUnknownNames)
 {
   for (const char* list : {"", "grid,", "mesh", "grid^2", "cleaf^9", "cleaf^-1", "cleaf^", "cleaf^2x", "cleaf,cleaf^2"})
     EXPECT_THROW(parseRepresentations(list, 2), Error) << list;

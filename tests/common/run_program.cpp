@@ -14,7 +14,7 @@
 namespace cbvh::test {
 namespace {
 
-/* Status and what is on stderr. */
+/* Returns the exit status and the output to stderr. */
 std::pair<int, std::string> outcome(const std::function<int()>& run)
 {
   testing::internal::CaptureStderr();
@@ -28,12 +28,18 @@ TEST(RunProgram, ReturnsTheStatus)
   EXPECT_EQ(outcome([] { return 3; }), std::make_pair(3, std::string()));
 }
 
-TEST(RunProgram, SaysInALineWhatWasThrown)
+TEST(RunProgram, PrintsExceptionsInOneLine)
 {
-  EXPECT_EQ(outcome([]() -> int { throw Cancelled(); }), std::make_pair(130, std::string("cbvh_test: cancelled\n")));
-  EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }), std::make_pair(1, std::string("cbvh_test: out of memory\n")));
-  EXPECT_EQ(outcome([]() -> int { throw Error("x.obj: 100% wrong"); }), std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
-  EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }), std::make_pair(1, std::string("cbvh_test: far\n")));
+  const std::pair<int, std::string> canceled = outcome([]() -> int { throw Cancelled(); });
+  EXPECT_EQ(canceled.first, 130);
+  EXPECT_EQ(canceled.second.find("cbvh_test: cancel"), 0u) << canceled.second;
+  EXPECT_EQ(canceled.second.find('\n'), canceled.second.size() - 1) << canceled.second;
+  EXPECT_EQ(outcome([]() -> int { throw std::bad_alloc(); }),
+            std::make_pair(1, std::string("cbvh_test: out of memory\n")));
+  EXPECT_EQ(outcome([]() -> int { throw Error("x.obj: 100% wrong"); }),
+            std::make_pair(1, std::string("cbvh_test: x.obj: 100% wrong\n")));
+  EXPECT_EQ(outcome([]() -> int { throw std::out_of_range("far"); }),
+            std::make_pair(1, std::string("cbvh_test: far\n")));
 }
 
 } // namespace

@@ -33,7 +33,7 @@ namespace {
 
 double volume(const Cage& cage, const std::vector<size_t>& faces)
 {
-  double sum = 0; // by the divergence theorem, positive when faces look outwards
+  double sum = 0; // by the divergence theorem; positive if faces are oriented outwards
   for (size_t f : faces)
   {
     const unsigned* q = &cage.faceIndices[4 * f];
@@ -69,7 +69,7 @@ std::vector<std::vector<size_t>> connectedPieces(const Cage& cage)
   return pieces;
 }
 
-/* All quads, manifold, without boundary, every piece facing outwards. */
+/* Only quads, manifold, without boundary, every piece oriented outwards. */
 void expectClosedCage(const Cage& cage)
 {
   for (unsigned size : cage.faceSizes)
@@ -86,8 +86,8 @@ void expectClosedCage(const Cage& cage)
     EXPECT_GT(volume(cage, piece), 0.0) << cage.name << ": the piece of face " << piece[0];
 }
 
-/* Both sides of every edge displace alike. Unlike heights computed from a position,
- * positions themselves differ by rounding from side to side. */
+/* Both sides of every edge have the same displacement. Heights computed from a position are equal; positions themselves
+ * differ by rounding. */
 void expectContinuous(const Cage& cage, const Displacement& d, int level, float tolerance)
 {
   const FaceBorders borders(cage);
@@ -107,7 +107,7 @@ void expectContinuous(const Cage& cage, const Displacement& d, int level, float 
       }
 }
 
-TEST(Scenes, SmallOnesAreClosedAndContinuous)
+TEST(Scenes, SmallScenesAreClosedAndContinuous)
 {
   for (const Model& model : {makeCube(), makeFrog(), makeScythe(), makeKnee()})
   {
@@ -141,7 +141,7 @@ protected:
 };
 TrexCage* Trex::trex;
 
-TEST_F(Trex, CageIsClosedOfSixToEightThousandQuads)
+TEST_F(Trex, CageIsClosedWithSixToEightThousandQuads)
 {
   EXPECT_GE(trex->cage.numFaces(), 6000u);
   EXPECT_LE(trex->cage.numFaces(), 8000u);
@@ -192,7 +192,7 @@ TEST_F(Trex, SkinIsContinuousAndUsesItsRange)
   expectContinuous(trex->cage, *d, 2, 0.0f);
 }
 
-TEST_F(Trex, ChartsOverlapNowhereAndAreFew)
+TEST_F(Trex, ChartsDoNotOverlapAndAreFew)
 {
   const Charts charts = unfoldCharts(trex->cage, 8, 2);
   EXPECT_LT(charts.count, trex->cage.numFaces() / 10);
@@ -208,12 +208,14 @@ TEST_F(Trex, ChartsOverlapNowhereAndAreFew)
       }
 }
 
-/* A map that is linear in the position is reproduced by interpolation in either
- * parametrisation, so texels and coordinates belong together. */
+/* Interpolation in either parametrization reproduces a map that is linear in the position, so texels and coordinates
+ * match. */
 TEST_F(Trex, TilesAndChartsShowTheSameHeights)
 {
   Cage cage = makeKnee().cage;
-  const auto height = [](const LimitPoint& p) { return 0.3f * p.position.x - 0.2f * p.position.y + 0.1f * p.position.z; };
+  const auto height = [](const LimitPoint& p) {
+    return 0.3f * p.position.x - 0.2f * p.position.y + 0.1f * p.position.z;
+  };
   const auto tiles = displaceByBake(cage, 16, 1.0f, {"tiles", 0, height});
   const std::filesystem::path folder =
     std::filesystem::temp_directory_path() / ("cbvh_scenes_" + std::to_string(::getpid()));
@@ -235,8 +237,8 @@ TEST_F(Trex, TilesAndChartsShowTheSameHeights)
       }
 }
 
-/* Three small copies: every face of each is hit where the placement puts it. */
-TEST(Herd, CopiesStandWhereTheyArePlacedInEveryRepresentation)
+/* Three small copies: every face of each copy is hit at its position. */
+TEST(Herd, CopiesAreAtTheirPositionsInEveryRepresentation)
 {
   Model model = makeCube();
   model.copies = {{{0, 0, 0}, 0.0f, 1.0f}, {{9, 0, 0}, 0.6f, 1.5f}, {{0, 0, 9}, -1.0f, 0.5f}};
@@ -248,7 +250,7 @@ TEST(Herd, CopiesStandWhereTheyArePlacedInEveryRepresentation)
     const BuiltScene scene(model, {kind, 1}, settings);
     EXPECT_EQ(scene.report().quads, 3u * 6 * 64);
     std::vector<Ray> rays;
-    for (const Placement& copy : model.copies) // down onto the middle of the face at +y
+    for (const Placement& copy : model.copies) // down onto the center of the face at +y
       rays.push_back({copy.apply({0.01f, 20.0f, 0.02f}), 0.0f, {0, -1, 0}, INFINITY});
     const std::vector<SurfaceHit> hits = traceClosest(scene, rays, 1);
     for (size_t i = 0; i < rays.size(); i++)
@@ -261,8 +263,8 @@ TEST(Herd, CopiesStandWhereTheyArePlacedInEveryRepresentation)
   }
 }
 
-/* No two have quads in common, and what is hit of each lies on its own true surface. */
-TEST(Herd, CopiesOfTheirOwnShapesAreHitThere)
+/* The shapes share no quads, and hits of each copy are on its own true surface. */
+TEST(Herd, CopiesWithOwnShapesAreHitThere)
 {
   Model model = makeCube();
   model.displacement = nullptr;
@@ -280,13 +282,14 @@ TEST(Herd, CopiesOfTheirOwnShapesAreHitThere)
   EXPECT_GT(errors.hits, 400u);
   EXPECT_LT(errors.p99World, 2e-3f);
 
-  model.shapes[0].swap(model.shapes[1]); // the wrong ones
+  model.shapes[0].swap(model.shapes[1]); // swapped shapes, which must fail
   const TrueSurfaces swapped(model);
-  const TrueErrors others = compareToTrueSurface({model, swapped, rays, view.sample, view.footprint}, hits, scene.layout(), 1);
+  const TrueErrors others = compareToTrueSurface({model, swapped, rays, view.sample, view.footprint}, hits,
+                                                 scene.layout(), 1);
   EXPECT_GT(others.medianWorld, 1e-2f);
 }
 
-TEST(Herd, EachIsInAPoseOfItsOwnAndMovesFromThere)
+TEST(Herd, EachCopyHasItsOwnPoseAndMotion)
 {
   TrexSettings settings;
   Model model = makeHerd(settings, 5);
@@ -332,11 +335,11 @@ TEST(Catalogue, UnknownNamesListTheKnownOnes)
   }
 }
 
-TEST(Catalogue, StrengthOfDisplacementIsTheGivenOneOrTheDefault)
+TEST(Catalogue, DisplacementAmplitudeIsTheGivenOneOrTheDefault)
 {
   SceneSettings s;
   s.cagePath = "body.obj";
-  EXPECT_FALSE(withDefaultAmplitude(s).amplitude || withDefaultAmplitude(s).mapScale) << "there is no map";
+  EXPECT_FALSE(withDefaultAmplitude(s).amplitude || withDefaultAmplitude(s).mapScale) << "no map, no amplitude";
   s.heightPath = "skin.png";
   EXPECT_EQ(withDefaultAmplitude(s).amplitude, defaultAmplitude);
   s.mapValues = MapValues::ObjectVectors;

@@ -11,7 +11,7 @@
 namespace cbvh::test {
 namespace {
 
-// A camera before planes: what it sees of each pixel.
+// A camera in front of planes, and the hit of each pixel.
 class Silhouettes : public testing::Test
 {
 protected:
@@ -19,7 +19,7 @@ protected:
   const Camera camera{{0, 0, 10}, {0, 0, 0}, {0, 1, 0}, 40, {size, size}};
   const std::vector<Ray> rays = primaryRays(camera);
 
-  // of the plane through the point below the camera, with that normal
+  // On the plane through the point below the camera with this normal.
   SurfaceHit hitOf(size_t ray, float depth, Vec3f normal) const
   {
     SurfaceHit hit;
@@ -29,10 +29,13 @@ protected:
     return hit;
   }
 
-  std::vector<size_t> away(const std::vector<SurfaceHit>& hits) const { return hitsAwayFromSilhouettes(rays, hits, camera); }
+  std::vector<size_t> away(const std::vector<SurfaceHit>& hits) const
+  {
+    return hitsAwayFromSilhouettes(rays, hits, camera);
+  }
 };
 
-TEST_F(Silhouettes, APlaneHasNoneWhateverItsSlope)
+TEST_F(Silhouettes, PlaneHasNoneAtAnySlope)
 {
   for (const Vec3f& normal : {Vec3f{0, 0, 1}, Vec3f{0.9f, 0.3f, 0.5f}, Vec3f{0, 2, -4}}) {
     std::vector<SurfaceHit> hits;
@@ -41,7 +44,7 @@ TEST_F(Silhouettes, APlaneHasNoneWhateverItsSlope)
   }
 }
 
-TEST_F(Silhouettes, AreBesideAStepAndBesideTheBackground)
+TEST_F(Silhouettes, AreNextToStepsAndTheBackground)
 {
   const float pixel = camera.footprint()*10;
   for (float step : {2*pixel, 5*pixel, INFINITY}) {
@@ -51,13 +54,15 @@ TEST_F(Silhouettes, AreBesideAStepAndBesideTheBackground)
       if (step == INFINITY && i % size >= size/2) hits.back() = SurfaceHit();
     }
     const std::vector<size_t> found = away(hits);
-    const auto inColumn = [&](int x) { return std::count_if(found.begin(), found.end(), [&](size_t i) { return int(i % size) == x; }); };
+    const auto inColumn = [&](int x) {
+      return std::count_if(found.begin(), found.end(), [&](size_t i) { return int(i % size) == x; });
+    };
     const long rows = size - 2, beside = step == 2*pixel ? rows : 0;
     EXPECT_EQ(inColumn(size/2 - 2), rows);
     EXPECT_EQ(inColumn(size/2 - 1), beside);
     EXPECT_EQ(inColumn(size/2), beside);
     EXPECT_EQ(inColumn(size/2 + 1), step == INFINITY ? 0 : rows);
-    EXPECT_EQ(inColumn(0), 0) << "the rim has no neighbours";
+    EXPECT_EQ(inColumn(0), 0) << "pixels on the rim have no neighbors";
   }
 }
 

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The oracle against surfaces whose distance is known, and the errors it gives of hits
- * whose error is known. */
+/* Tests the true surface with surfaces of known distance, and the errors of hits with known errors. */
 
 #include "measure/true_errors.h"
 #include "building/built_scene.h"
@@ -60,7 +59,7 @@ TEST(TrueSurface, IsDisplacedAlongTheNormal)
   }
 }
 
-/* The same surface by vectors, and pushed aside. */
+/* The same surface by displacement vectors, shifted sideways. */
 class WavesByVectors : public Waves
 {
 public:
@@ -92,8 +91,8 @@ TEST(TrueSurface, IsDisplacedByVectors)
   }
 }
 
-/* What Embree tessellates lies on it, on copies that are turned and scaled, too. */
-TEST(TrueSurface, VectorsTurnAndGrowWithCopies)
+/* Embree's vertices lie on it, including copies that are rotated and scaled. */
+TEST(TrueSurface, VectorsRotateAndScaleWithCopies)
 {
   Model model = wavySheet();
   model.displacement = std::make_shared<WavesByVectors>(8, 0.2f);
@@ -103,7 +102,7 @@ TEST(TrueSurface, VectorsTurnAndGrowWithCopies)
   settings.threads = 1;
   const std::vector<Vec3f> vertices = tessellate(model, settings);
   const PatchLayout layout(model.cage, settings.level);
-  const Patch& patch = layout.patches()[27]; // inside of the sheet, whose corners have no tangents
+  const Patch& patch = layout.patches()[27]; // inside the sheet; corners have no tangents
   const size_t n = vertices.size() / 2;
   for (size_t i = patch.firstVertex; i < patch.firstVertex + 25; i++)
     ASSERT_NEAR(length(vertices[n + i] - model.copies[1].apply(vertices[i])), 0, 1e-5) << i;
@@ -112,7 +111,7 @@ TEST(TrueSurface, VectorsTurnAndGrowWithCopies)
   EXPECT_NEAR(length(toDouble(vertex) - surface.evaluate({patch.face, 0, 0.25, 0.5}).position), 0, 1e-5);
 }
 
-TEST(TrueSurface, APointOffAlongTheNormalIsFoundAtThatDistance)
+TEST(TrueSurface, PointAlongTheNormalIsFoundAtItsDistance)
 {
   Random random(9);
   const Model cube = makeCube(0.0f);
@@ -129,7 +128,7 @@ TEST(TrueSurface, APointOffAlongTheNormalIsFoundAtThatDistance)
       const TruePoint foot = surface.evaluate(p);
       const double distance = random.magnitude(1e-6, 0.05) * (random.chance(0.5) ? 1 : -1);
       const Vec3d x = foot.position + distance * normalize(cross(foot.du, foot.dv));
-      /* A start some cells off, often on another face. */
+      /* Starts some cells away, often on another face. */
       constexpr double cell = 1.0 / 16;
       const PatchPoint start = surface.patches().go(p, random.uniform(-3, 3) * cell, random.uniform(-3, 3) * cell);
       const TruePoint found = surface.nearest(x, start, cell);
@@ -139,7 +138,7 @@ TEST(TrueSurface, APointOffAlongTheNormalIsFoundAtThatDistance)
   }
 }
 
-/* Between spikes descent alone ends in the wrong dent. */
+/* Between spikes, descent alone ends in the wrong local minimum. */
 TEST(TrueSurface, NoDenseSampleOfTheWindowIsNearer)
 {
   Random random(10);
@@ -164,7 +163,7 @@ TEST(TrueSurface, NoDenseSampleOfTheWindowIsNearer)
   }
 }
 
-TEST(TrueSurface, LinesMeetItWhereTheyWereAimed)
+TEST(TrueSurface, LinesHitItWhereTheyAreAimed)
 {
   Random random(11);
   const Model model = makeCube(0.02f);
@@ -173,7 +172,8 @@ TEST(TrueSurface, LinesMeetItWhereTheyWereAimed)
   {
     const TruePoint aim = surface.evaluate(randomPoint(model.cage, surface, random));
     const Vec3d n = normalize(cross(aim.du, aim.dv));
-    const Vec3d origin = aim.position + 3.0 * n + Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const Vec3d origin = aim.position + 3.0 * n +
+                         Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     constexpr double cell = 1.0 / 64;
     const TruePoint start = surface.evaluate(surface.patches().go(aim.at, 0.3 * cell, -0.4 * cell));
     const auto met = surface.crossing(origin, normalize(aim.position - origin), start, cell, 1e-9);
@@ -210,7 +210,7 @@ TrueErrors errorsOf(const Model& model, const TrueSurfaces& surfaces, const Trac
   return compareToTrueSurface({model, surfaces, t.rays, sample, t.footprint}, t.hits, t.scene.layout(), 1);
 }
 
-TEST(TrueErrors, OfATessellationFallByFourALevel)
+TEST(TrueErrors, TessellationErrorDecreasesByFourPerLevel)
 {
   const Model model = makeCube(0.0f);
   const TrueSurfaces surfaces(model);
@@ -224,12 +224,12 @@ TEST(TrueErrors, OfATessellationFallByFourALevel)
       EXPECT_NEAR(last.median / e.median, 4, 0.4) << "level " << level;
       EXPECT_NEAR(last.normalMedian / e.normalMedian, 2, 0.2) << "level " << level;
     }
-    EXPECT_GT(e.bias, 0) << "a mesh with its vertices on a convex surface lies behind it";
+    EXPECT_GT(e.bias, 0) << "a mesh with its vertices on a convex surface is inside of it";
     last = e;
   }
 }
 
-TEST(TrueErrors, ABiasHasItsSizeAndSign)
+TEST(TrueErrors, BiasHasTheRightSizeAndSign)
 {
   const Model model = makeCube(0.0f);
   const TrueSurfaces surfaces(model);
@@ -240,24 +240,24 @@ TEST(TrueErrors, ABiasHasItsSizeAndSign)
   {
     for (size_t i = 0; i < hits.size(); i++)
       traced.hits[i].t = hits[i].t * float(1 + pixels * traced.footprint);
-    /* A hit that moves off the silhouette is no longer within 5 pixels of it. */
+    /* A hit that moves off the silhouette is not within 5 pixels of it any more. */
     EXPECT_NEAR(errorsOf(model, surfaces, traced).bias, own + pixels, 0.02) << pixels;
   }
 }
 
-TEST(TrueErrors, CopiesAreMeasuredWhereTheyStand)
+TEST(TrueErrors, CopiesAreMeasuredAtTheirPositions)
 {
   Model model = makeCube(0.01f);
   const TrueErrors alone = errorsOf(model, TrueSurfaces(model), trace(model, 4));
   model.copies = {{{1, 2, 3}, 0.7f, 2.0f}, {{9, 2, 3}, -0.4f, 3.0f}};
   const TrueErrors both = errorsOf(model, TrueSurfaces(model), trace(model, 4));
-  EXPECT_LT(both.rmseWorld, 4 * alone.rmseWorld) << "of scale 2 and 3";
+  EXPECT_LT(both.rmseWorld, 4 * alone.rmseWorld) << "scales 2 and 3";
   EXPECT_GT(both.rmseWorld, alone.rmseWorld);
   EXPECT_LT(both.normalMedian, 1.5 * alone.normalMedian);
   EXPECT_LT(both.uvMedian, 0.1);
 }
 
-TEST(TrueErrors, TheSampleIsFixedBySeedAndComplete)
+TEST(TrueErrors, SampleIsDeterminedBySeedAndComplete)
 {
   std::vector<SurfaceHit> hits(1000);
   for (size_t i = 0; i < hits.size(); i += 2)

@@ -16,7 +16,7 @@
 namespace cbvh::test {
 namespace {
 
-/* --- shapes, all of them y up, standing on y = 0 and looking along z ----------------------- */
+/* --- shapes with y up, standing on y = 0, facing z ----------------------------------------- */
 
 void addBox(Cage& cage, Vec3f lower, Vec3f upper)
 {
@@ -28,7 +28,7 @@ void addBox(Cage& cage, Vec3f lower, Vec3f upper)
   cage.faceSizes.insert(cage.faceSizes.end(), 6, 4);
 }
 
-/* Rings of 16 vertices about the y axis. */
+/* Rings of 16 vertices around the y axis. */
 Cage turnedOnALathe(const std::vector<Vec2f>& radiusAndHeight)
 {
   constexpr unsigned n = 16;
@@ -74,7 +74,7 @@ Cage chair()
   return cage;
 }
 
-/* A person: feet that are longer before the legs than behind, arms to the sides, a nose. */
+/* A person: feet that extend to the front, arms to the sides, a nose. */
 Cage person()
 {
   Cage cage;
@@ -106,9 +106,9 @@ Cage dog()
   return cage;
 }
 
-/* --- shapes that are not z up, although their lowest z is 0 ---------------------------------- */
+/* --- shapes that are not z up although their lowest z is 0 ------------------------------------ */
 
-Cage mask() // open at its back, which is flat; a nose
+Cage mask() // open and flat at its back; a nose
 {
   Cage cage = turnedOnALathe({{1, 0}, {0.9f, 0.4f}, {0.5f, 0.7f}, {0.2f, 0.8f}});
   for (Vec3f& p : cage.positions)
@@ -125,7 +125,7 @@ Cage gun()
   return cage;
 }
 
-Cage shield() // its back at a wall
+Cage shield() // its back on a wall
 {
   Cage cage;
   addBox(cage, {-1, -1, 0}, {1, 1, 0.1f});
@@ -133,7 +133,7 @@ Cage shield() // its back at a wall
   return cage;
 }
 
-Cage sword() // on the ground
+Cage sword() // lying on the ground
 {
   Cage cage;
   addBox(cage, {-0.1f, -0.02f, 0}, {0.1f, 0.02f, 1});
@@ -141,7 +141,7 @@ Cage sword() // on the ground
   return cage;
 }
 
-/* --- turned --------------------------------------------------------------------------------- */
+/* --- rotated -------------------------------------------------------------------------------- */
 
 template<typename Turn>
 Cage moved(Cage cage, const Turn& turn)
@@ -151,25 +151,37 @@ Cage moved(Cage cage, const Turn& turn)
   return cage;
 }
 
-Vec3f toZ(Vec3f p) { return {p.x, -p.z, p.y}; } // upwards, looking along -y as Blender has it
+Vec3f toZ(Vec3f p) { return {p.x, -p.z, p.y}; } // z up, facing -y, as in Blender
 
 const std::pair<const char*, Cage (*)()> standing[] = {{"pawn", pawn}, {"glass", glass}, {"table", table},
                                                        {"person", person}, {"dog", dog}};
 
-TEST(UpAxis, IsYForWhatStandsOnY)
+TEST(UpAxis, IsYForShapesStandingOnY)
 {
   for (const auto& [name, make] : standing)
   {
     EXPECT_EQ(guessUp(make()).axis, "y") << name;
-    EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return Vec3f{p.z, p.y, -p.x}; })).axis, "y") << name << " looking along x";
-    EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return Vec3f{-p.x, p.y, -p.z}; })).axis, "y") << name << " looking back";
+    EXPECT_EQ(guessUp(moved(make(),
+                            [](Vec3f p) {
+                              return Vec3f{p.z, p.y, -p.x};
+                            }))
+                .axis,
+              "y")
+      << name << " looking along x";
+    EXPECT_EQ(guessUp(moved(make(),
+                            [](Vec3f p) {
+                              return Vec3f{-p.x, p.y, -p.z};
+                            }))
+                .axis,
+              "y")
+      << name << " looking back";
     EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return p + Vec3f{0, -0.5f, 0}; })).axis, "y") << name << " sunken";
     EXPECT_EQ(guessUp(moved(make(), [](Vec3f p) { return p + Vec3f{3, 0, 2}; })).axis, "y") << name << " elsewhere";
     EXPECT_EQ(guessUp(make()).reason, "") << name;
   }
 }
 
-TEST(UpAxis, IsZForWhatStandsOnZ)
+TEST(UpAxis, IsZForShapesStandingOnZ)
 {
   for (const auto& [name, make] : standing)
   {
@@ -179,12 +191,21 @@ TEST(UpAxis, IsZForWhatStandsOnZ)
   }
 }
 
-TEST(UpAxis, IsYForWhatLeavesDoubt)
+TEST(UpAxis, IsYIfAmbiguous)
 {
-  const std::pair<const char*, Cage> shapes[] = {{"mask", mask()}, {"gun", gun()}, {"shield", shield()}, {"sword", sword()},
-                                                 {"chair", chair()}, {"chair that could lie on its front", moved(chair(), toZ)},
-                                                 {"person upside down in z", moved(person(), [](Vec3f p) { return Vec3f{p.x, p.z, -p.y}; })},
-                                                 {"person in the air", moved(moved(person(), toZ), [](Vec3f p) { return p + Vec3f{0, 0, 0.5f}; })}};
+  const std::pair<const char*, Cage> shapes[] = {{"mask", mask()},
+                                                 {"gun", gun()},
+                                                 {"shield", shield()},
+                                                 {"sword", sword()},
+                                                 {"chair", chair()},
+                                                 {"chair that could lie on its front", moved(chair(), toZ)},
+                                                 {"person upside down in z", moved(person(),
+                                                                                   [](Vec3f p) {
+                                                                                     return Vec3f{p.x, p.z, -p.y};
+                                                                                   })},
+                                                 {"person in the air", moved(moved(person(), toZ), [](Vec3f p) {
+                                                    return p + Vec3f{0, 0, 0.5f};
+                                                  })}};
   for (const auto& [name, cage] : shapes)
     EXPECT_EQ(guessUp(cage).axis, "y") << name << ": " << guessUp(cage).reason;
   Cage flat;
@@ -196,12 +217,13 @@ TEST(UpAxis, IsYForWhatLeavesDoubt)
 
 TEST(UpAxis, IsYForAllCagesThatProgramsMake)
 {
-  for (const Cage& cage : {makeCube(0.1f).cage, makeFrog(0.1f, 0).cage, makeKnee(0.1f, 0).cage, makeScythe(0.1f, 0).cage, makeTrexCage().cage})
+  for (const Cage& cage : {makeCube(0.1f).cage, makeFrog(0.1f, 0).cage, makeKnee(0.1f, 0).cage,
+                           makeScythe(0.1f, 0).cage, makeTrexCage().cage})
     EXPECT_EQ(guessUp(cage).axis, "y") << guessUp(cage).reason;
 }
 
-/* Vertices that no face has are not part of the shape. */
-TEST(UpAxis, LooksAtFacesOnly)
+/* Vertices without a face are not part of the shape. */
+TEST(UpAxis, ConsidersFacesOnly)
 {
   Cage cage = moved(pawn(), toZ);
   cage.positions.push_back({7, 8, -9});
@@ -217,17 +239,19 @@ std::string upOf(const std::string& comments)
   return guessUp(readObj(stream, "test.obj", warnings)).axis;
 }
 
-TEST(UpAxis, IsWhatTheHeadOfTheFileSays)
+TEST(UpAxis, IsReadFromTheHeadOfTheFile)
 {
-  for (const char* z : {"# Z up\n", "# z-up\n", "# Up axis: Z\n", "# made by hand\n#up=z\n", "# forward -Y, up Z\n", "# ZUP\n", "# Z axis up\n",
-                        "# OpenSCAD obj exporter\n", "# FreeCAD v0.20 build29177 Arch module\n"})
+  for (const char* z :
+       {"# Z up\n", "# z-up\n", "# Up axis: Z\n", "# made by hand\n#up=z\n", "# forward -Y, up Z\n", "# ZUP\n",
+        "# Z axis up\n", "# OpenSCAD obj exporter\n", "# FreeCAD v0.20 build29177 Arch module\n"})
     EXPECT_EQ(upOf(z), "z") << z;
-  for (const char* y : {"", "# Y up\n", "# Blender 3.6.0\n# www.blender.org\n", "# forward -Z, up Y\n", "# -Z forward, Y up\n", "# scaled up\n",
-                        "# z up or y up\n", "# 3ds Max Wavefront OBJ Exporter\n", "#\n", "# FreeCAD v0.20, y up\n"})
+  for (const char* y :
+       {"", "# Y up\n", "# Blender 3.6.0\n# www.blender.org\n", "# forward -Z, up Y\n", "# -Z forward, Y up\n",
+        "# scaled up\n", "# z up or y up\n", "# 3ds Max Wavefront OBJ Exporter\n", "#\n", "# FreeCAD v0.20, y up\n"})
     EXPECT_EQ(upOf(y), "y") << y;
 }
 
-TEST(UpAxis, AWordInTheFileOutweighsTheShape)
+TEST(UpAxis, CommentInTheFileOverridesTheShape)
 {
   Cage cage = moved(pawn(), toZ);
   cage.comments = " y up\n";
@@ -239,7 +263,7 @@ TEST(UpAxis, AWordInTheFileOutweighsTheShape)
 
 /* --- hints ------------------------------------------------------------------------------------ */
 
-TEST(UpAxis, HintsTurnThereAndBack)
+TEST(UpAxis, HintsConvertInBothDirections)
 {
   const Vec3f ups[] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-1, 0, 0}};
   ASSERT_EQ(upAxes().size(), std::size(ups));

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Extracts the code of README.md, compiles it and runs it, as the page says, against an installation:
-# the C program by its own compile line and by its lines of CMake, and the lines for a scene of Embree.
+# Extracts the code of README.md, compiles it and runs it with an installation, as described on the page: the C program
+# with the page's compile line and with its CMake lines, and the lines for a scene of Embree.
 #
 #   readme_programs.sh CMAKE BUILD-DIRECTORY README DIRECTORY-OF-STOCK-LIBRARY
 set -eu
@@ -13,7 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset LD_LIBRARY_PATH EMBREE_CBVH PKG_CONFIG_PATH
 
-# block LANGUAGE N: the page's Nth block of code in a language
+# block LANGUAGE N: prints the page's Nth code block in a language
 block() {
   awk -v fence="\`\`\`$1" -v n="$2" '$0 == fence { on = ++found == n; next } /^```/ { on = 0 } on' "$page"
 }
@@ -21,30 +21,34 @@ block() {
 "$cmake" --install "$build" --prefix "$work/opt" > "$work/log" || { cat "$work/log"; fail "cmake --install"; }
 cd "$work"
 block c 1 > first_ray.c
-[ "$(wc -l < first_ray.c)" -le 25 ] && [ -s first_ray.c ] || fail "the program has $(wc -l < first_ray.c) lines, at most 25"
+[ "$(wc -l < first_ray.c)" -le 25 ] && [ -s first_ray.c ] ||
+  fail "the program has $(wc -l < first_ray.c) lines, at most 25"
 
-# --- by the page's compile line ---------------------------------------------------------------------
+# --- the page's compile line ------------------------------------------------------------------------
 
-sed -n 's/^    \(export PKG_CONFIG_PATH=.*\)/\1/p; s/^    \(cc .*first_ray.*\)/\1/p' "$page" | sed "s|/opt/embree-cbvh|$work/opt|g" > commands
+sed -n 's/^    \(export PKG_CONFIG_PATH=.*\)/\1/p; s/^    \(cc .*first_ray.*\)/\1/p' "$page" |
+  sed "s|/opt/embree-cbvh|$work/opt|g" > commands
 [ "$(wc -l < commands)" = 2 ] || fail "the page has not two lines that compile the program"
 sed 's/ cc / cc -Wall -Wextra -Werror -pedantic /; s/^cc /cc -Wall -Wextra -Werror -pedantic /' commands > strict
 said=$(sh -eu strict) || fail "the program does not compile and run"
 echo "$said"
-# The ray goes down at x = 0.1 and hits face 1, the upper one; its height is between 0 and 1 there.
+# The ray goes down at x = 0.1 and hits face 1, the upper one, at a height between 0 and 1.
 echo "$said" | grep -qE '^face 1, distance 3\.[0-9]+$' || fail "the program prints: $said"
 
-# --- by the page's lines of CMake --------------------------------------------------------------------
+# --- the page's CMake lines ---------------------------------------------------------------------------
 
 { echo 'cmake_minimum_required(VERSION 3.10)'; echo 'project(first_ray C)'; block cmake 1; } > CMakeLists.txt
-"$cmake" -S . -B cmake -DCMAKE_PREFIX_PATH="$work/opt" > log 2>&1 && "$cmake" --build cmake >> log 2>&1 || { cat log; fail "the lines of CMake"; }
-[ "$(cmake/first_ray)" = "$said" ] || fail "the program that CMake built prints something else"
+"$cmake" -S . -B cmake -DCMAKE_PREFIX_PATH="$work/opt" > log 2>&1 && "$cmake" --build cmake >> log 2>&1 ||
+  { cat log; fail "the CMake lines"; }
+[ "$(cmake/first_ray)" = "$said" ] || fail "the output of the program built by CMake differs"
 
 # --- in a scene of Embree ----------------------------------------------------------------------------
 
-# The lines become part of a program that gets device, scene and group from the first one.
+# Completes the lines with the device, scene and group of the first program.
 block c 2 | sed 's|embree4/rtcore.h|embree3/rtcore.h|' > lines
 grep '^#include' lines > in_scene.c
-sed '/^#include <cbvh/d; s/^int main(void)/static CbvhGroup groupOfTheFirstProgram(void)/; s/return fprintf\(.*\), 1;/return fprintf\1, NULL;/
+sed '/^#include <cbvh/d; s/^int main(void)/static CbvhGroup groupOfTheFirstProgram(void)/
+     s/return fprintf\(.*\), 1;/return fprintf\1, NULL;/
      s/^  struct CbvhRayHit ray.*/  return group;/; /^  if (cbvhIntersect1/d' first_ray.c >> in_scene.c
 cat >> in_scene.c <<'EOF'
 int main(void) {
@@ -57,7 +61,8 @@ cat >> in_scene.c <<'EOF'
   rtcCommitScene(scene);
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  struct RTCRayHit ray = {.ray = {.org_x = 0.1f, .org_z = 4, .dir_z = -1, .tfar = INFINITY, .mask = ~0u}, .hit = {.geomID = ~0u}};
+  struct RTCRayHit ray = {.ray = {.org_x = 0.1f, .org_z = 4, .dir_z = -1, .tfar = INFINITY, .mask = ~0u},
+                          .hit = {.geomID = ~0u}};
   rtcIntersect1(scene, &context, &ray);
   if (ray.hit.geomID == 0) printf("face %u, distance %g\n", ray.hit.primID, ray.ray.tfar);
 }
@@ -65,6 +70,7 @@ EOF
 export PKG_CONFIG_PATH="$work/opt/lib/pkgconfig" LD_LIBRARY_PATH="$work/opt/lib/embree_cbvh"
 # shellcheck disable=SC2046
 cc -std=c99 in_scene.c $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -lm -o in_scene
-[ "$(./in_scene)" = "$said" ] || fail "in a scene of Embree the ray hits something else"
+[ "$(./in_scene)" = "$said" ] || fail "the hit in a scene of Embree differs"
 ldd ./in_scene | sed -n 's/.*libembree3.so.3 => \([^ ]*\).*/\1/p' > library
-[ "$(realpath "$(cat library)")" = "$(realpath "$stock/libembree3.so.3")" ] || fail "it runs on $(cat library), not on the machine's Embree"
+[ "$(realpath "$(cat library)")" = "$(realpath "$stock/libembree3.so.3")" ] ||
+  fail "it runs on $(cat library), not on the machine's Embree"

@@ -2,13 +2,13 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds a fuzz target that needs no library, in seconds, and runs it from its own seeds: with libFuzzer,
-# AddressSanitizer and UndefinedBehaviorSanitizer. Nothing has to be configured or built before.
+# Builds a fuzz target that does not require a library, in seconds, and runs it from its own seeds with libFuzzer,
+# AddressSanitizer and UndefinedBehaviorSanitizer. Requires no prior configure or build.
 #
 #   alone.sh CLANG TARGET FOLDER SECONDS [SOURCE-OR-FLAG...]
 #
-# TARGET is a source of this directory without .cpp, SOURCE another file to be compiled into it; the codec's sources
-# always are. FOLDER keeps the program and its corpus. For longer, from other seeds:
+# TARGET is the name of a source in this directory without .cpp. SOURCE is another file to compile into it; the
+# codec's sources are always included. FOLDER keeps the program and its corpus. For longer runs with other seeds:
 #
 #   FOLDER/TARGET -max_total_time=3600 FOLDER/TARGET.corpus
 
@@ -18,7 +18,7 @@ shift 4
 root=$(cd "$(dirname "$0")/../.." && pwd)
 corpus=$folder/$target.corpus
 mkdir -p "$corpus"
-# vptr needs the type information of whole programs
+# vptr requires type information of whole programs
 "$clang" -std=c++17 -O1 -g1 -march=native -fno-strict-aliasing -fno-sanitize-recover=all \
   -fsanitize=fuzzer,address,undefined -fno-sanitize=vptr -I "$root" -I "$root/tests" \
   "$root/tests/fuzz/$target.cpp" "$root"/kernels/cvert/*/*.cpp "$@" -o "$folder/$target"

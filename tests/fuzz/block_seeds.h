@@ -3,7 +3,7 @@
 
 #pragma once
 
-// Blocks of cVERT to begin with, still and moving.
+// cVERT blocks as seeds, static and moving.
 
 #include "fuzz_input.h"
 #include "kernels/cvert/decoder/validate.h"
@@ -16,7 +16,7 @@ namespace cbvh::test {
 
 using namespace cvert;
 
-// isRigid: later steps have no residuals of their own, and so the fewest bytes
+// isRigid: later steps have no residuals of their own, and therefore the fewest bytes
 inline void writeMovingSeed(const std::string& path, uint32_t quads, bool isRawBlock, bool isRigid)
 {
   static const auto encoder = std::make_unique<MotionEncoder>();
@@ -45,7 +45,8 @@ inline void writeBlockSeeds(const std::string& folder)
   int n = 0;
   for (uint32_t quads : {1u, 4u, 7u, 16u})
     for (bool isRawBlock : {false, true})
-      for (bool isRigid : {false, true}) writeMovingSeed(folder + "/moving" + std::to_string(n++), quads, isRawBlock, isRigid);
+      for (bool isRigid : {false, true})
+        writeMovingSeed(folder + "/moving" + std::to_string(n++), quads, isRawBlock, isRigid);
   for (uint32_t quads : {1u, 4u, 7u, 16u})
     for (bool isRawBlock : {false, true})
       for (bool hasEdges : {false, true}) {

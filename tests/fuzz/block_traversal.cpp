@@ -1,19 +1,18 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all
- * three kinds, closest hit and any hit.
+/* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all three kinds, closest hit and
+ * any hit.
  *
- * What the traversal relies on, and what is made true of the bytes here: the kind is the
- * one that the top level's leaf type names, the height at most maxLevel, and there are as
- * many bytes as the layout says. All else, frame, nodes, leaves, vertices and ray, may
- * be anything: no access outside the block, no undefined behaviour, an end. Where frame and
- * ray are also what a builder and an application may give (FRAME and RAY below)
- *   - every hit lies between tnear and tfar, each accepted one no farther than the one
- *     before, with finite parameters, those of cLEAF and cVOXEL inside the block;
- *   - closest hit and any hit agree on whether there is one.
+ * The target establishes the preconditions of traversal: the kind matches the leaf type of the top level, the height is
+ * at most maxLevel, and the block has all bytes of its layout. Frame, nodes, leaves, vertices and ray are arbitrary:
+ * traversal must not read outside of the block, must not have undefined behavior, and must terminate. If frame and ray
+ * are also valid input of a builder and of an application (FRAME and RAY below)
+ *   - every hit lies between tnear and tfar, and each accepted hit is no farther than the previous one, with finite
+ *     parameters, which are inside the block for cLEAF and cVOXEL;
+ *   - closest hit and any hit agree on the existence of a hit.
  *
- * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
+ * --seeds=DIRECTORY writes blocks of the encoder with rays as the initial corpus. */
 
 #include "fuzz_support.h"
 #include "kernels/cbvh/framed/block_encoder.h"
@@ -33,8 +32,8 @@ using embree::isa::cbvh::LeafVisitor1;
 using embree::isa::cbvh::RayState;
 using embree::isa::cbvh::VoxelVisitor1;
 
-// RAY: within Embree's limits, and not so far from the block, in sizes of it, that floats
-// overflow in its frame.
+// RAY: within Embree's limits, and close enough to the block, relative to its size, that floats do not overflow in
+// its frame.
 bool isSound(const RayBytes& ray, const Block* block)
 {
   double length = 0, distance = 0, stretch = 0;
@@ -42,11 +41,12 @@ bool isSound(const RayBytes& ray, const Block* block)
   for (int k = 0; k < 3; k++) distance = std::fmax(distance, std::fabs(double(ray.org[k]) - double(block->centre[k])));
   for (const auto& column : block->columns)
     for (float c : column) stretch = std::fmax(stretch, std::fabs(c));
-  return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
+  return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 &&
+         ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
 }
 
-// FRAME: as fitBox (framed/frame_fit.h) gives them, the box a bounded region of the world of at least
-// the smallest size, none of its sides far shorter than another, and W in its range.
+// FRAME: as computed by fitBox (framed/frame_fit.h): the box is a bounded region of the world of at least the
+// smallest size, no side is much shorter than another, and W is in its range.
 bool isSound(const Block* block)
 {
   bool ok = isFinite(block->centre);
@@ -63,14 +63,16 @@ bool isSound(const Block* block)
   for (int i = 0; i < 8; i++) {
     Double3 corner;
     ok &= unproject(map, i & 1, (i >> 1) & 1, i >> 2, corner);
-    ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <= 64*double(maxCoordinate); // a frame is wider than what is in it, not by much
+    // a frame is slightly larger than its contents
+    ok = ok && std::fmax(std::fmax(std::fabs(corner.x), std::fabs(corner.y)), std::fabs(corner.z)) <=
+                 64*double(maxCoordinate);
     const double W = ok ? map.W(corner) : 0;
-    ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // rounding took some of fitBox's 2
+    ok &= W > 1/(2.5*maxWRatio) && W < 2.5*maxWRatio; // rounding reduces fitBox's 2
   }
   return ok;
 }
 
-// Context whose filter sees every candidate.
+// A context whose filter receives every candidate.
 struct Trace : RTCIntersectContext
 {
   const Block* block;
@@ -78,7 +80,8 @@ struct Trace : RTCIntersectContext
   size_t hits = 0;
   float tnear, tfar;
 
-  Trace(const Block* block, const RayBytes& ray, bool sound, bool accepts) : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
+  Trace(const Block* block, const RayBytes& ray, bool sound, bool accepts)
+    : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
   {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
@@ -117,7 +120,8 @@ void trace(RTCScene scene, const RayBytes& bytes, const Block* block)
     hit.geomID = RTC_INVALID_GEOMETRY_ID;
     IntersectContext context((Scene*)scene, &closest);
     BlockIntersector1<Leaf>::intersect(hit, &context, RayState(ray), block);
-    if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar) && (hit.geomID == 0) == (accepts && closest.hits));
+    if (sound)
+      REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar) && (hit.geomID == 0) == (accepts && closest.hits));
 
     Trace any(block, bytes, sound, accepts);
     Ray occluded(ray);
@@ -159,7 +163,8 @@ void writeSeeds(const std::string& directory)
         const uint32_t w = (1u << height) + 1;
         float corners[4][3];
         for (int c = 0; c < 4; c++) memcpy(corners[c], p[(c>>1)*(w-1)*w + (c&1)*(w-1)], sizeof(corners[c]));
-        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1), memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Vec3fa) + 1);
+        std::vector<Vec3fa> scratch(BlockEncoder::scratchBytes(height)/sizeof(Vec3fa) + 1),
+          memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Vec3fa) + 1);
         Block* block = (Block*)memory.data();
         BlockEncoder encoder(kind, height, p, scratch.data());
         BlockStatistics statistics;
@@ -168,7 +173,8 @@ void writeSeeds(const std::string& directory)
         block->surface = block->primID = 0;
         block->tiling = blockTiling(3, 3, 0, 0);
         for (const RayBytes& ray : seedRays) {
-          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
+          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" +
+                                   std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
           writeSeed(name, ray, block, block->layout().bytes);
         }
       }
@@ -204,7 +210,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const ExactMemory memory(data, bytes, blockAlignment);
   Block* block = (Block*)memory.get();
   memcpy(block, &header, sizeof(header));
-  outdateThreadCaches(); // the next block may lie where this one does
+  outdateThreadCaches(); // the next block may have the same address
   switch (kind) {
   case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;

@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target of the codec alone: any bytes for a file of compressed surfaces, with checksums that are made right so
-// that the checks behind them run. A file that does not open, or does not verify, throws an Error that names it.
-// Blocks decode if they are valid, whether or not the file verifies, and a file that verifies has as many of them as
-// its records say.
+// Fuzz target of the codec: arbitrary bytes as a file of compressed surfaces, with corrected checksums so that later
+// checks run. A file that cannot be opened or verified throws an Error that names it. Valid blocks decode, even if
+// the file does not verify. A file that verifies has the number of blocks that its records state.
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -18,7 +17,7 @@
 namespace cbvh::test {
 namespace {
 
-// A file in memory, by a path.
+// A file in memory with a path.
 class MemoryFile
 {
 public:
@@ -72,7 +71,7 @@ void seal(std::string& file)
 
 // --- seeds -----------------------------------------------------------------------------------
 
-// quads: along a side of its one block
+// quads: per side of its only block
 std::string fileOf(uint32_t quads, uint32_t numSteps)
 {
   const VertPlacement place(vertRegion(quads, quads, 0, 0), vertPatch(quads, quads));
@@ -124,7 +123,7 @@ std::string fileOf(uint32_t quads, uint32_t numSteps)
   return content;
 }
 
-// A list as a tree of one node.
+// Converts a list to a tree with one node.
 std::string withTree(std::string file)
 {
   const FileHeader header = at<FileHeader>(file, 0);
@@ -138,7 +137,7 @@ std::string withTree(std::string file)
   }
   record.form = FILE_TREE;
   record.treeBytes = sizeof(node);
-  std::memcpy(&file[record.tree], &node, sizeof(node)); // the rest of its page is free
+  std::memcpy(&file[record.tree], &node, sizeof(node)); // the rest of its page is unused
   std::memcpy(&file[header.directory], &record, sizeof(record));
   return file;
 }

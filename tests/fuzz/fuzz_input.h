@@ -3,7 +3,7 @@
 
 #pragma once
 
-// What all fuzz targets share; it needs no library.
+// Helpers of all fuzz targets. They do not require a library.
 
 #include <cstdio>
 #include <cstdlib>
@@ -11,7 +11,12 @@
 #include <string>
 
 #define REQUIRE(condition) \
-  do { if (!(condition)) { std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); std::abort(); } } while (false)
+  do { \
+    if (!(condition)) { \
+      std::fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
+      std::abort(); \
+    } \
+  } while (false)
 
 namespace cbvh::test {
 
@@ -25,14 +30,14 @@ int readArguments(int argc, char** argv, const WriteSeeds& writeSeeds)
   return 0;
 }
 
-// Writes a file of a corpus.
+// Writes a file of the corpus.
 inline void writeSeed(const std::string& path, const std::string& bytes)
 {
   FILE* file = std::fopen(path.c_str(), "wb");
   REQUIRE(file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fclose(file) == 0);
 }
 
-// Memory of exactly that many bytes, so that any access beyond them is seen.
+// Memory of exactly this size, so that sanitizers detect accesses beyond its end.
 class ExactMemory
 {
 public:

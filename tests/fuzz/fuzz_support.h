@@ -3,8 +3,8 @@
 
 #pragma once
 
-// What fuzz targets that trace share: a ray in front of the block's bytes, and a scene whose one geometry
-// the blocks belong to.
+// Helpers of fuzz targets that trace: a ray stored before the block's bytes, and a scene with the geometry of the
+// blocks.
 
 #include "fuzz_input.h"
 #include "kernels/common/scene.h"
@@ -18,10 +18,14 @@ struct RayBytes
   float dir[3], tfar;
   float time, unused[3];
 
-  embree::Ray ray() const { return embree::Ray(embree::Vec3fa(org[0], org[1], org[2]), embree::Vec3fa(dir[0], dir[1], dir[2]), tnear, tfar, time); }
+  embree::Ray ray() const
+  {
+    return embree::Ray(embree::Vec3fa(org[0], org[1], org[2]), embree::Vec3fa(dir[0], dir[1], dir[2]), tnear, tfar,
+                       time);
+  }
 };
 
-// Geometry 0 of a scene, for the epilogues to look up its mask and filters.
+// Geometry 0 of a scene. Epilogues read its mask and filters.
 struct World
 {
   RTCScene scene;
@@ -37,12 +41,13 @@ struct World
   }
 };
 
-// From above, along the surface, from inside and beside a block over the unit square.
-const RayBytes seedRays[] = {
-  {{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY, 0.3f, {}}, {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY, 0, {}},
-  {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5, 0.7f, {}}, {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f, 1, {}}};
+// Rays from above, along the surface, from inside and next to a block over the unit square.
+const RayBytes seedRays[] = {{{0.4f, 0.6f, 3}, 0, {0.01f, -0.02f, -1}, INFINITY, 0.3f, {}},
+                             {{-2, 0.5f, 0.1f}, 0, {1, 0.05f, 0.01f}, INFINITY, 0, {}},
+                             {{0.3f, 0.2f, 0.1f}, 0.001f, {0.5f, 0.7f, 0.1f}, 5, 0.7f, {}},
+                             {{0.5f, 3, -0.2f}, 0, {0, -1, 0}, 1e6f, 1, {}}};
 
-// A file of a corpus.
+// Writes a file of the corpus.
 inline void writeSeed(const std::string& path, const RayBytes& ray, const void* block, size_t bytes) {
   writeSeed(path, std::string((const char*)&ray, sizeof(ray)) + std::string((const char*)block, bytes));
 }

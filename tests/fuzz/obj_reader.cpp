@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target: any bytes for an OBJ file. The reader returns a cage whose indices are in range and whose numbers are
-// finite, or throws an Error of one line that starts with the name of the file.
+// Fuzz target: arbitrary bytes as an OBJ file. The reader returns a cage whose indices are in range and whose numbers
+// are finite, or throws an Error of one line that starts with the name of the file.
 
 #include "fuzz_input.h"
 #include "support/obj_dialects.h"

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target: any vertices for the encoder of cVERT, on a lattice or off it, of one time step or of several. The same vertices come
-// out at each step, to the bit, what is not finite as NaN; the block is valid and no longer than there is room; and encoding twice gives the same bytes.
+// Fuzz target: arbitrary vertices for the encoder of cVERT, on or off a lattice, with one or several time steps. At
+// each step decoding must return the same vertices bit by bit, and NaN for vertices that are not finite. The block
+// must be valid and fit into its memory, and encoding twice must give the same bytes.
 
 #include "fuzz_input.h"
 
@@ -21,15 +22,20 @@ namespace {
 
 using namespace cvert;
 
-// What comes in front of the vertices.
+// Precedes the vertices.
 struct Input
 {
-  uint8_t quadsX, quadsY; // less 1, of 16
+  uint8_t quadsX, quadsY; // minus 1; at most 16
   int8_t exponent;        // of the lattice
-  uint8_t form;           // bit 0: vertices are snapped; 1: edges; 2: integers of 16 bits in place of floats; 3: moves; 4..6: later steps, less 1
+  // bit 0: vertices are snapped; 1: edges; 2: 16-bit integers instead of floats; 3: moves; 4..6: number of later
+  // steps, minus 1
+  uint8_t form;
 };
 
-bool sameVertex(float decoded, float given) { return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0); }
+bool sameVertex(float decoded, float given)
+{
+  return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0);
+}
 
 void writeSeeds(const std::string& folder)
 {
@@ -112,14 +118,18 @@ void encode(const uint8_t* data, size_t size)
     const auto decoded = std::make_unique<DecodedBlock>(block, s);
     for (uint32_t v = 0; v < count; v++)
       for (int k = 0; k < 3; k++)
-        REQUIRE(isFinite(steps[s][v].data()) ? sameVertex(decoded->vertices[v][k], steps[s][v][k]) : std::isnan(decoded->vertices[v][k]));
+        REQUIRE(isFinite(steps[s][v].data()) ? sameVertex(decoded->vertices[v][k], steps[s][v][k])
+                                             : std::isnan(decoded->vertices[v][k]));
   }
 }
 
 } // namespace
 } // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds); }
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
+{
+  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -1,17 +1,17 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libFuzzer target: random bytes as a ray and a block of cVERT, traced for closest hit and any hit.
+/* libFuzzer target: random bytes as a ray and a cVERT block, traced for closest hit and any hit.
  *
- * What the traversal relies on, and what is made true of the bytes here: there are as many bytes
- * as place, words and the raw bit say, and those that decoders may read behind them. All else,
- * lattice, corners, margins, words, fields, vertices and ray, may be anything: no access outside,
- * no undefined behaviour, an end. (Blocks that move are those that validation takes.) Each hit that a filter sees has, for any block,
- *   - a distance between tnear and tfar, each accepted one no farther than the one before,
+ * The target establishes the preconditions of traversal: the block has all bytes that place, words and the raw bit
+ * imply, and the padding that decoders may read after it. Lattice, corners, margins, words, fields, vertices and ray
+ * are arbitrary: traversal must not read outside, must not have undefined behavior, and must terminate. (Moving blocks
+ * are those that pass validation.) Each hit that a filter receives has, for any block,
+ *   - a distance between tnear and tfar, and each accepted hit is no farther than the previous one,
  *   - parameters of the block's quads;
- * and closest hit and any hit agree on whether there is one.
+ * and closest hit and any hit agree on the existence of a hit.
  *
- * --seeds=DIRECTORY writes blocks of the encoder, with rays, for a corpus to start from. */
+ * --seeds=DIRECTORY writes blocks of the encoder with rays as the initial corpus. */
 
 #include "fuzz_support.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
@@ -34,16 +34,16 @@ using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
 constexpr size_t alignment = 16;
-constexpr size_t readBehind = 16; // as VertPatchBuilder has it
+constexpr size_t readBehind = 16; // the same as in VertPatchBuilder
 
-// bytes of the block, with a table of numbers wherever it lies, or 0 where there are fewer
+// Returns the bytes of the block, including its table of numbers, wherever it is stored, or 0 if there are fewer.
 size_t blockBytes(const uint8_t* data, size_t size)
 {
   VertHeader header;
   memcpy(&header, data, sizeof(header));
   const bool hasOffsets = hasNumbers(header.boxForm)
     && (haveHalves(header.patchQuads) || patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
-  if (isMoving(header.boxForm) || hasRemainders(header.boxForm) || hasOffsets) { // is checked before rays meet it
+  if (isMoving(header.boxForm) || hasRemainders(header.boxForm) || hasOffsets) { // validated before traversal
     const ExactMemory aligned(data, size, alignment);
     return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
   }
@@ -70,15 +70,16 @@ size_t blockBytes(const uint8_t* data, size_t size)
   return bytes <= size ? std::max(bytes, tableEnd) : 0;
 }
 
-// Embree gives rays of other kinds no hits, or any.
+// For other kinds of rays Embree reports no hits, or arbitrary ones.
 bool isSound(const RayBytes& ray)
 {
   double length = 0;
   for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
-  return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate && ray.tfar >= ray.tnear;
+  return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate &&
+         ray.tfar >= ray.tnear;
 }
 
-// Context whose filter sees every candidate.
+// A context whose filter receives every candidate.
 struct Trace : RTCIntersectContext
 {
   const VertHeader* block;
@@ -86,7 +87,8 @@ struct Trace : RTCIntersectContext
   size_t hits = 0;
   float tnear, tfar;
 
-  Trace(const VertHeader* block, const RayBytes& ray, bool sound, bool accepts) : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
+  Trace(const VertHeader* block, const RayBytes& ray, bool sound, bool accepts)
+    : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
   {
     rtcInitIntersectContext(this);
     filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
@@ -94,7 +96,7 @@ struct Trace : RTCIntersectContext
 
   void see(const RTCFilterFunctionNArguments* args)
   {
-    // a group's triangles once each, also those that have no area in blocks of the encoder
+    // each triangle of a group once, including degenerate ones in blocks of the encoder
     REQUIRE(++hits <= 32*vertLayout(block->region, block->boxForm).groups);
     const float t = ((const RTCRay*)args->ray)->tfar;
     const RTCHit& hit = *(const RTCHit*)args->hit;
@@ -109,7 +111,8 @@ struct Trace : RTCIntersectContext
 template<typename RayType>
 bool intersect(RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
 {
-  return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block) : intersectVert(ray, context, pre, block);
+  return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block)
+                                  : intersectVert(ray, context, pre, block);
 }
 
 void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
@@ -139,7 +142,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
   }
   REQUIRE(found[true] == found[false]);
 
-  // without a filter nothing is worked out that only filters see
+  // without a filter, values that only filters receive are not computed
   RTCIntersectContext plain;
   rtcInitIntersectContext(&plain);
   IntersectContext context((Scene*)scene, &plain);
@@ -150,7 +153,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };
 
-// The vertices of an encoder, which turn over three steps, the last of them on a finer lattice.
+// The vertices of an encoder, flipped over three steps. The last step is on a finer lattice.
 void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_t region, float spacing)
 {
   static const auto encoder = std::make_unique<MotionEncoder>();
@@ -172,7 +175,8 @@ void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_
   for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
 }
 
-// The vertices of an encoder, in a block that numbers its quads by a table, which lies behind its other bytes and a gap.
+// The vertices of an encoder in a block that numbers its quads by a table, which is stored after its other bytes and
+// a gap.
 void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spacing, uint32_t quadsX, uint32_t quadsY)
 {
   constexpr uint32_t bits = 9, gap = 256;
@@ -180,14 +184,16 @@ void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spa
   std::vector<Vec3fa> memory((VertEncoder::maxBytes + gap + table)/sizeof(Vec3fa) + 2);
   uint8_t* const data = (uint8_t*)memory.data();
   VertStatistics statistics;
-  const size_t bytes = encoder.encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
+  const size_t bytes = encoder.encode(
+    VertPlacement(vertRegion(quadsX, quadsY, 0, 0), numbersInTable, VertNumbers{0, bits}), data, statistics);
   if (bytes == 0) return;
   VertHeader* block = (VertHeader*)data;
   block->surface = block->primID = 0;
   const VertNumbers numbers = {uint32_t(bytes) + gap, bits};
   memcpy(block + 1, &numbers, sizeof(numbers));
   for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37*i);
-  for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, numbers.x + table);
+  for (const RayBytes& ray : seedRays)
+    writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, numbers.x + table);
 }
 
 void writeSeeds(const std::string& directory)
@@ -207,14 +213,22 @@ void writeSeeds(const std::string& directory)
           if (surface == HOLES && (i + 2*j) % 5 == 1) encoder->vertices[j*(quadsX + 1) + i][2] = NAN;
         }
         VertStatistics statistics;
-        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)), (uint8_t*)memory.data(), statistics);
+        const size_t bytes = encoder->encode(VertPlacement(vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY),
+                                                           vertEdges(quadsX, quadsY, quadsX/2 + 1, quadsY, 1, 5)),
+                                             (uint8_t*)memory.data(), statistics);
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;
-        writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, block->region, spacing);
-        writeNumberedSeeds(directory + "/numbers-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface), *encoder, spacing, quadsX, quadsY);
+        writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
+                           std::to_string(surface),
+                         *encoder, block->region, spacing);
+        writeNumberedSeeds(directory + "/numbers-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
+                             std::to_string(surface),
+                           *encoder, spacing, quadsX, quadsY);
         for (const RayBytes& ray : seedRays)
-          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface) + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
+          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
+                      std::to_string(surface) + "-" + std::to_string(&ray - seedRays),
+                    ray, block, bytes);
       }
 }
 

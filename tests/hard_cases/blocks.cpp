@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: blocks of hard shapes, sizes and places. */
+/* Hard cases: blocks of difficult shapes, sizes and positions. */
 
 #include "hard_cases/hard_case.h"
 #include "support/reference_check.h"
@@ -14,29 +14,29 @@ const Placement atOrigin = {1, {0, 0, 0}};
 class HardBlocks : public HardCase
 {
 protected:
-  // part of the rays that has to have the reference's own hit
+  // share of rays that must have exactly the reference's hit
   double exact = 0.75;
 
-  void trace(const std::vector<Shape>& shapes, const std::vector<Placement>& placements, unsigned raysOfAKind)
+  void trace(const std::vector<Shape>& shapes, const std::vector<Placement>& placements, unsigned raysPerKind)
   {
     Random random(33);
     ReferenceCheck check(device, compression());
     for (unsigned height : {0, 1, 2, 3, 4, 5})
       for (const Placement& at : placements)
         for (Shape shape : shapes) {
-          check.trace(random, randomSheet(random, shape, height, at), allRays, raysOfAKind);
+          check.trace(random, randomSheet(random, shape, height, at), allRays, raysPerKind);
           if (HasFatalFailure()) return;
         }
     check.conclude(exact);
   }
   void trace(Shape shape) { trace({shape}, {atOrigin, atOrigin}, 12); }
 
-  // Sheets that have no good frame.
+  // Sheets without a usable frame.
   void expectGridsHits(Random& random, const std::vector<Sheet>& sheets)
   {
     ReferenceCheck check(device, compression());
     for (const Sheet& sheet : sheets) check.trace(random, sheet, allRays, 50);
-    // cVERT has no frames, and holds any vertices
+    // cVERT has no frames and supports any vertices.
     EXPECT_EQ(check.sheetsOfGrid, compression() == RTC_COMPRESSION_VERT ? 0 : sheets.size());
   }
 };
@@ -68,7 +68,8 @@ TEST_P(HardBlocks, Saddles)
 
 TEST_P(HardBlocks, Trapezoids)
 {
-  property("blocks in projective frames are traced as the reference traces them: the ray's parameter and normals follow W");
+  property(
+    "blocks in projective frames are traced as the reference traces them: the ray's parameter and normals follow W");
   trace(Shape::Trapezoid);
 }
 
@@ -98,7 +99,8 @@ TEST_P(HardBlocks, Noise)
 
 TEST_P(HardBlocks, CollapsedQuads)
 {
-  property("quads of zero area (lines, triangles, points) harm no other: blocks are traced as the reference traces them");
+  property(
+    "quads of zero area (lines, triangles, points) harm no other: blocks are traced as the reference traces them");
   trace(Shape::CollapsedQuads);
 }
 
@@ -123,7 +125,9 @@ TEST_P(HardBlocks, LinesAndPoints)
 
 TEST_P(HardBlocks, NeedlesBeyondAllFrames)
 {
-  property("needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have its hits");
+  property(
+    "needles 2^-16 to 2^-20 as wide as long, whose leaves would be wider than their quads, are left to GRID and have "
+    "its hits");
   Random random(36);
   std::vector<Sheet> sheets;
   for (float width : {0x1p-16f, 0x1p-18f, 0x1p-20f})
@@ -137,7 +141,9 @@ TEST_P(HardBlocks, NeedlesBeyondAllFrames)
 
 TEST_P(HardBlocks, Outliers)
 {
-  property("blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to GRID and have its hits");
+  property(
+    "blocks with a vertex 1e6 to 1e12 block widths away, whose leaves would be wider than their quads, are left to "
+    "GRID and have its hits");
   Random random(35);
   std::vector<Sheet> sheets;
   for (double distance : {1e6, 1e9, 1e12})
@@ -158,7 +164,9 @@ TEST_P(HardBlocks, ScalesFrom1em6To1e6)
 
 TEST_P(HardBlocks, FarFromTheOrigin)
 {
-  property("blocks of every shape far from the origin, a thousandth of a unit wide at 1, a unit wide at (148376, 1234, -223423), are traced as the reference traces them");
+  property(
+    "blocks of every shape far from the origin, a thousandth of a unit wide at 1, a unit wide at (148376, 1234, "
+    "-223423), are traced as the reference traces them");
   exact = 0.6;
   trace(allShapes, {{1e-3, {0.5, -0.25, 1}}, {1, {148376, 1234, -223423}}, {1e3, {1e6, 1e6, -1e6}}}, 2);
 }

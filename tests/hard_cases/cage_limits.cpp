@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: cages at the ends of what Embree takes, the longest rings around a vertex
- * and faces without edges. Also GRID's, where it is Embree's own code that is at stake. */
+/* Hard cases: cages at Embree's limits, the longest rings around a vertex, and faces without edges. GRID is tested as
+ * well, because these limits are in Embree's own code. */
 
 #include "hard_cases/hard_case.h"
 #include "support/grid_agreement.h"
@@ -12,13 +12,14 @@
 namespace cbvh::test {
 namespace {
 
-/* Faces around vertex 0, of so many vertices each; open, over five sixths of a circle. */
+/* Faces around vertex 0 with these numbers of vertices; open, over five sixths of a circle. */
 Cage fanCage(const std::vector<unsigned>& sizes)
 {
   Cage cage;
   const double step = 10*M_PI/6/double(sizes.size());
   auto addVertex = [&](double angle, double radius) {
-    cage.positions.push_back({float(radius*std::cos(angle)), float(radius*std::sin(angle)), float(0.1*std::cos(3*angle))});
+    cage.positions.push_back(
+      {float(radius*std::cos(angle)), float(radius*std::sin(angle)), float(0.1*std::cos(3*angle))});
     return unsigned(cage.positions.size() - 1);
   };
   cage.positions.push_back({0, 0, 0.3f});
@@ -41,7 +42,7 @@ Cage fanCage(unsigned quads, std::initializer_list<unsigned> others)
   return fanCage(sizes);
 }
 
-// The faces of all that a ray passes, nearest or not.
+// Records the faces of all intersections of a ray, not only of the nearest one.
 struct PassedFaces : RTCIntersectContext
 {
   PassedFaces() { rtcInitIntersectContext(this); filter = take; }
@@ -58,11 +59,12 @@ private:
   }
 };
 
-// One surface, whose hits may be filtered.
+// A scene with one surface that allows filters.
 class FilteredScene : public Scene
 {
 public:
-  FilteredScene(RTCDevice device, const Cage& cage, const SurfaceSettings& settings) : Scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION)
+  FilteredScene(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
+    : Scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION)
   {
     addSurface(device, *this, cage, settings);
     rtcCommitScene(*this);
@@ -97,15 +99,22 @@ private:
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, CageLimits, testing::ValuesIn(tracers()), tracerName);
 
-// Counts of Embree's ring: two vertices a quad, one more a pentagon, two for what is between the borders; 64 faces with that.
+// Sizes of Embree's ring: two vertices per quad, one more per pentagon, two for the gap between the borders; 64 faces
+// including the gap.
 TEST_P(CageLimits, LongestRingsOfBorderVertices)
 {
-  property("a border vertex of 62 quads and a pentagon, and of all others that Embree takes, has all its faces, and hits on them agree with GRID's");
-  for (const Cage& cage : {fanCage(62, {5}), fanCage(61, {7}), fanCage(60, {9}), fanCage(53, {16}), fanCage(62, {}), fanCage(63, {}), fanCage(39, {5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5})}) {
+  property(
+    "a border vertex of 62 quads and a pentagon, and of all other faces that Embree supports, has all its faces, and "
+    "hits on them agree with GRID's");
+  for (const Cage& cage : {fanCage(62, {5}), fanCage(61, {7}), fanCage(60, {9}), fanCage(53, {16}), fanCage(62, {}),
+                           fanCage(63, {}), fanCage(39, {5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5})}) {
     SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, " << cage.indices.size() << " corners");
     std::vector<Vec> circle;
-    for (int i = 1; i < 4000; i++) circle.push_back({float(0.7*std::cos(i*10*M_PI/24000)), float(0.7*std::sin(i*10*M_PI/24000)), 0});
-    for (RTCCompression kind : withGrid()) ASSERT_EQ(facesBelow(FilteredScene(device, cage, settings(kind)), circle).size(), cage.faces.size()) << kindName(kind);
+    for (int i = 1; i < 4000; i++)
+      circle.push_back({float(0.7*std::cos(i*10*M_PI/24000)), float(0.7*std::sin(i*10*M_PI/24000)), 0});
+    for (RTCCompression kind : withGrid())
+      ASSERT_EQ(facesBelow(FilteredScene(device, cage, settings(kind)), circle).size(), cage.faces.size())
+        << kindName(kind);
     const Twins twins(device, cage, settings(compression()));
     Random random(61);
     const std::vector<RTCRayHit> rays = raysAt(random, 800);
@@ -117,8 +126,11 @@ TEST_P(CageLimits, LongestRingsOfBorderVertices)
 
 TEST_P(CageLimits, RingsPastTheLongest)
 {
-  property("faces at a vertex of more than 64 faces, or of more vertices around it than Embree takes, are left out");
-  for (const Cage& cage : {fanCage(64, {}), fanCage(65, {}), fanCage(66, {}), fanCage(70, {}), fanCage(63, {5}), fanCage(62, {6}), fanCage(61, {5, 5}), fanCage(61, {8}), fanCage(62, {16}), fanCage(40, {16, 16, 16, 16})}) {
+  property(
+    "faces at a vertex of more than 64 faces, or with a longer ring of vertices than Embree supports, are left out");
+  for (const Cage& cage :
+       {fanCage(64, {}), fanCage(65, {}), fanCage(66, {}), fanCage(70, {}), fanCage(63, {5}), fanCage(62, {6}),
+        fanCage(61, {5, 5}), fanCage(61, {8}), fanCage(62, {16}), fanCage(40, {16, 16, 16, 16})}) {
     SCOPED_TRACE(testing::Message() << cage.faces.size() << " faces, " << cage.indices.size() << " corners");
     for (RTCCompression kind : withGrid()) {
       const SurfaceScene scene(device, cage, settings(kind));
@@ -128,7 +140,7 @@ TEST_P(CageLimits, RingsPastTheLongest)
   }
 }
 
-// A sheet of 3 x 3 with faces of no edges before its faces `at`; 9 is behind the last.
+// A sheet of 3 x 3 quads with faces without edges before the faces `at`; 9 means after the last face.
 struct Sheet
 {
   explicit Sheet(const std::multiset<unsigned>& at)
@@ -144,16 +156,17 @@ struct Sheet
       for (int x = 0; x < 30; x++) points.push_back({float(x/15. - 0.97), float(y/15. - 0.97), 0});
   }
   Cage cage = sheetCage(3);
-  std::set<unsigned> faces; // that have edges
+  std::set<unsigned> faces; // faces that have edges
   std::vector<Vec> points;
 };
 
 TEST_P(CageLimits, FacesWithoutEdges)
 {
-  property("faces without edges, first, last or between others, have no surface, and all others have theirs");
+  property("faces without edges, first, last or between others, have no surface, and all other faces have a surface");
   for (RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_NO_BOUNDARY})
     for (const std::multiset<unsigned>& at : {std::multiset<unsigned>{9}, {0}, {4}, {0, 0, 4, 4, 5, 9, 9, 9}}) {
-      SCOPED_TRACE(testing::Message() << at.size() << " without edges, the last before face " << *at.rbegin() << ", mode " << mode);
+      SCOPED_TRACE(testing::Message() << at.size() << " without edges, the last before face " << *at.rbegin()
+                                      << ", mode " << mode);
       Sheet sheet(at);
       sheet.cage.mode = mode;
       std::set<unsigned> expected = sheet.faces;
@@ -167,7 +180,7 @@ TEST_P(CageLimits, FacesWithoutEdges)
 
 TEST_P(CageLimits, OnlyFacesWithoutEdges)
 {
-  property("a cage all of whose faces are without edges has no surface");
+  property("a cage in which no face has edges has no surface");
   Cage cage = quadCage();
   cage.faces = {0, 0, 0};
   for (RTCCompression kind : withGrid()) {
@@ -176,10 +189,12 @@ TEST_P(CageLimits, OnlyFacesWithoutEdges)
   }
 }
 
-// Behind the half-edges in use there are those that the last face had.
+// The half-edges of the last face still exist after those in use.
 TEST_P(CageLimits, FacesThatLoseTheirEdges)
 {
-  property("when the last face of a surface is given no edges and it is committed anew, its surface is gone, and all others stay");
+  property(
+    "if the last face of a surface loses its edges and the surface is committed again, only the surface of that face "
+    "disappears");
   for (RTCCompression kind : withGrid()) {
     Sheet sheet({});
     Scene scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);

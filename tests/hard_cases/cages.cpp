@@ -14,8 +14,8 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 class HardCages : public HardCase
 {
 protected:
-  // At frame levels from a block a face to a block a quad. gap: between GRID's own vertices,
-  // where it is no reference for more than that.
+  // Tests frame levels from one block per face to one block per quad. gap: largest gap between GRID's own vertices,
+  // which limits its accuracy as a reference.
   void expectAgreement(const Cage& cage, const std::vector<RTCRayHit>& raysFromInside = {}, float gap = 0)
   {
     for (int frameLevel : {0, 1, 2, 4}) {
@@ -46,7 +46,7 @@ protected:
   Displacement displacement;
 
 private:
-  // From the middle of a closed cage: in all directions, and at its vertices and beside them.
+  // Rays from the center of a closed cage: in all directions, at its vertices and close to them.
   static std::vector<RTCRayHit> raysFromInside(Random& random, const Cage& cage)
   {
     std::vector<RTCRayHit> rays;
@@ -77,7 +77,9 @@ TEST_P(HardCages, Valences3To16)
 
 TEST_P(HardCages, Valences33And64)
 {
-  property("around vertices of valence 33 and 64, the most that Embree takes, hits agree with GRID's, and no ray from inside leaks");
+  property(
+    "around vertices of valence 33 and 64, the most that Embree supports, hits agree with GRID's, and no ray from "
+    "inside leaks");
   for (unsigned n : {33, 64}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     expectAgreementAndNoLeaks(trapezohedronCage(n));
@@ -87,7 +89,9 @@ TEST_P(HardCages, Valences33And64)
 
 TEST_P(HardCages, Valences65To100)
 {
-  property("faces at vertices of valence 65 to 100, past Embree's limit, are left out as GRID leaves them out, and hits on all others agree with GRID's");
+  property(
+    "faces at vertices of valence 65 to 100, past Embree's limit, are left out as GRID leaves them out, and hits on "
+    "all others agree with GRID's");
   for (unsigned n : {65, 100}) {
     SCOPED_TRACE(testing::Message() << "valence " << n);
     Cage cage = cubeCage();
@@ -102,7 +106,9 @@ TEST_P(HardCages, Valences65To100)
 
 TEST_P(HardCages, FacesOf3To9Edges)
 {
-  property("on triangles, pentagons and faces of up to 9 edges, whose sub-patches have their own parameters, hits, u and v agree with GRID's, and no ray from inside leaks");
+  property(
+    "on triangles, pentagons and faces of up to 9 edges, whose sub-patches have their own parameters, hits, u and v "
+    "agree with GRID's, and no ray from inside leaks");
   for (unsigned n : {3, 5, 6, 7, 9}) {
     SCOPED_TRACE(testing::Message() << n << " edges");
     expectAgreementAndNoLeaks(prismCage(n));
@@ -143,8 +149,9 @@ TEST_P(HardCages, Holes)
 TEST_P(HardCages, Boundaries)
 {
   property("at boundaries of every subdivision mode hits agree with GRID's");
-  for (RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS,
-                                  RTC_SUBDIVISION_MODE_PIN_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_ALL}) {
+  for (RTCSubdivisionMode mode :
+       {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS,
+        RTC_SUBDIVISION_MODE_PIN_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_ALL}) {
     SCOPED_TRACE(testing::Message() << "mode " << mode);
     Cage cage = sheetCage(3);
     cage.mode = mode;
@@ -170,7 +177,8 @@ TEST_P(HardCages, NonManifoldEdges)
 
   Cage cubes; // share the edge x = y = 0.5
   for (float z : {-0.5f, 0.5f})
-    for (const auto& p : {Vec{-0.5f,-0.5f,z}, Vec{0.5f,-0.5f,z}, Vec{-0.5f,0.5f,z}, Vec{0.5f,0.5f,z}, Vec{1.5f,0.5f,z}, Vec{0.5f,1.5f,z}, Vec{1.5f,1.5f,z}})
+    for (const auto& p : {Vec{-0.5f,-0.5f,z}, Vec{0.5f,-0.5f,z}, Vec{-0.5f,0.5f,z}, Vec{0.5f,0.5f,z},
+                          Vec{1.5f,0.5f,z}, Vec{0.5f,1.5f,z}, Vec{1.5f,1.5f,z}})
       cubes.positions.push_back(p);
   for (const auto& c : {std::array<unsigned, 4>{0,1,2,3}, std::array<unsigned, 4>{3,4,5,6}}) {
     const unsigned a = c[0], b = c[1], d = c[2], e = c[3], up = 7;
@@ -181,8 +189,8 @@ TEST_P(HardCages, NonManifoldEdges)
     cubes.addFace({e, d, d+up, e+up});
     cubes.addFace({d, a, a+up, d+up});
   }
-  // Embree evaluates such faces another way from each of their corners and sides, with gaps of
-  // up to 0.004 between GRID's own vertices.
+  // Embree evaluates such faces differently from each of their corners and sides. The gaps between GRID's own
+  // vertices are up to 0.004.
   expectAgreement(cubes, {}, 0.01f);
 }
 

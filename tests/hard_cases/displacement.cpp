@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: displacement, through the API, against GRID. What it does inside of a
- * block is in blocks.cpp. */
+/* Hard cases: displacement through the API, compared with GRID. blocks.cpp tests displacement inside a block. */
 
 #include "hard_cases/hard_case.h"
 #include "support/grid_agreement.h"
@@ -13,12 +12,13 @@ namespace {
 class HardDisplacement : public HardCase
 {
 protected:
-  // Rays from inside a displaced cube and from outside.
+  // Rays from inside and outside of a displaced cube.
   void expectTightAndNear(Displacement& displacement, float rate)
   {
     Random random(61);
     std::vector<RTCRayHit> inside;
-    for (int i = 0; i < 2000; i++) inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
+    for (int i = 0; i < 2000; i++)
+      inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
     for (int frameLevel : {0, 2}) {
       SCOPED_TRACE(testing::Message() << "amplitude " << displacement.amplitude << ", frame level " << frameLevel);
       SurfaceSettings settings;
@@ -39,7 +39,9 @@ INSTANTIATE_TEST_SUITE_P(HardCases, HardDisplacement, testing::ValuesIn(tracers(
 
 TEST_P(HardDisplacement, FiveFold)
 {
-  property("displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
+  property(
+    "displaced five times as far, a quarter of a face wide, every hit is within its leaf's box of GRID's surface, and "
+    "no ray from inside leaks");
   Displacement displacement;
   displacement.amplitude *= 5;
   expectTightAndNear(displacement, 16);
@@ -47,17 +49,21 @@ TEST_P(HardDisplacement, FiveFold)
 
 TEST_P(HardDisplacement, Rough)
 {
-  property("displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from inside leaks");
+  property(
+    "displaced by waves of two quads' length, every hit is within its leaf's box of GRID's surface, and no ray from "
+    "inside leaks");
   Displacement displacement;
   displacement.frequency = 50;
   expectTightAndNear(displacement, 16);
 }
 
-// Where the surface folds over, several parts of it share the same x and y of a block's
-// frame: the nearest, not the first of the walk.
-TEST_P(HardDisplacement, FoldsAreHitAtTheirNearestPart)
+// If the surface folds, several parts of it share x and y in a block's frame. The hit must be the nearest part, not
+// the first one in traversal order.
+TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
 {
-  property("where a surface folds over its own block, the closest hit is the nearest part of it, and not the first of the walk");
+  property(
+    "if a surface folds over its own block, the closest hit is on the nearest part of it, not on the first part that "
+    "is visited");
   const auto roll = [](const RTCDisplacementFunctionNArguments* args) {
     for (unsigned i = 0; i < args->N; i++) {
       const float u = args->u[i], v = args->v[i], a = 6*float(M_PI)*u, b = 6*float(M_PI)*v;
@@ -94,7 +100,7 @@ TEST_P(HardDisplacement, FoldsAreHitAtTheirNearestPart)
       behind += !isHit(b) || b.ray.tfar > a.ray.tfar + 0.02f;
     }
     EXPECT_GT(hits, 1500);
-    // what is left are leaves seen from the side, which are solid or missing by their thickness
+    // the rest are leaves seen from the side, which are solid or missed within their thickness
     EXPECT_LE(behind, compression() == RTC_COMPRESSION_LEAF ? hits/100 : 0) << "frame level " << frameLevel;
   }
 }

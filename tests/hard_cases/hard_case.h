@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Hard cases: a test each, for every representation and every ISA that is built in.
- * A test says its property in a sentence, which scripts/report_hard_cases.py puts
- * beside the results: the table of hard cases is made of nothing else. */
+/* Hard cases: one test for each case, representation and ISA. A test records its property as a sentence, which
+ * scripts/report.py shows in the table of hard cases. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -17,12 +16,15 @@ namespace cbvh::test {
 struct Tracer
 {
   RTCCompression compression;
-  std::string isa; // of the device string: isa=avx2
+  std::string isa; // as in the device string: isa=avx2
 };
 
-inline std::ostream& operator<<(std::ostream& out, const Tracer& tracer) { return out << kindName(tracer.compression) << ", " << tracer.isa; }
+inline std::ostream& operator<<(std::ostream& out, const Tracer& tracer)
+{
+  return out << kindName(tracer.compression) << ", " << tracer.isa;
+}
 
-// cLEAF_avx2, and sse42 for sse4.2: GoogleTest wants names of letters and digits.
+// cLEAF_avx2, and sse42 for sse4.2: GoogleTest requires names of letters and digits.
 inline std::string tracerName(const testing::TestParamInfo<Tracer>& info)
 {
   std::string name = std::string(kindName(info.param.compression)) + "_";
@@ -33,7 +35,8 @@ inline std::string tracerName(const testing::TestParamInfo<Tracer>& info)
 inline std::vector<Tracer> tracers()
 {
   std::vector<Tracer> list;
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
     for (const char* isa : {TEST_ISAS}) list.push_back({compression, isa});
   return list;
 }
@@ -45,10 +48,10 @@ protected:
 
   RTCCompression compression() const { return GetParam().compression; }
 
-  void SetUp() override { if (!device) GTEST_SKIP() << "this machine does not run " << GetParam().isa; }
+  void SetUp() override { if (!device) GTEST_SKIP() << "this machine does not support " << GetParam().isa; }
   void TearDown() override { if (device) { EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message; } }
 
-  // What holds, in a sentence.
+  // Records the property that the test checks, as a sentence.
   void property(const std::string& sentence) { RecordProperty("property", sentence); }
 };
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: rays that are not finite, alone and among others, through every entrance of the API; and directions of every
- * length, which scales t and changes nothing else. */
+/* Hard cases: rays that are not finite, alone and together with others, through every function of the API; and
+ * directions of all lengths, which scale t and nothing else. */
 
 #include "hard_cases/hard_case.h"
 #include "support/odd_rays.h"
@@ -39,7 +39,7 @@ std::vector<Call> allCalls()
   return calls;
 }
 
-// All lanes are on.
+// All lanes are active.
 template<typename Packet, typename Trace>
 void inPackets(std::vector<RTCRayHit>& rays, const Trace& trace)
 {
@@ -67,16 +67,23 @@ void trace(RTCScene scene, const Call& call, std::vector<RTCRayHit>& rays)
     for (RTCRayHit& ray : rays) any ? rtcOccluded1(scene, &context, &ray.ray) : rtcIntersect1(scene, &context, &ray);
     break;
   case Packets4:
-    inPackets<RTCRayHit4>(rays, [&](const int* valid, RTCRayHit4& p) { any ? rtcOccluded4(valid, scene, &context, &p.ray) : rtcIntersect4(valid, scene, &context, &p); });
+    inPackets<RTCRayHit4>(rays, [&](const int* valid, RTCRayHit4& p) {
+      any ? rtcOccluded4(valid, scene, &context, &p.ray) : rtcIntersect4(valid, scene, &context, &p);
+    });
     break;
   case Packets8:
-    inPackets<RTCRayHit8>(rays, [&](const int* valid, RTCRayHit8& p) { any ? rtcOccluded8(valid, scene, &context, &p.ray) : rtcIntersect8(valid, scene, &context, &p); });
+    inPackets<RTCRayHit8>(rays, [&](const int* valid, RTCRayHit8& p) {
+      any ? rtcOccluded8(valid, scene, &context, &p.ray) : rtcIntersect8(valid, scene, &context, &p);
+    });
     break;
   case Packets16:
-    inPackets<RTCRayHit16>(rays, [&](const int* valid, RTCRayHit16& p) { any ? rtcOccluded16(valid, scene, &context, &p.ray) : rtcIntersect16(valid, scene, &context, &p); });
+    inPackets<RTCRayHit16>(rays, [&](const int* valid, RTCRayHit16& p) {
+      any ? rtcOccluded16(valid, scene, &context, &p.ray) : rtcIntersect16(valid, scene, &context, &p);
+    });
     break;
   case Stream:
-    any ? rtcOccluded1M(scene, &context, &rays[0].ray, n, sizeof(RTCRayHit)) : rtcIntersect1M(scene, &context, rays.data(), n, sizeof(RTCRayHit));
+    any ? rtcOccluded1M(scene, &context, &rays[0].ray, n, sizeof(RTCRayHit))
+        : rtcIntersect1M(scene, &context, rays.data(), n, sizeof(RTCRayHit));
     break;
   }
 }
@@ -86,8 +93,8 @@ bool areSame(const RTCRayHit& a, const RTCRayHit& b) { return std::memcmp(&a, &b
 std::string describe(const RTCRay& ray)
 {
   std::ostringstream out;
-  out << "origin " << ray.org_x << " " << ray.org_y << " " << ray.org_z << ", direction " << ray.dir_x << " " << ray.dir_y << " " << ray.dir_z
-      << ", from " << ray.tnear << " to " << ray.tfar;
+  out << "origin " << ray.org_x << " " << ray.org_y << " " << ray.org_z << ", direction " << ray.dir_x << " "
+      << ray.dir_y << " " << ray.dir_z << ", from " << ray.tnear << " to " << ray.tfar;
   return out.str();
 }
 
@@ -110,12 +117,14 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(HardCases, HardOddRays, testing::ValuesIn(tracers()), tracerName);
 
-TEST_P(HardOddRays, ThatAreNotFiniteMiss)
+TEST_P(HardOddRays, NonFiniteRaysMiss)
 {
-  property("rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and are left as they are; other rays of a packet or a stream hit what they hit alone");
+  property(
+    "rays with NaN or infinity in origin or direction, or a tnear or tfar of NaN, miss and remain unchanged; other "
+    "rays of a packet or a stream have the same hits as alone");
   const SurfaceScene scene(device, cubeCage(), settings());
   Random random(34);
-  std::vector<RTCRayHit> rays; // as a picture has them, from outside and from inside
+  std::vector<RTCRayHit> rays; // rays of a picture, from outside and from inside
   for (unsigned i = 0; i < 64*64; i++) {
     const float x = 0.8f*float(i % 64)/64 - 0.4f, y = 0.8f*float(i/64)/64 - 0.4f;
     rays.push_back(i % 1024 < 768 ? makeRay({0.1f, 0.2f, 4}, {x, y, -4}) : makeRay({0.1f, 0.2f, 0.1f}, {x, y, 1}));
@@ -136,7 +145,8 @@ TEST_P(HardOddRays, ThatAreNotFiniteMiss)
     trace(scene, call, found);
     size_t hits = 0;
     for (size_t i = 0; i < rays.size(); i++) {
-      ASSERT_TRUE(areSame(found[i], isOdd[i] ? mixed[i] : alone[i])) << (isOdd[i] ? "odd ray " : "ray ") << i << ": " << describe(mixed[i].ray) << ", ends at " << found[i].ray.tfar;
+      ASSERT_TRUE(areSame(found[i], isOdd[i] ? mixed[i] : alone[i]))
+        << (isOdd[i] ? "odd ray " : "ray ") << i << ": " << describe(mixed[i].ray) << ", ends at " << found[i].ray.tfar;
       hits += !isOdd[i] && !areSame(found[i], rays[i]);
     }
     EXPECT_GT(hits, rays.size()/4);
@@ -145,14 +155,16 @@ TEST_P(HardOddRays, ThatAreNotFiniteMiss)
 
 // --- lengths -------------------------------------------------------------------------------------
 
-TEST_P(HardOddRays, WithDirectionsOfEveryLengthDoNotSlipThrough)
+TEST_P(HardOddRays, DirectionsOfAnyLengthDoNotLeak)
 {
-  property("rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, 1e-20 to 1e18, and at the same place");
+  property(
+    "rays from inside a closed surface, along an axis or nearly so, hit it whatever the length of their direction, "
+    "1e-20 to 1e18, and at the same place");
   AllVertices recorder;
   Scene scene(device);
   recorder.build(device, scene, cubeCage(), settings());
   Random random(35);
-  const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 16384);
+  const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 16384);
   std::vector<RTCRayHit> ofUnitLength = rays;
   trace(scene, {Single, false, false}, ofUnitLength);
   for (bool flush : {false, true})
@@ -160,16 +172,19 @@ TEST_P(HardOddRays, WithDirectionsOfEveryLengthDoNotSlipThrough)
       const Denormals denormals(flush);
       const float length = std::ldexp(1.0f, exponent);
       const std::vector<RTCRayHit> scaled = withDirections(rays, length);
-      for (const Call& call : {Call{Single, false, false}, Call{Single, false, true}, Call{Stream, true, false}, Call{Stream, true, true}}) {
-        SCOPED_TRACE(testing::Message() << "length 2^" << exponent << ", " << call << (flush ? ", denormals are 0" : ""));
+      for (const Call& call : {Call{Single, false, false}, Call{Single, false, true}, Call{Stream, true, false},
+                               Call{Stream, true, true}}) {
+        SCOPED_TRACE(testing::Message() << "length 2^" << exponent << ", " << call
+                                        << (flush ? ", denormals are 0" : ""));
         std::vector<RTCRayHit> found = scaled;
         trace(scene, call, found);
         size_t leaks = 0, others = 0;
         for (size_t i = 0; i < rays.size(); i++) {
           const bool isFound = call.any ? found[i].ray.tfar < 0 : isHit(found[i]), expected = isHit(ofUnitLength[i]);
-          // cGRID has GRID's triangles, which let some through at their edges
+          // cGRID has GRID's triangles, where some rays pass through edges
           leaks += !isFound && compression() != RTC_COMPRESSION_GRID;
-          others += isFound != expected || (isFound && !call.any && found[i].ray.tfar*length != ofUnitLength[i].ray.tfar);
+          others += isFound != expected ||
+                    (isFound && !call.any && found[i].ray.tfar*length != ofUnitLength[i].ray.tfar);
         }
         EXPECT_EQ(leaks, 0u);
         EXPECT_EQ(others, 0u);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random blocks as the encoder makes them: needles, folds, flats, spikes, huge and tiny,
- * near and far. What every ISA decodes of them contains them. */
+/* Random blocks of the encoder: needles, folds, flat blocks, spikes, huge and tiny ones, near and far. The bounds that
+ * every ISA decodes contain their vertices. */
 
 #include "kernels/cbvh/framed/block_encoder.h"
 #include "support/decoding_forms.h"
@@ -15,7 +15,7 @@ namespace {
 
 void* align(void* p) { return (void*)((uintptr_t(p) + 15) & ~uintptr_t(15)); }
 
-// Bounds in the frame of the quads below a node.
+// Bounds of the quads below a node, in the frame.
 ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t height, uint32_t m)
 {
   const uint32_t size = 1u << (height - level), x0 = mortonX(m)*size, y0 = mortonY(m)*size;
@@ -29,8 +29,9 @@ ExactBox boundsOf(const Frame& frame, const Sheet& sheet, uint32_t level, uint32
   return box;
 }
 
-// Nodes of the block that do not contain their vertices, in the arithmetic of a form.
-unsigned violations(Form form, const Block* block, const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t m, const NodeBox& box)
+// Number of nodes of the block that do not contain their vertices, in one variant of arithmetic.
+unsigned violations(Form form, const Block* block, const Frame& frame, const Sheet& sheet, uint32_t level, uint32_t m,
+                    const NodeBox& box)
 {
   unsigned count = !contains(form, box, boundsOf(frame, sheet, level, block->height(), m));
   if (level == block->layout().nodeLevels || level == block->height()) return count;
@@ -43,10 +44,12 @@ unsigned violations(Form form, const Block* block, const Frame& frame, const She
   return count;
 }
 
-TEST(RandomBlocks, ContainTheirVerticesInAllArithmetic)
+TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
 {
-  RecordProperty("property", "every node and leaf box of random blocks of every shape, 1e-6 to 1e6 wide, near and far, contains its vertices, "
-                             "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
+  RecordProperty(
+    "property",
+    "every node and leaf box of random blocks of every shape, 1e-6 to 1e6 wide, near and far, contains its vertices, "
+    "with multiply and add fused or not, mirrored or not: the arithmetic of every ISA");
   Random random(81);
   unsigned blocks = 0, sheets = 0;
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
@@ -56,10 +59,12 @@ TEST(RandomBlocks, ContainTheirVerticesInAllArithmetic)
           const double scale = random.magnitude(1e-6, 1e6), away = repeat % 3 ? 0 : scale*random.magnitude(1, 1e5);
           const Sheet sheet = randomSheet(random, shape, height, {scale, {away, -0.3*away, 0.7*away}});
           float corners[4][3];
-          for (int c = 0; c < 4; c++) // of the cage for cLEAF, of the surface else; the face's order goes around
+          for (int c = 0; c < 4; c++) // corners of the cage for cLEAF, of the surface otherwise, in cyclic order
             std::copy_n(kind == Kind::LEAF ? sheet.cage.positions[c < 2 ? c : 5 - c].data()
-                                           : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(), 3, corners[c]);
-          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2), memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Double3) + 2);
+                                           : sheet.vertex((c & 1)*sheet.quads, (c >> 1)*sheet.quads).data(),
+                        3, corners[c]);
+          std::vector<Double3> scratch(BlockEncoder::scratchBytes(height)/sizeof(Double3) + 2),
+            memory(blockLayout(uint32_t(kind), height).bytes/sizeof(Double3) + 2);
           BlockEncoder encoder(kind, height, (const float(*)[3])sheet.vertices.data(), align(scratch.data()));
           sheets++;
           if (!encoder.fit(corners) || encoder.isDegenerate()) continue;
@@ -75,7 +80,8 @@ TEST(RandomBlocks, ContainTheirVerticesInAllArithmetic)
             for (float c : column) ASSERT_TRUE(std::isfinite(c));
           for (Form form : forms)
             ASSERT_EQ(violations(form, block, frame, sheet, 0, 0, rootBox()), 0u)
-              << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind " << int(kind);
+              << nameOf(shape) << ", height " << height << ", scale " << scale << " at " << away << ", kind "
+              << int(kind);
         }
   std::printf("%u of %u sheets are blocks\n", blocks, sheets);
   EXPECT_GT(blocks, sheets - sheets/10);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: edge rates. What of them is compressed and what is left to GRID is the
- * library's choice; the property is the same. */
+/* Hard cases: edge rates. The library decides which faces are compressed and which are left to GRID; the property is
+ * the same for both. */
 
 #include "hard_cases/hard_case.h"
 #include "support/edge_rates.h"
@@ -14,18 +14,18 @@ namespace {
 class HardRates : public HardCase
 {
 protected:
-  /* rates: of all half-edges, neighbours alike. GRID's surface is within the reach of the leaf
-   * that is hit, without any slack for tessellations that differ: both have their vertices on
-   * the displaced surface or, along an edge of a lower rate, on the same polyline. A patch has
-   * as many quads along u and v as GRID or up to twice as many, so that the lines of GRID's
-   * vertices are no farther from a quad than its own size; and between its vertices GRID is off
-   * the surface by the sag of a chord, a fraction of that. */
+  /* rates: of all half-edges, equal on both sides of each edge. GRID's surface is within the reach of the leaf that is
+   * hit, without additional slack for different tessellations: the vertices of both are on the displaced surface or,
+   * along an edge of a lower rate, on the same polyline. A patch has as many quads along u and v as GRID, or up to
+   * twice as many, so that the lines of GRID's vertices are no farther from a quad than the quad's size. Between its
+   * vertices, GRID deviates from the surface by the sag of a chord, a fraction of that. */
   void expectTightAndNear(const Cage& cage, const std::vector<float>& rates)
   {
     Random random(71);
     Displacement displacement;
     std::vector<RTCRayHit> inside;
-    for (int i = 0; i < 2000; i++) inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
+    for (int i = 0; i < 2000; i++)
+      inside.push_back(makeRay({0, 0, 0}, {float(random.normal()), float(random.normal()), float(random.normal())}));
     for (int frameLevel : {0, 1, 3}) {
       SCOPED_TRACE(testing::Message() << "rate " << rates[0] << ", frame level " << frameLevel);
       SurfaceSettings settings;
@@ -67,10 +67,10 @@ TEST_P(HardRates, Mixed)
   }
 }
 
-// Opposite edges of rate 1 keep it small.
+// Opposite edges of rate 1 keep the face small.
 TEST_P(HardRates, Rate4096)
 {
-  property("edges of rate 4096, the most that Embree takes, beside edges of rate 1: a plane is hit where it is");
+  property("edges of rate 4096, the most that Embree supports, next to edges of rate 1: hits on a plane are exact");
   SurfaceSettings settings;
   settings.compression = compression();
   settings.edgeRates = {4096, 1, 4096, 1};

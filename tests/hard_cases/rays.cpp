@@ -13,13 +13,13 @@ namespace {
 class HardRays : public HardCase
 {
 protected:
-  void trace(const std::vector<RayKind>& kinds, unsigned raysOfAKind, bool unitLength = true)
+  void trace(const std::vector<RayKind>& kinds, unsigned raysPerKind, bool unitLength = true)
   {
     Random random(31);
     ReferenceCheck check(device, compression());
     for (unsigned height : {0, 1, 3, 5})
       for (Shape shape : allShapes) {
-        check.trace(random, randomSheet(random, shape, height, {1, {0, 0, 0}}), kinds, raysOfAKind, unitLength);
+        check.trace(random, randomSheet(random, shape, height, {1, {0, 0, 0}}), kinds, raysPerKind, unitLength);
         if (HasFatalFailure()) return;
       }
     check.conclude();
@@ -59,7 +59,7 @@ TEST_P(HardRays, InThePlaneOfALeaf)
 
 TEST_P(HardRays, FromInsideABlock)
 {
-  property("rays that start inside a block find the reference's hits, none of them behind the start");
+  property("rays that start inside a block find the reference's hits, none of them before the start");
   trace({RayKind::FromInsideBlock}, 40);
 }
 
@@ -69,19 +69,19 @@ TEST_P(HardRays, FromInsideALeaf)
   trace({RayKind::FromInsideLeaf}, 40);
 }
 
-TEST_P(HardRays, ThatEndInsideABlock)
+TEST_P(HardRays, EndInsideABlock)
 {
-  property("rays that end inside a block or a leaf find the reference's hits, none of them behind the end");
+  property("rays that end inside a block or a leaf find the reference's hits, none of them beyond the end");
   trace({RayKind::Segment}, 40);
 }
 
-TEST_P(HardRays, WithDirectionsOfLength1em15To1e18)
+TEST_P(HardRays, DirectionsOfLength1em15To1e18)
 {
   property("the length of a direction, 1e-15 to 1e18, scales t and changes nothing else");
   trace(allRays, 6, false);
 }
 
-// Displaced vertices on the borders of blocks, where a ray could slip through.
+// Displaced vertices on the borders of blocks, where leaks are most likely.
 struct Seams : public VertexRecorder
 {
   int frameLevel = 3;
@@ -99,7 +99,9 @@ struct Seams : public VertexRecorder
 
 TEST_P(HardRays, FromFarAway)
 {
-  property("rays from 10 to 10,000 block widths away, aimed at vertices between blocks, hit there or before, and do not slip through");
+  property(
+    "rays from 10 to 10,000 block widths away, aimed at vertices between blocks, hit there or before, and do not slip "
+    "through");
   for (float amplitude : {0.0f, 0.05f}) {
     Seams seams;
     seams.amplitude = amplitude;
@@ -122,28 +124,33 @@ TEST_P(HardRays, FromFarAway)
         d[k] = target[k] - o[k];
       }
       const RTCRayHit ray = makeRay(o, d);
-      for (int k = compression() == RTC_COMPRESSION_GRID ? 0 : 1; k < 2; k++) leaks[k] += !isHit(intersect(scenes[k], ray));
+      for (int k = compression() == RTC_COMPRESSION_GRID ? 0 : 1; k < 2; k++)
+        leaks[k] += !isHit(intersect(scenes[k], ray));
     }
-    // cGRID has GRID's triangles, which let some through at their edges
+    // cGRID has GRID's triangles, where some rays pass through edges
     EXPECT_LE(leaks[1], leaks[0] + 5*std::sqrt(leaks[0])) << "amplitude " << amplitude;
   }
 }
 
-// Upstream's own limits: the square of a direction and 1/direction are floats.
-TEST_P(HardRays, BeyondTheLimitsEnd)
+// Upstream's limits: the square of a direction and 1/direction must be floats.
+TEST_P(HardRays, RaysBeyondLimitsTerminate)
 {
-  property("rays beyond Embree's limits (directions longer than 1.8e18, shorter than 1e-18, zero, infinite or NaN, such origins) end, and hit within [tnear, tfar] or not at all");
+  property(
+    "rays beyond Embree's limits (directions longer than 1.8e18, shorter than 1e-18, zero, infinite or NaN, such "
+    "origins) terminate, and hit within [tnear, tfar] or not at all");
   Random random(32);
   const Sheet sheet = randomSheet(random, Shape::Waves, 4, {1, {0, 0, 0}});
   Scene scene(device);
   commitSheet(device, scene, sheet, compression());
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-  const float values[] = {0, -0.0f, 1e-45f, 1e-38f, 1e-20f, -1e-20f, 1, -1, 1e20f, -1e20f, 3e38f, infinity, -infinity, nan};
+  const float values[] = {0, -0.0f, 1e-45f, 1e-38f, 1e-20f, -1e-20f, 1,
+                          -1, 1e20f, -1e20f, 3e38f, infinity, -infinity, nan};
   auto any = [&] { return values[random.below(sizeof(values)/sizeof(float))]; };
   for (int i = 0; i < 20000; i++) {
     RTCRayHit ray = randomRay(random, allRays[random.below(uint32_t(allRays.size()))], sheet);
-    float* const fields[] = {&ray.ray.dir_x, &ray.ray.dir_y, &ray.ray.dir_z, &ray.ray.org_x, &ray.ray.org_y, &ray.ray.org_z};
-    if (i % 4 == 0) { // the whole direction, by a power of ten
+    float* const fields[] = {&ray.ray.dir_x, &ray.ray.dir_y, &ray.ray.dir_z,
+                             &ray.ray.org_x, &ray.ray.org_y, &ray.ray.org_z};
+    if (i % 4 == 0) { // the whole direction, scaled by a power of ten
       const float length = std::pow(10.0f, float(random.uniform(18, 38))*(random.chance(0.5) ? 1 : -1));
       for (int k = 0; k < 3; k++) *fields[k] *= length;
     }

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Each public header compiles alone and before all others, in C99 and in C++11, without a warning, and leaves
-# Embree's types as they are.
+# Checks that each public header compiles alone and before all others, in C99 and in C++11, without warnings, and does
+# not change Embree's types.
 #
 #   headers.sh FOLDER-OF-EMBREE3 FOLDER-OF-CBVH [HEADER-THAT-NEEDS-WHAT-IS-NOT-HERE...]
 set -eu
@@ -16,7 +16,7 @@ ln -s "$embree" "$work/include/embree3"
 ln -s "$cbvh" "$work/include/cbvh"
 failed=0
 
-# check HEADER...: a program that includes them in this order
+# check HEADER...: compiles a program that includes them in this order
 check() {
   {
     printf '#include <%s>\n' "$@" embree3/rtcore.h
@@ -31,7 +31,8 @@ check() {
     echo '}'
   } > "$work/first.c"
   for compiler in "cc -x c -std=c99" "c++ -x c++ -std=c++11"; do
-    $compiler -Wall -Wextra -pedantic -Werror -I"$work/include" -fsyntax-only "$work/first.c" || { echo "FAILED: $* by $compiler" >&2; failed=1; }
+    $compiler -Wall -Wextra -pedantic -Werror -I"$work/include" -fsyntax-only "$work/first.c" ||
+      { echo "FAILED: $* by $compiler" >&2; failed=1; }
   done
 }
 

@@ -2,8 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Properties of the manual pages of functions, read back from the pages that scripts/packaging/man_pages.py makes of a
-header with known declarations, and of the public headers.
+"""Checks properties of the manual pages of functions, by reading pages that scripts/packaging/man_pages.py writes for
+a header
+with known declarations, and for the public headers.
 
     man_pages.py
 """
@@ -97,12 +98,13 @@ class KnownHeader(unittest.TestCase):
 
     def test_types_and_callbacks_have_their_comments(self):
         synopsis = section(self.visit, "SYNOPSIS")
-        order = ["A pair of numbers", "struct CbvhPair\n{", "Called for each pair", "typedef int (*CbvhPairFunction)", "enum CbvhError cbvhVisit("]
+        order = ["A pair of numbers", "struct CbvhPair\n{", "Called for each pair", "typedef int (*CbvhPairFunction)",
+                 "enum CbvhError cbvhVisit("]
         places = [synopsis.find(text) for text in order]
         self.assertEqual(places, sorted(places))
         self.assertGreaterEqual(min(places), 0)
 
-    def test_the_error_has_one_page(self):
+    def test_error_type_has_one_page(self):
         self.assertNotIn("CBVH_OK = 0", self.visit)
         self.assertIn("CbvhError(3cbvh)", section(self.visit, "SEE ALSO"))
         self.assertIn("CBVH_OK = 0", section(self.pages["CbvhError.3cbvh"], "SYNOPSIS"))
@@ -114,7 +116,7 @@ class KnownHeader(unittest.TestCase):
         self.assertEqual(section(self.visit, "NOTES"), ".PP\nThread safety: any thread.\n")
         self.assertIsNone(section(self.visit, "EXIT STATUS"))
 
-    def test_structs_that_grow_have_no_default_and_a_note(self):
+    def test_structs_with_size_have_no_default_and_a_note(self):
         page = self.pages["cbvhVisitWith.3cbvh"]
         self.assertIn("  size_t structSize; /* by the rule */\n  int flags;\n", section(page, "SYNOPSIS"))
         notes = section(page, "NOTES")
@@ -122,19 +124,21 @@ class KnownHeader(unittest.TestCase):
         self.assertIn("T s = {.structSize = sizeof(s)}", notes)
         self.assertNotIn("structSize", self.visit)
 
-    def test_functions_of_one_comment_share_a_page(self):
+    def test_functions_under_one_comment_share_a_page(self):
         self.assertEqual(self.pages["cbvhVisitAgain.3cbvh"], ".so man3/cbvhVisit.3cbvh\n")
 
-    def test_a_declaration_of_several_lines_has_a_page(self):
+    def test_declaration_of_several_lines_has_a_page(self):
         page = self.pages["cbvhJoin.3cbvh"]
-        self.assertIn("int cbvhJoin(\n  const struct CbvhPair* first,\n  const struct CbvhPair* second,\n  int flags\n);",
+        self.assertIn("int cbvhJoin(\n  const struct CbvhPair* first,\n  const struct CbvhPair* second,\n"
+                      "  int flags\n);",
                       section(page, "SYNOPSIS"))
         self.assertIn('.IP "first" 4\na pair.', section(page, "DESCRIPTION"))
 
-    def test_a_function_without_a_comment_is_an_error(self):
+    def test_function_without_a_comment_is_an_error(self):
         header = Path(self.folder.name) / "cbvh" / "bare.h"
         header.write_text("CBVH_API int cbvhBare(void);\n")
-        done = subprocess.run([sys.executable, "-B", SCRIPT, "1", self.folder.name, header], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-B", SCRIPT, "1", self.folder.name, header], capture_output=True,
+                              text=True)
         self.assertEqual((done.returncode, done.stderr), (1, "man_pages.py: cbvhBare has no comment\n"))
 
 
@@ -143,12 +147,12 @@ class PublicHeaders(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             pages = {name.split(".")[0] for name in made(folder, *HEADERS)}
             for header in HEADERS:
-                # Up to its semicolon or its body, whatever lines a declaration has.
+                # Declarations extend to their semicolon or body and may have several lines.
                 declarations = re.findall(r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s[^;{]*", header.read_text(), re.M)
                 for declaration in declarations:
                     self.assertIn(re.search(r"(\w+)\s*\(", declaration)[1], pages, header.name)
 
-    def test_references_lead_to_pages_and_no_page_has_warnings(self):
+    def test_references_lead_to_pages_and_pages_have_no_warnings(self):
         with tempfile.TemporaryDirectory() as folder:
             pages = made(folder, *HEADERS)
             self.assertGreater(len(pages), 80)
@@ -157,7 +161,8 @@ class PublicHeaders(unittest.TestCase):
                 for other in re.findall(r"(\w+)\((3\w+)\)", page):
                     self.assertIn(".".join(other), pages, name)
                 if not page.startswith(".so") and shutil.which("groff"):
-                    done = subprocess.run(["groff", "-man", "-ww", "-z", Path(folder) / name], capture_output=True, text=True)
+                    done = subprocess.run(["groff", "-man", "-ww", "-z", Path(folder) / name], capture_output=True,
+                                          text=True)
                     self.assertEqual(done.stderr, "", name)
 
     def test_types_of_each_page_are_declared_before_they_are_used(self):

@@ -2,12 +2,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Our Debian packages in roots of their own, which needs root, debootstrap, the machine's package
+# Installs our Debian packages in separate root file systems. Requires root, debootstrap, the machine's package
 # registry and 4 GB:
 #
-#   - a bare Debian takes them, by apt, and our programs run;
-#   - a Debian that has Debian's Embree, and Blender, Open3D and Embree's tutorials on it, takes them
-#     in its place, keeps those, and they compute the same to the byte.
+#   - on a minimal Debian, apt installs them and our programs run;
+#   - on a Debian with Debian's Embree, and Blender, Open3D and Embree's tutorials, they replace Debian's packages,
+#     the other programs stay installed, and their results are identical.
 #
 #   packages.sh DIRECTORY-OF-PACKAGES DIRECTORY-FOR-ROOTS
 set -eu
@@ -21,12 +21,14 @@ roots=$(cd "$roots" && pwd)
 release() { for root in bare clients; do umount "$roots/$root/proc" "$roots/$root/dev" 2>/dev/null || true; done; }
 trap release EXIT
 
-# make ROOT: as debootstrap leaves it, from the mirror that this machine is set up to use
+# make ROOT: creates a root file system with debootstrap, from the mirror of this machine
 make() {
   root=$roots/$1
   if [ ! -d "$roots/base" ]; then
-    mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u | head -n 1)
-    debootstrap --variant=minbase bookworm "$roots/base.part" "$mirror" > "$roots/log" || { tail "$roots/log"; fail "debootstrap"; }
+    mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Origin: Debian' 'Component: main' |
+      sort -u | head -n 1)
+    debootstrap --variant=minbase bookworm "$roots/base.part" "$mirror" > "$roots/log" ||
+      { tail "$roots/log"; fail "debootstrap"; }
     mv "$roots/base.part" "$roots/base"
   fi
   rm -rf --one-file-system "$root"
@@ -40,50 +42,57 @@ make() {
   apt_get update
 }
 inside() { chroot "$root" env HOME=/root "$@"; }
-apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 || { tail -n 30 "$roots/log"; fail "apt-get $*"; }; }
+apt_get() { inside apt-get -q -y --no-install-recommends "$@" > "$roots/log" 2>&1 ||
+  { tail -n 30 "$roots/log"; fail "apt-get $*"; }; }
 ours() { apt_get install "$@"; apt_get check; }
 all() { (cd "$packages" && for package in *.deb; do echo "/root/packages/$package"; done); }
 status() { inside dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true; }
 
-# --- a bare system ---------------------------------------------------------------------------------
+# --- a minimal system ------------------------------------------------------------------------------
 
 make bare
 # shellcheck disable=SC2046
 ours $(all)
 inside cbvh_render --version
-inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output /root/pictures > "$roots/log" 2>&1 ||
+inside cbvh_render --scene cube --level 3 --size 32x32 --representation cvert --output /root/pictures \
+  > "$roots/log" 2>&1 ||
   { cat "$roots/log"; fail "cbvh_render does not run"; }
-inside python3 -c "import embree_cbvh as cbvh; print('Python module', cbvh.__version__, cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3).statistics()['bytes_per_quad'])" ||
+inside python3 -c "import embree_cbvh as cbvh
+scene = cbvh.build(cbvh.Model.scene('cube'), 'cvert', 3)
+print('Python module', cbvh.__version__, scene.statistics()['bytes_per_quad'])" ||
   fail "the Python module"
 apt_get remove libembree3-cbvh
-[ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "removed, but the library is still there"
-echo "a bare system takes the packages, and removes them"
+[ ! -e "$root/usr/lib/x86_64-linux-gnu/libembree3.so.3" ] || fail "the library still exists after the removal"
+echo "a minimal system installs and removes the packages"
 
 # --- a system with Debian's packages ---------------------------------------------------------------
 
-# run FOLDER: what each client computes
+# run FOLDER: stores the results of each client
 run() {
   inside mkdir -p "/root/$1"
   for program in triangle_geometry subdivision_geometry displacement_geometry instanced_geometry curve_geometry \
                  grid_geometry point_geometry interpolation user_geometry intersection_filter hair_geometry \
                  lazy_geometry motion_blur_geometry; do
-    inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 || { cat "$roots/log"; fail "$program"; }
+    inside "$program" --size 160 120 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
+      { cat "$roots/log"; fail "$program"; }
   done
   for program in viewer pathtracer; do
-    inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" > "$roots/log" 2>&1 ||
+    inside "$program" -c /usr/share/doc/embree3/models/cornell_box.ecs --size 80 60 -o "/root/$1/$program.ppm" \
+      > "$roots/log" 2>&1 ||
       { cat "$roots/log"; fail "$program"; }
   done
   inside python3 /root/clients/open3d_queries.py "/root/$1/open3d" || fail "Open3D"
-  inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" > "$roots/log" 2>&1 ||
+  inside blender -b --python-exit-code 1 --python /root/clients/blender.py -- "/root/$1/blender.bmp" \
+    > "$roots/log" 2>&1 ||
     { cat "$roots/log"; fail "Blender"; }
 }
 
 # compare FOLDER OTHER
 compare() {
   for file in "$root/root/$1"/*; do
-    cmp "$file" "$root/root/$2/${file##*/}" || fail "${file##*/} is another"
+    cmp "$file" "$root/root/$2/${file##*/}" || fail "${file##*/} differs"
   done
-  echo "$(find "$root/root/$1" -type f | wc -l) files are the same to the byte: $3"
+  echo "$(find "$root/root/$1" -type f | wc -l) files are identical: $3"
 }
 
 make clients
@@ -104,4 +113,4 @@ for package in blender python3-open3d; do
   [ "$(status $package)" = installed ] || fail "$package was removed"
 done
 run tools
-compare stock tools "with our programs in place of embree-tools"
+compare stock tools "with our programs instead of embree-tools"

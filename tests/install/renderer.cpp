@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Traces one ray at one triangle, and prints the library that did it.
+// Intersects one ray with one triangle, and prints the path of the library.
 
 #include <embree3/rtcore.h>
 #include <dlfcn.h>
@@ -40,6 +40,6 @@ int main()
   Dl_info info;
   dladdr((void*)&rtcNewDevice, &info);
   std::printf("%s\n", info.dli_fname);
-  // Embree divides by the processor's own approximation: an ulp or two are the machine's
+  // Embree divides with the processor's approximate reciprocal: an ulp or two depend on the machine
   return ray.hit.geomID == 0 && std::fabs(ray.ray.tfar - 1) < 1e-6f ? 0 : 1;
 }

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# What `cmake --install` lays down serves a program that says find_package(embree 3), one that asks
-# pkg-config, and our own programs, from wherever it is moved to.
+# Tests an installation by `cmake --install`: programs that use find_package(embree 3) or pkg-config, and our own
+# programs, also after it was moved.
 #
 #   test.sh CMAKE BUILD-DIRECTORY DIRECTORY-OF-STOCK-LIBRARY
 set -eu
@@ -18,17 +18,18 @@ trap 'rm -rf "$work"' EXIT
 mv "$work/first" "$work/prefix"
 unset LD_LIBRARY_PATH EMBREE_CBVH
 [ -e "$work"/prefix/lib/libembree3.so.3 ]
-for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h; do
+for header in rtcore.h rtcore_compression.h rtcore_compression_version.h rtcore_compressed_triangles.h \
+  rtcore_compressed_clusters.h rtcore_dicing.h rtcore_compressed_files.h; do
   [ -f "$work/prefix/include/embree3/$header" ]
 done
 if [ -e "$build/kernels/vulkan/libembree3_vulkan.so.3" ]; then
   [ -e "$work"/prefix/lib/libembree3_vulkan.so.3 ]
   [ -f "$work/prefix/include/embree3/rtcore_vulkan.h" ]
   [ -f "$work/prefix/include/embree3/cbvh.glsl" ]
-  # it finds the library beside it
+  # it finds the library next to it
   ldd "$work/prefix/lib/libembree3_vulkan.so.3" | grep -q "libembree3.so.3 => $work/prefix/lib/"
 fi
-# A link back into the source tree would break elsewhere.
+# A link into the source tree would break elsewhere.
 for link in $(find "$work/prefix" -type l); do
   case $(readlink "$link") in
     */*) echo "$link leads out of the installation" >&2; exit 1 ;;
@@ -36,12 +37,13 @@ for link in $(find "$work/prefix" -type l); do
 done
 
 cp "$here/CMakeLists.txt" "$here"/*.cpp "$work/"
-# Without TBB's CMake files: who links the shared library needs none.
-"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON > "$work/log.configure" ||
+# Without TBB's CMake files, which users of the shared library do not need.
+"$cmake" -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON \
+  > "$work/log.configure" ||
   { cat "$work/log.configure"; exit 1; }
 "$cmake" --build "$work/build" > "$work/log" || { cat "$work/log"; exit 1; }
 grep -q "Embree 3.13.5, of Embree CBVH $version\$" "$work/log.configure" ||
-  { cat "$work/log.configure"; fail "find_package does not find version $version of ours"; }
+  { cat "$work/log.configure"; fail "find_package does not find our version $version"; }
 library=$("$work/build/renderer")
 case $library in
   "$work"/prefix/*) echo "runs on the installed library" ;;
@@ -51,18 +53,22 @@ if [ -e "$work/prefix/include/embree3/rtcore_vulkan.h" ]; then
   "$work/build/on_vulkan" || fail "find_package has no embree_vulkan that runs"
 fi
 
-# --- the library beside any Embree: a program on Debian's own --------------------------------------
+# --- libembree_cbvh next to any Embree: a program that uses Debian's -------------------------------
 
 [ -e "$work/prefix/lib/embree_cbvh/libembree_cbvh.so.0" ] || fail "libembree_cbvh is not installed"
 for folder in $(PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig" pkg-config --cflags-only-I --libs-only-L embree_cbvh); do
-  [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] || fail "pkg-config embree_cbvh leads to our Embree"
+  [ -z "$(find "${folder#-?}" -name 'embree3*' -o -name 'libembree3*')" ] ||
+    fail "pkg-config embree_cbvh leads to our Embree"
 done
 mkdir "$work/beside"
 cp "$here/beside/CMakeLists.txt" "$here"/../../tutorials/beside/*.cpp "$here"/../../tutorials/beside/*.h "$work/beside/"
-"$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DSTOCK_DIRECTORY="$stock" > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
+"$cmake" -S "$work/beside" -B "$work/beside/build" -DCMAKE_PREFIX_PATH="$work/prefix" -DSTOCK_DIRECTORY="$stock" \
+  > "$work/log" && "$cmake" --build "$work/beside/build" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "find_package has no embree_cbvh"; }
-(cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) || fail "a program with libembree_cbvh does not run"
-LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree3.so.3 => $stock" || fail "it runs on an Embree that is not Debian's"
+(cd "$work/beside" && LD_LIBRARY_PATH="$stock" ./build/displaced_cage) ||
+  fail "a program with libembree_cbvh does not run"
+LD_LIBRARY_PATH="$stock" ldd "$work/beside/build/displaced_cage" | grep -q "libembree3.so.3 => $stock" ||
+  fail "it runs on an Embree that is not Debian's"
 
 # --- pkg-config -----------------------------------------------------------------------------------
 
@@ -73,42 +79,51 @@ export PKG_CONFIG_PATH="$work/prefix/lib/pkgconfig"
 # shellcheck disable=SC2046
 c++ "$here/renderer.cpp" -o "$work/renderer" $(pkg-config --cflags --libs embree3) -ldl
 library=$(LD_LIBRARY_PATH=$work/prefix/lib "$work/renderer")
-case $library in "$work"/prefix/*) ;; *) fail "what pkg-config gives runs on $library" ;; esac
+case $library in "$work"/prefix/*) ;; *) fail "a program built with pkg-config runs on $library" ;; esac
 
-# --- examples, which compile where they are -------------------------------------------------------------
+# --- examples, compiled in place ------------------------------------------------------------------------
 
 examples=$work/prefix/share/doc/embree-cbvh/examples
 for example in displaced_cage diced_grids; do
   # shellcheck disable=SC2046
-  c++ -std=c++17 "$examples/$example.cpp" $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -o "$work/$example" ||
+  c++ -std=c++17 "$examples/$example.cpp" $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" \
+    -o "$work/$example" ||
     fail "the installed example $example does not compile"
 done
 # shellcheck disable=SC2046
-cc -std=c99 -Wall -Wextra -Werror -pedantic "$examples/displacement_map.c" $(pkg-config --cflags --libs embree_cbvh) -lm -o "$work/displacement_map" ||
+cc -std=c99 -Wall -Wextra -Werror -pedantic "$examples/displacement_map.c" $(pkg-config --cflags --libs embree_cbvh) \
+  -lm -o "$work/displacement_map" ||
   fail "the installed example displacement_map does not compile"
-(cd "$work" && LD_LIBRARY_PATH=$work/prefix/lib/embree_cbvh ./displacement_map) || fail "the installed example displacement_map does not run"
+(cd "$work" && LD_LIBRARY_PATH=$work/prefix/lib/embree_cbvh ./displacement_map) ||
+  fail "the installed example displacement_map does not run"
 
 # --- the codec, without any Embree ------------------------------------------------------------------
 
 mkdir "$work/codec"
 cp "$here/codec/CMakeLists.txt" "$examples"/codec/*.cpp "$work/codec/"
-"$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" && "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
+"$cmake" -S "$work/codec" -B "$work/codec/build" -DCMAKE_PREFIX_PATH="$work/prefix" > "$work/log" &&
+  "$cmake" --build "$work/codec/build" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "find_package has no cvert"; }
 "$here/../codec/examples.sh" "$work/codec/build/encode_grid" "$work/codec/build/file_to_obj"
-# Whatever instruction set a program is compiled for, it links the same library.
-"$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
+# The library can be linked by programs compiled for any instruction set.
+"$cmake" -S "$work/codec" -B "$work/codec/wide" -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS=-mavx2 \
+  > "$work/log" && "$cmake" --build "$work/codec/wide" >> "$work/log" 2>&1 ||
   { cat "$work/log"; fail "a program compiled with -mavx2 does not link cvert"; }
 ! ldd "$work/codec/build/file_to_obj" | grep -iE "embree|tbb" || fail "the codec needs Embree or TBB"
 
 # --- manual pages: one for each function of our headers ---------------------------------------------
 
-for function in $(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h \
-    rtcore_dicing.h rtcore_compressed_files.h); do
+functions=$(cd "$work/prefix/include/embree3" && sed -n 's/^RTC_[A-Z]* .*\(rtc[A-Z][A-Za-z]*\) *(.*/\1/p' \
+  rtcore_compression.h rtcore_compressed_triangles.h rtcore_compressed_clusters.h rtcore_dicing.h \
+  rtcore_compressed_files.h)
+for function in $functions; do
   page=$work/prefix/share/man/man3/$function.3embree3
   [ -s "$page" ] || fail "$function has no manual page"
   grep -q "$function" "$page" || fail "$page does not name it"
 done
-for function in $(grep -o '^CBVH_API .*' "$work/prefix/include/embree_cbvh/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(' | tr -d '('); do
+functions=$(grep -o '^CBVH_API .*' "$work/prefix/include/embree_cbvh/cbvh/cbvh.h" | grep -o 'cbvh[A-Za-z0-9]*(')
+for function in $functions; do
+  function=${function%(}
   [ -s "$work/prefix/share/man/man3/$function.3cbvh" ] || fail "$function has no manual page"
 done
 if command -v help2man > /dev/null; then
@@ -121,19 +136,21 @@ if command -v help2man > /dev/null; then
 fi
 [ -e "$work/prefix/share/man/man3/rtcNewDevice.3embree3" ] || fail "Embree's own manual pages are missing"
 
-# --- our programs run on the library beside them, and say so where it is another ------------------
+# --- our programs use the library next to them, and report other libraries ------------------------
 
 for program in "$work"/prefix/bin/cbvh_*; do
   "$program" --version > "$work/said" || fail "$program --version"
   [ "$(head -n 1 "$work/said")" = "${program##*/} $version" ] || { cat "$work/said"; fail "$program --version"; }
   grep -q "^library: Embree CBVH $version on Embree 3.13.5, $work/prefix/" "$work/said" ||
-    { cat "$work/said"; fail "$program runs on another library"; }
+    { cat "$work/said"; fail "$program runs on a different library"; }
 done
 if [ -x "$work/prefix/bin/cbvh_render" ]; then
   render() { "$work/prefix/bin/cbvh_render" --scene cube --level 2 --size 16x16 --output "$work/pictures" "$@"; }
   render --representation cvert > "$work/said" 2>&1 || { cat "$work/said"; fail "cbvh_render does not run"; }
-  ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 || fail "cbvh_render compresses with Embree's library"
-  grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" "$work/said" ||
+  ! LD_LIBRARY_PATH=$stock render --representation cvert > "$work/said" 2>&1 ||
+    fail "cbvh_render compresses with Embree's library"
+  grep -q "cannot compress: it is Embree 3.13.5, without compression, $stock/libembree3.so.3.*LD_LIBRARY_PATH" \
+    "$work/said" ||
     { cat "$work/said"; fail "the message about Embree's library"; }
   tail -n 1 "$work/said"
 fi

@@ -1,17 +1,16 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* For a program that is compiled for one ISA as a whole: ends it with status 77, saying why,
- * on a machine that lacks the ISA, before any of its code runs. Compiled for every machine
- * itself. */
+/* For programs compiled entirely for one ISA. On a machine without that ISA, ends the program with status 77 and a
+ * message before any of its code runs. This file itself is compiled for every machine. */
 
 #include <cstdio>
 #include <cstring>
 #include <unistd.h>
 
-extern const char* const programIsa; // as Embree calls it, a constant of the program
+extern const char* const programIsa; // in Embree's spelling, a constant of the program
 
-// Ahead of the constructors of the program's own objects, which have no priority.
+// Runs before the constructors of the program's own objects, which have no priority.
 __attribute__((constructor(101))) static void checkIsa()
 {
 #if defined(__x86_64__)
@@ -21,19 +20,21 @@ __attribute__((constructor(101))) static void checkIsa()
   else if (!std::strcmp(programIsa, "SSE4.2")) runs = __builtin_cpu_supports("sse4.2");
   else if (!std::strcmp(programIsa, "AVX")) runs = __builtin_cpu_supports("avx");
   else if (!std::strcmp(programIsa, "AVX2"))
-    runs = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    runs = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+           __builtin_cpu_supports("bmi2");
   else if (!std::strcmp(programIsa, "AVX512"))
-    runs = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512cd") &&
-           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
+    runs = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512vl");
   else {
-    std::fprintf(stderr, "FAILED: no ISA is called %s\n", programIsa);
+    std::fprintf(stderr, "FAILED: unknown ISA %s\n", programIsa);
     _exit(1);
   }
 #else
   const bool runs = !std::strcmp(programIsa, "SSE2"); // Embree's name for NEON
 #endif
   if (runs) return;
-  std::printf("skipped: this machine does not run %s\n", programIsa);
+  std::printf("skipped: this machine does not support %s\n", programIsa);
   std::fflush(stdout);
   _exit(77);
 }

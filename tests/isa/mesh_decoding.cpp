@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of mesh blocks against the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all
- * groups, to the last bit, and boxes that contain the triangles. Compiled once for every ISA, outside of the library.
- * */
+/* Compares the traversal's decoder of mesh blocks with the scalar one, cvert/decoder/decoded_mesh.h: random blocks, all
+ * groups bit by bit, and boxes that contain the triangles. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -26,7 +25,7 @@ namespace {
 
 using namespace embree::cbvh;
 
-// Triangles of neighbors in a wavy sheet, or of any vertices. exponent: of a lattice, or below -1000
+// Triangles of neighbors in a wavy sheet, or of random vertices. exponent: of a lattice, or below -1000 for none
 std::vector<MeshTriangle> randomTriangles(Random& random, int exponent, double far, bool isSheet)
 {
   const uint32_t size = 16;
@@ -59,7 +58,7 @@ std::vector<MeshTriangle> randomTriangles(Random& random, int exponent, double f
   return triangles;
 }
 
-TEST(MeshDecoding, GroupsEqualTheScalarDecoder)
+TEST(MeshDecoding, GroupsMatchScalarDecoder)
 {
   Random random(96);
   auto encoder = std::make_unique<MeshEncoder>();
@@ -114,8 +113,9 @@ TEST(MeshDecoding, GroupsEqualTheScalarDecoder)
   EXPECT_GT(statistics.restarts, 100u);
 }
 
-// Triangles of any vertices, and rays through a vertex, or the middle of two: what contains the ray is found.
-TEST(MeshTriangles, WhatHasTheRayInItIsFound)
+// Triangles of random vertices, and rays through a vertex or the middle of two: triangles that contain the ray must
+// be found.
+TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
 {
   using namespace embree::isa::cbvh;
   using embree::Vec3fa;

@@ -1,8 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of blocks of cVERT that move against the scalar one: random segments, all groups at both ends to the last bit, and
- * between the ends boxes that contain what is in them, in the same floats. Compiled once for every ISA, outside of the library. */
+/* Compares the traversal's decoder of moving cVERT blocks with the scalar one: random segments, all groups at both ends
+ * bit by bit. Between the ends, boxes must contain the vertices in the same float arithmetic. Compiled once for every
+ * ISA, outside of the library. */
 
 #include "kernels/cbvh/vert/moving_block.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -22,7 +23,8 @@ namespace {
 using namespace embree::cbvh;
 using namespace embree::isa::cbvh;
 
-// Whether planes of a group's box contain a vertex along an axis; the sheared coordinate in double.
+// True if the planes of a group's box contain a vertex along an axis; the sheared coordinate is computed in double
+// precision.
 bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
 {
   double c = p[k];
@@ -33,7 +35,7 @@ bool contains(const GroupBoxes& boxes, uint32_t lane, int k, const float p[3])
   return boxes.planes[k].at[0][lane] <= c && c <= boxes.planes[k].at[1][lane];
 }
 
-TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
+TEST(MotionDecoding, SegmentsMatchScalarDecoder)
 {
   Random random(3161);
   auto encoder = std::make_unique<MotionEncoder>();
@@ -49,7 +51,8 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
     const MotionDecoder decoder(block);
     boxes->key = {block, segment, 0};
     decoder.decode(segment, *boxes);
-    const auto before = std::make_unique<DecodedBlock>(block, segment), after = std::make_unique<DecodedBlock>(block, segment + 1);
+    const auto before = std::make_unique<DecodedBlock>(block, segment),
+               after = std::make_unique<DecodedBlock>(block, segment + 1);
     raw += boxes->axis == 3;
     sheared += boxes->axis < 3 && boxes->shear[(boxes->axis + 1) % 3] != 0;
     const float fraction = i % 3 == 0 ? float(i % 2) : float(random.uniform());
@@ -63,18 +66,23 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
       const CellVertices& atTime = moving.vertices(lane);
       for (uint32_t y = 0; y < 5; y++)
         for (uint32_t x = 0; x < 5; x++) {
-          const uint32_t column = std::min(4*(lane & 3) + x, sheet.quadsX), row = std::min(4*(lane >> 2) + y, sheet.quadsY);
+          const uint32_t column = std::min(4*(lane & 3) + x, sheet.quadsX),
+                         row = std::min(4*(lane >> 2) + y, sheet.quadsY);
           for (int e = 0; e < 2; e++)
             for (int k = 0; k < 3; k++) {
-              const float a = group->ends[e].at[k][laneOfVertex(x, y)], b = (e ? *after : *before).vertex(column, row)[k];
-              ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane " << lane;
+              const float a = group->ends[e].at[k][laneOfVertex(x, y)],
+                          b = (e ? *after : *before).vertex(column, row)[k];
+              ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)))
+                << a << " for " << b << ": sheet " << i << ", segment " << segment << ", end " << e << ", lane "
+                << lane;
             }
         }
       for (int v = 0; v < cellVertices; v++) {
         const float p[3] = {atTime.at[0][v], atTime.at[1][v], atTime.at[2][v]};
         if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
         for (int k = 0; k < 3; k++)
-          ASSERT_TRUE(contains(now, lane, k, p)) << "sheet " << i << ", lane " << lane << ", vertex " << v << ", axis " << k << ", at " << fraction;
+          ASSERT_TRUE(contains(now, lane, k, p))
+            << "sheet " << i << ", lane " << lane << ", vertex " << v << ", axis " << k << ", at " << fraction;
       }
     }
   }
@@ -83,8 +91,8 @@ TEST(MotionDecoding, SegmentsEqualTheScalarDecoder)
   EXPECT_GT(turned, 2000u);
 }
 
-// Bounds of whole blocks leave no ray out that meets a vertex.
-TEST(MotionDecoding, BoundsOfBlocksContainTheirVerticesAtAllTimes)
+// Bounds of whole blocks must not cull rays that hit a vertex.
+TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
 {
   Random random(3162);
   auto encoder = std::make_unique<MotionEncoder>();
@@ -110,7 +118,8 @@ TEST(MotionDecoding, BoundsOfBlocksContainTheirVerticesAtAllTimes)
         org[k] = p[k] - dir[k];
         dir[k] = p[k] - org[k];
       }
-      const embree::Ray ray(embree::Vec3fa(org[0], org[1], org[2]), embree::Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY);
+      const embree::Ray ray(embree::Vec3fa(org[0], org[1], org[2]), embree::Vec3fa(dir[0], dir[1], dir[2]), 0.0f,
+                            INFINITY);
       VertRay pre;
       pre.set(ray);
       rays++;

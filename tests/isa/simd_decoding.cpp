@@ -1,16 +1,15 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoders of nodes and of cLEAF's groups, child for child against the scalar
- * ones, framed/node.h and framed/leaf/format.h: random words, random parents. Compiled once for every ISA,
- * outside of the library.
+/* Compares the traversal's decoders of nodes and of cLEAF groups with the scalar decoders of framed/node.h and
+ * framed/leaf/format.h, child by child: random words, random parents. Compiled once for every ISA, outside of the
+ * library.
  *
- * Where all planes of a parent are multiples of 2^-12 nothing rounds: planes of nodes are
- * multiples of 1/256 of their parent's extent and those of lattices of 1/1024, heights are
- * odd multiples of 3/512 of the parent's in a lattice, and of 1/32 of a child's, itself a
- * multiple of 1/32 of the parent's, in loose leaves. The finest of these are multiples of
- * 2^-22 below 2, which a float holds. There the two must be equal to the last bit, fused or
- * not. Anywhere else they may round another way, by no more than maxRounding. */
+ * If all planes of a parent are multiples of 2^-12, no operation rounds: planes of nodes are multiples of 1/256 of
+ * their parent's extent, planes of lattices multiples of 1/1024. Heights are odd multiples of 3/512 of the parent's
+ * extent in a lattice, and of 1/32 of a child's extent in loose leaves, which is a multiple of 1/32 of the parent's.
+ * The finest of these are multiples of 2^-22 below 2, which float represents. For such parents both results must be
+ * bit-identical, fused or not. For other parents they may round differently, by at most maxRounding. */
 
 #include "kernels/cbvh/framed/node_decoder4.h"
 #include "support/random.h"
@@ -28,7 +27,7 @@ using namespace embree::cbvh;
 
 // --- the kernels' decoders -----------------------------------------------------------
 
-// What they say of four children.
+// Results for four children.
 struct Lanes
 {
   float lower[3][4], upper[3][4];
@@ -37,8 +36,8 @@ struct Lanes
   size_t solid, empty;
 };
 
-// The one place that names their classes. heights: of a group, or nullptr for a node, which has no more
-// than boxes. first: where they are put among sixteen; the others stay as they are.
+// The only place that names the decoder classes. heights: of a group, or nullptr for a node, which has only boxes.
+// first: position of the results among sixteen; the others remain unchanged.
 Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent, uint32_t first)
 {
   using namespace embree;
@@ -64,7 +63,8 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
       }
       if (!heights) continue;
       const float* h = surfaces.height[i];
-      for (int corner = 0; corner < 4; corner++) lanes.z[corner][c] = h[0] + float(corner & 1)*h[1] + float(corner >> 1)*(h[2] + float(corner & 1)*h[3]);
+      for (int corner = 0; corner < 4; corner++)
+        lanes.z[corner][c] = h[0] + float(corner & 1)*h[1] + float(corner >> 1)*(h[2] + float(corner & 1)*h[3]);
       lanes.thickness[c] = 2*surfaces.reach[i];
     }
     else if (heights) {
@@ -79,18 +79,18 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
 
 // --- comparison ----------------------------------------------------------------------
 
-/* Roundings that may differ, each of half an ulp of a number below 2, 2^-24, at most. A plane
- * of a box: on either side the product, the sum and the extent, 6. A height: besides, on either side, the bins' origin, their size times up to 128
- * of them, which is a relative error of a number below 2, their thickness, and, in a loose leaf,
- * three of these at the fourth corner: less than 32. */
+/* Number of roundings that may differ, each by at most half an ulp of a number below 2, i.e. 2^-24. A plane of a box:
+ * product, sum and extent on both sides, 6. A height has these, and on both sides the origin of the bins, their size
+ * times up to 128, which is a relative error of a number below 2, their thickness, and in a loose leaf three of these
+ * at the fourth corner: less than 32. */
 constexpr double maxRounding = 32*0x1p-24;
 
 struct Comparison
 {
   double tolerance;
 
-  // A lattice that some random word puts above or below its parent's box, as no encoder does, has a box of
-  // no height, on either side of the parent.
+  // Random words may place a lattice above or below its parent's box, unlike an encoder. Such a box has no height, on
+  // either side of the parent.
   void expectBox(const NodeBox& box, const Lanes& lanes, int lane) const
   {
     for (int axis = 0; axis < 3; axis++) {
@@ -110,7 +110,7 @@ struct Comparison
   }
 };
 
-// With planes at multiples of 2^-12.
+// Planes are multiples of 2^-12.
 NodeBox coarseBox(Random& random)
 {
   NodeBox box;
@@ -173,7 +173,8 @@ void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
     (isLoose(heights) ? loose : lattices)++;
     const Lanes lanes = decodeLanes(word, &bits, parent, 4*random.below(4));
     for (int lane = 0; lane < 4; lane++) {
-      SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heights) ? ", loose" : ", lattice") << ", lane " << lane);
+      SCOPED_TRACE(testing::Message() << "group " << i << (isLoose(heights) ? ", loose" : ", lattice") << ", lane "
+                                      << lane);
       const LeafPatch leaf = decodeLeaf(word, heights, lane, parent);
       solid += leaf.solid;
       empty += leaf.empty;
@@ -185,12 +186,12 @@ void compareGroups(uint32_t seed, const MakeBox& makeBox, double tolerance)
   for (unsigned count : {lattices, loose, solid, empty}) EXPECT_GT(count, 1000u);
 }
 
-TEST(SimdDecoding, IsCompiledForTheIsaOfItsName) { EXPECT_STREQ(ISA_STR, TEST_ISA); }
+TEST(SimdDecoding, IsCompiledForNamedIsa) { EXPECT_STREQ(ISA_STR, TEST_ISA); }
 
-TEST(SimdDecoding, NodesEqualTheScalarDecodersWhereNothingRounds) { compareNodes(91, coarseBox, 0); }
-TEST(SimdDecoding, NodesDifferByRoundingOnlyInAnyParent)          { compareNodes(92, anyBox, maxRounding); }
-TEST(SimdDecoding, GroupsEqualTheScalarDecodersWhereNothingRounds) { compareGroups(93, coarseBox, 0); }
-TEST(SimdDecoding, GroupsDifferByRoundingOnlyInAnyParent)          { compareGroups(94, anyBox, maxRounding); }
+TEST(SimdDecoding, NodesMatchScalarDecodersWithoutRounding) { compareNodes(91, coarseBox, 0); }
+TEST(SimdDecoding, NodesMatchWithinRoundingInAnyParent)          { compareNodes(92, anyBox, maxRounding); }
+TEST(SimdDecoding, GroupsMatchScalarDecodersWithoutRounding) { compareGroups(93, coarseBox, 0); }
+TEST(SimdDecoding, GroupsMatchWithinRoundingInAnyParent)          { compareGroups(94, anyBox, maxRounding); }
 
 } // namespace
 } // namespace cbvh::test

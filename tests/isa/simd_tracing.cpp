@@ -1,12 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays through blocks of random words, traced by the kernels' intersectors and by the scalar
- * one. Compiled once for every ISA, outside of the library.
+/* Traces rays through blocks of random words with the kernels' intersectors and with the scalar one. Compiled once for
+ * every ISA, outside of the library.
  *
- * Children of random words overlap, leaves have steps between them, and rays pass over boxes:
- * all that the hit rule and the walk's order are for comes up more often than in blocks that an
- * encoder made. */
+ * Children of random words overlap, leaves have steps between them, and rays pass over boxes. Cases of the hit rule and
+ * of the traversal order are more frequent than in blocks of the encoder. */
 
 #include "kernels/common/scene.h"
 #include "kernels/cbvh/framed/block_intersector1.h"
@@ -25,7 +24,7 @@
 extern const char* const programIsa;
 const char* const programIsa = TEST_ISA;
 
-// --- a ray whose hits go here and not to Embree's epilogues ---------------------------------
+// --- a ray that stores hits here instead of calling Embree's epilogues ----------------------
 
 namespace cbvh::test {
 
@@ -33,7 +32,7 @@ struct RecordingRay : public embree::Ray
 {
   using embree::Ray::Ray;
 
-  float from = -1; // hits before are rejected, as a filter may
+  float from = -1; // earlier hits are rejected, as by a filter
   bool found = false;
   float u = 0, v = 0;
   float Ng[3] = {0, 0, 0};
@@ -46,7 +45,7 @@ struct AnyHitRay : public embree::Ray
   bool found = false;
 };
 
-// What a visitor reports: its block, and the hit as the last.
+// The block that a visitor reports; the hit is the last argument.
 template<typename... Reported>
 bool report(RecordingRay& ray, embree::IntersectContext*, Reported&&... reported)
 {
@@ -81,7 +80,7 @@ typedef ScalarIntersector<double> Scalar;
 
 enum Outline { SQUARE, TRAPEZOID, SKEWED, NEEDLE, OUTLINES };
 
-// Corners of a quad somewhere in the world, turned anyhow: (0,0), (1,0), (0,1), (1,1).
+// Corners of a randomly rotated quad: (0,0), (1,0), (0,1), (1,1).
 struct Quad
 {
   float corners[4][3];
@@ -97,18 +96,23 @@ struct Quad
     };
     for (int i = 0; i < 2; i++) for (double& a : axis[i]) a = random.normal();
     unit(axis[0]);
-    auto cross = [&](const double a[3], const double b[3], double c[3]) { for (int k = 0; k < 3; k++) c[k] = a[(k + 1) % 3]*b[(k + 2) % 3] - a[(k + 2) % 3]*b[(k + 1) % 3]; };
+    auto cross = [&](const double a[3], const double b[3], double c[3]) {
+      for (int k = 0; k < 3; k++) c[k] = a[(k + 1) % 3]*b[(k + 2) % 3] - a[(k + 2) % 3]*b[(k + 1) % 3];
+    };
     cross(axis[0], axis[1], axis[2]);
     unit(axis[2]);
     cross(axis[2], axis[0], axis[1]);
-    const double away = random.chance(0.5) ? 0 : size*random.magnitude(1, 1e3), centre[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
+    const double away = random.chance(0.5) ? 0 : size*random.magnitude(1, 1e3),
+                 centre[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
     double plane[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
     if (outline == TRAPEZOID) { plane[2][0] = 0.3; plane[3][0] = 0.7; }
     if (outline == SKEWED) { plane[2][0] += 2; plane[3][0] += 2; }
     for (int c = 0; c < 4; c++) {
       if (outline == NEEDLE) plane[c][1] *= 0x1p-9;
       const double z = outline == NEEDLE ? 0 : 0.1*random.normal();
-      for (int k = 0; k < 3; k++) corners[c][k] = float(centre[k] + size*(plane[c][0]*axis[0][k] + plane[c][1]*axis[1][k] + z*axis[2][k]));
+      for (int k = 0; k < 3; k++)
+        corners[c][k] = float(centre[k] +
+                              size*(plane[c][0]*axis[0][k] + plane[c][1]*axis[1][k] + z*axis[2][k]));
     }
   }
 };
@@ -118,31 +122,35 @@ uint64_t randomHeights(Random& random)
   if (random.chance(0.5)) {
     uint64_t heights = 0;
     for (int child = 0; child < 4; child++) {
-      const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf : random.chance(0.1) ? emptyLeaf : any;
+      const uint32_t any = random.below(0x7FFE), leaf = random.chance(0.1) ? solidLeaf
+                                                        : random.chance(0.1) ? emptyLeaf
+                                                                             : any;
       heights |= uint64_t(leaf) << (looseBits*child);
     }
     return heights | uint64_t(random.below(8)) << looseThicknessShift | uint64_t(1) << 63;
   }
   int heights[9];
   for (int& h : heights) h = int(random.below(latticeBins));
-  heights[4] = latticeBins/2; // all patches are in the box somewhere, as encoders have them
+  heights[4] = latticeBins/2; // all patches are at least partly in the box, as in encoded blocks
   const Heights bits = packLattice(heights);
   return uint64_t(bits.high) << 32 | bits.low;
 }
 
-// Planes of a lattice ascend, as encoders have them.
+// Planes of a lattice ascend, as in encoded blocks.
 uint32_t randomLatticeWord(Random& random)
 {
   uint32_t word = random.below(4) << latticeThicknessShift;
-  for (int axis = 0; axis < 2; axis++) word |= (random.below(16) | random.below(16) << 5 | random.below(32) << 10) << latticeShift(axis);
+  for (int axis = 0; axis < 2; axis++)
+    word |= (random.below(16) | random.below(16) << 5 | random.below(32) << 10) << latticeShift(axis);
   return word;
 }
 
-// A frame that fits a quad, and words and heights of any bits.
+// A frame that fits a quad, with random words and heights.
 class RandomBlock
 {
 public:
-  RandomBlock(Random& random, Kind kind, uint32_t height, const Quad& quad) : memory(blockLayout(uint32_t(kind), height).bytes/16 + 1)
+  RandomBlock(Random& random, Kind kind, uint32_t height, const Quad& quad)
+    : memory(blockLayout(uint32_t(kind), height).bytes/16 + 1)
   {
     const std::vector<float> vertices(&quad.corners[0][0], &quad.corners[0][0] + 12);
     const EncodedBlock frame(Kind::VOXEL, 0, vertices, quad.corners);
@@ -174,11 +182,12 @@ private:
 
 struct TestRay { float org[3], dir[3], tnear, tfar; };
 
-// Of any direction and length, through a place in the block's box; a part of them starts or ends there.
+// A ray of any direction and length through a point in the block's box; some rays start or end there.
 TestRay randomRay(Random& random, const Block* block)
 {
   const InverseFrame inverse(frameMap(block));
-  const Double3 a = inverse({random.uniform(), random.uniform(), random.uniform()}), b = inverse({random.uniform(), random.uniform(), random.uniform()});
+  const Double3 a = inverse({random.uniform(), random.uniform(), random.uniform()}),
+                b = inverse({random.uniform(), random.uniform(), random.uniform()});
   const Double3 d = b - a;
   const double before = random.chance(0.3) ? 0 : random.magnitude(0.5, 30), scale = random.magnitude(1e-9, 1e9);
   TestRay ray;
@@ -206,10 +215,11 @@ Scalar::Ray exact(const TestRay& ray)
 template<typename RayType>
 RayType makeRay(const TestRay& ray)
 {
-  return RayType(embree::Vec3fa(ray.org[0], ray.org[1], ray.org[2]), embree::Vec3fa(ray.dir[0], ray.dir[1], ray.dir[2]), ray.tnear, ray.tfar);
+  return RayType(embree::Vec3fa(ray.org[0], ray.org[1], ray.org[2]), embree::Vec3fa(ray.dir[0], ray.dir[1], ray.dir[2]),
+                 ray.tnear, ray.tfar);
 }
 
-// The library is not here: a scene of zeros, of which nothing is read but its table of surfaces, which is empty.
+// The library is not linked. Only the table of surfaces of this zeroed scene is read, and it is empty.
 embree::IntersectContext* contextOfZeros()
 {
   alignas(64) static char scene[sizeof(embree::Scene)];
@@ -221,26 +231,26 @@ embree::IntersectContext* contextOfZeros()
 template<typename RayType>
 void traceSimd(const Block* block, RayType& ray)
 {
-  outdateThreadCaches(); // blocks come and go at the same addresses
+  outdateThreadCaches(); // new blocks may reuse the addresses of old ones
   const simd::RayState state(ray);
-  if (block->kind() == Kind::LEAF) simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
+  if (block->kind() == Kind::LEAF)
+    simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
   else simd::BlockIntersector1<simd::VoxelVisitor1>::intersect(ray, contextOfZeros(), state, block);
 }
 
 // --- the same hits ----------------------------------------------------------------------------
 
-// several times what floats lose of a ray that begins up to thirty sizes of a block away, which
-// is a thousand from the origin
+// several times the float error of a ray that begins up to thirty block sizes away, a thousand units from the origin
 constexpr double step = 3e-5;
 
-// What the scalar intersector says of a ray and of those beside it: one hit, or a miss, for all.
+// Result of the scalar intersector for a ray and for nearby rays: the same hit or a miss for all of them.
 struct Answer
 {
   bool stable = true, found;
-  double lower[6], upper[6]; // of t, in units of the ray's way through the block, u, v, and the unit normal
-  double unit;               // of t
+  double lower[6], upper[6]; // ranges of t relative to the ray's length in the block, u, v, and the unit normal
+  double unit;               // unit of t
 
-  // from: hits before that t are none
+  // from: hits with smaller t are ignored
   Answer(Random& random, const Block* block, const TestRay& ray, double size, double from = -1)
   {
     double distance = 0, length = 0;
@@ -264,7 +274,7 @@ struct Answer
       Scalar::Hit hit;
       for (const Scalar::Hit& h : all)
         if (h.t >= from && h.t < hit.t) hit = h;
-      for (const Scalar::Hit& h : all) // leaves that overlap, and may be entered at once
+      for (const Scalar::Hit& h : all) // leaves overlap, and a ray may enter several at once
         stable &= h.t < from || h.leaf == hit.leaf || h.t > hit.t + 1e-3*unit;
       if (i == 0) { found = hit.found; leaf = hit.leaf; }
       stable &= hit.found == found && (!found || hit.leaf == leaf);
@@ -292,7 +302,7 @@ struct Answer
   }
 };
 
-// Calls closure(block, size, ray) for many of them.
+// Calls closure(block, size, ray) for many rays.
 template<typename Closure>
 void forRandomRays(Random& random, Kind kind, const Closure& closure)
 {
@@ -307,7 +317,7 @@ void forRandomRays(Random& random, Kind kind, const Closure& closure)
   }
 }
 
-// Rays whose answer does not hang on rounding.
+// Compares rays whose result does not depend on rounding.
 void compareHits(Kind kind, uint32_t seed)
 {
   Random random(seed);
@@ -331,11 +341,11 @@ void compareHits(Kind kind, uint32_t seed)
   EXPECT_GT(stable - hits, stable/50);
 }
 
-TEST(SimdTracing, HitsOfPatchesAreThoseOfScalarCode) { compareHits(Kind::LEAF, 95); }
-TEST(SimdTracing, HitsOfBoxesAreThoseOfScalarCode)   { compareHits(Kind::VOXEL, 96); }
+TEST(SimdTracing, PatchHitsMatchScalarCode) { compareHits(Kind::LEAF, 95); }
+TEST(SimdTracing, BoxHitsMatchScalarCode)   { compareHits(Kind::VOXEL, 96); }
 
-// Of cVOXEL, where what was hit before changes nothing.
-TEST(SimdTracing, TheNearestBoxThatIsNotRejectedIsHit)
+// For cVOXEL, where earlier hits have no influence.
+TEST(SimdTracing, NearestBoxThatIsNotRejectedIsHit)
 {
   Random random(98);
   unsigned compared = 0;
@@ -358,7 +368,7 @@ TEST(SimdTracing, TheNearestBoxThatIsNotRejectedIsHit)
 
 // --- the ray in the frame ---------------------------------------------------------------------
 
-// How far a place in the frame is from the exact line, at its nearest, in epsilons of the axes.
+// Distance of a point in the frame from the exact line, in epsilons of the axes.
 double epsilonsOff(const Double3& a, const Double3& b, const double p[3], const double epsilon[3])
 {
   const double from[3] = {a.x, a.y, a.z}, to[3] = {b.x, b.y, b.z};
@@ -376,8 +386,8 @@ double epsilonsOff(const Double3& a, const Double3& b, const double p[3], const 
   return off(0.5*(lower + upper));
 }
 
-// What makes neighbouring blocks close: each sees a ray that is off by less than its epsilon.
-TEST(SimdTracing, SegmentsAreWithinTheirEpsilonOfTheRay)
+// This property closes the gaps between blocks: each block sees a ray with an error less than its epsilon.
+TEST(SimdTracing, SegmentsAreWithinEpsilonOfRay)
 {
   Random random(97);
   double most[OUTLINES] = {};
@@ -393,10 +403,11 @@ TEST(SimdTracing, SegmentsAreWithinTheirEpsilonOfTheRay)
       if (!local.init(state, block, ray.tfar)) continue;
       const Segment<double> segment = enterBlock(*block, exact(r), 1.0);
       if (!segment.valid) continue;
-      const Double3 a = {segment.P0[0], segment.P0[1], segment.P0[2]}, b = {segment.P1[0], segment.P1[1], segment.P1[2]};
+      const Double3 a = {segment.P0[0], segment.P0[1], segment.P0[2]},
+                    b = {segment.P1[0], segment.P1[1], segment.P1[2]};
       double size = 0;
       for (int k = 0; k < 3; k++) size = std::max(size, std::fabs(segment.P1[k] - segment.P0[k]));
-      if (size < 0.05) continue; // touches a corner of the box
+      if (size < 0.05) continue; // touches only a corner of the box
       for (float s : {0.0f, 0.5f, 1.0f}) {
         double p[3], epsilon[3];
         for (int k = 0; k < 3; k++) {
@@ -407,13 +418,14 @@ TEST(SimdTracing, SegmentsAreWithinTheirEpsilonOfTheRay)
         most[outline] = std::max(most[outline], epsilonsOff(a, b, p, epsilon));
       }
     }
-  std::printf("in epsilons, at most: square %g, trapezoid %g, skewed %g, needle %g\n", most[SQUARE], most[TRAPEZOID], most[SKEWED], most[NEEDLE]);
+  std::printf("in epsilons, at most: square %g, trapezoid %g, skewed %g, needle %g\n", most[SQUARE], most[TRAPEZOID],
+              most[SKEWED], most[NEEDLE]);
   for (double m : most) EXPECT_LT(m, 1);
 }
 
-// --- boxes and leaves, by themselves --------------------------------------------------------
+// --- boxes and leaves --------------------------------------------------------------------------
 
-// A segment in both worlds: any way through the box of a block, widened by any epsilon.
+// A segment in scalar and SIMD form: any path through the box of a block, widened by any epsilon.
 struct BothSegments
 {
   simd::LocalRay local;
@@ -422,7 +434,8 @@ struct BothSegments
   explicit BothSegments(Random& random)
   {
     for (int k = 0; k < 3; k++) {
-      const float p0 = float(random.uniform()), p1 = float(random.uniform()), epsilon = float(random.magnitude(1e-3, 3e-2));
+      const float p0 = float(random.uniform()), p1 = float(random.uniform()),
+                  epsilon = float(random.magnitude(1e-3, 3e-2));
       local.P0[k] = p0; local.P1[k] = p1; local.epsilon[k] = epsilon;
       scalar.P0[k] = p0; scalar.P1[k] = p1; scalar.epsilon[k] = epsilon;
     }
@@ -434,7 +447,7 @@ struct BothSegments
     scalar.valid = true;
   }
 
-  // One that is off by more than floats lose.
+  // A copy with an error larger than that of floats.
   Segment<double> moved(Random& random) const
   {
     Segment<double> segment = scalar;
@@ -449,7 +462,7 @@ struct BothSegments
 
 enum Encounter { MISSES, MEETS, PASSES_ABOVE, PASSES_BELOW, ENCOUNTERS };
 
-// framed_rays.md, "Walk".
+// See framed_rays.md, "Walk".
 Encounter encounter(const Segment<double>& segment, const NodeBox& box)
 {
   if (isOnSegment(rangeInBox(segment, box, 3))) return MEETS;
@@ -459,7 +472,7 @@ Encounter encounter(const Segment<double>& segment, const NodeBox& box)
   return segmentAt(segment, 2, middle) > box.lower[2] + 0.5*box.extent[2] ? PASSES_ABOVE : PASSES_BELOW;
 }
 
-TEST(SimdTracing, BoxesAreMetAndPassedAsByScalarCode)
+TEST(SimdTracing, BoxesAreHitAndPassedAsInScalarCode)
 {
   Random random(99);
   unsigned counts[ENCOUNTERS] = {}, unstable = 0;
@@ -488,23 +501,24 @@ TEST(SimdTracing, BoxesAreMetAndPassedAsByScalarCode)
   EXPECT_LT(unstable, 1000u);
 }
 
-// All that hit_rule.h decides by.
+// Compares everything that hit_rule.h depends on.
 bool sameEvent(const LeafEvent& a, const LeafEvent& b)
 {
-  return a.enter == b.enter && a.leave == b.leave && a.changes == b.changes && a.nearEntry == b.nearEntry && a.near == b.near &&
-    a.started == b.started && a.ended == b.ended && a.solid == b.solid && a.empty == b.empty;
+  return a.enter == b.enter && a.leave == b.leave && a.changes == b.changes && a.nearEntry == b.nearEntry &&
+         a.near == b.near && a.started == b.started && a.ended == b.ended && a.solid == b.solid && a.empty == b.empty;
 }
 
 std::string textOf(const LeafEvent& e)
 {
   const bool flags[7] = {e.changes, e.nearEntry, e.near, e.started, e.ended, e.solid, e.empty};
-  std::string text = std::string("enter ") + (e.enter == sideAbove ? "above" : "below") + ", leave " + (e.leave == sideAbove ? "above" : "below");
+  std::string text = std::string("enter ") + (e.enter == sideAbove ? "above" : "below") + ", leave " +
+                     (e.leave == sideAbove ? "above" : "below");
   const char* const names[7] = {"changes", "nearEntry", "near", "started", "ended", "solid", "empty"};
   for (int i = 0; i < 7; i++) if (flags[i]) text += std::string(", ") + names[i];
   return text;
 }
 
-TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
+TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
 {
   Random random(100);
   unsigned compared = 0, unstable = 0, counts[2][7] = {};
@@ -515,7 +529,9 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
     const Heights heights = {uint32_t(bits), uint32_t(bits >> 32)};
     const uint32_t word = isLoose(heights) ? random.bits() : randomLatticeWord(random);
     NodeEntries::LeafTile tile;
-    for (uint32_t c = 0; c < 4; c++) simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox()); // the same four times
+    // the same four, four times
+    for (uint32_t c = 0; c < 4; c++)
+      simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox());
     simd::BoxRanges<16> ranges;
     const simd::BoxMasks masks = simd::meetBoxes<simd::vfloatV>(ray, tile.grandchildren, 1.0f, ranges);
     const uint32_t first = 4*random.below(4);
@@ -532,10 +548,18 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
       }
       if (!stable) { unstable++; continue; }
       compared++;
-      const bool started = segments.local.startClipped && ranges.sNear[child] < 0, ended = segments.local.endClipped && ranges.sFar[child] > 1;
+      const bool started = segments.local.startClipped && ranges.sNear[child] < 0,
+                 ended = segments.local.endClipped && ranges.sFar[child] > 1;
       const LeafEvent event = simd::crossDecodedLeaf(ray, tile, child, ranges, started, ended).event;
-      ASSERT_TRUE(sameEvent(event, expected)) << "segment " << i << ", lane " << lane << ": " << textOf(event) << "; expected " << textOf(expected);
-      const bool flags[7] = {expected.enter == sideAbove, expected.leave == sideAbove, expected.changes, expected.nearEntry, expected.near, expected.started, expected.ended};
+      ASSERT_TRUE(sameEvent(event, expected))
+        << "segment " << i << ", lane " << lane << ": " << textOf(event) << "; expected " << textOf(expected);
+      const bool flags[7] = {expected.enter == sideAbove,
+                             expected.leave == sideAbove,
+                             expected.changes,
+                             expected.nearEntry,
+                             expected.near,
+                             expected.started,
+                             expected.ended};
       for (int f = 0; f < 7; f++) counts[flags[f]][f]++;
     }
   }
@@ -545,17 +569,17 @@ TEST(SimdTracing, LeavesAreCrossedAsByScalarCode)
     for (unsigned count : of) EXPECT_GT(count, 500u);
 }
 
-// --- which of two hits counts ---------------------------------------------------------------
+// --- order of hits --------------------------------------------------------------------------
 
-const SurfaceIDs ids; // numbers of surfaces are IDs
+const SurfaceIDs ids; // surface numbers are IDs
 
 struct CountedHit
 {
-  float t, own; // what counts, and where the hit is
+  float t, own; // the t that is compared, and the t of the hit itself
   Block block;
 };
 
-// Offers hits to a ray in an order, as traversal does; its tfar in the end.
+// Offers hits to a ray in an order, as traversal does. Returns its final tfar.
 float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& nearest)
 {
   float tfar = INFINITY;
@@ -567,12 +591,13 @@ float endOfRay(const std::vector<const CountedHit*>& order, simd::NearestHit& ne
   return tfar;
 }
 
-// Each hit is before the next one, in every order.
-TEST(NearestHit, TheNearestCountsThenTheFirstBlockInEveryOrder)
+// Each hit precedes the next one, in every order of insertion.
+TEST(NearestHit, NearestWinsThenFirstBlockInEveryOrder)
 {
   CountedHit hits[7] = {};
-  const struct { float t, own; uint32_t geomID, primID, tiling, info; } values[7] = {
-    {1, 1, 2, 7, 3, 9}, {2, 1.5f, 2, 7, 3, 9}, {2, 2, 1, 8, 4, 9}, {2, 2, 2, 6, 4, 9}, {2, 2, 2, 7, 1, 9}, {2, 2, 2, 7, 3, 5}, {2, 2, 2, 7, 3, 6}};
+  const struct { float t, own; uint32_t geomID, primID, tiling, info;
+  } values[7] = {{1, 1, 2, 7, 3, 9}, {2, 1.5f, 2, 7, 3, 9}, {2, 2, 1, 8, 4, 9}, {2, 2, 2, 6, 4, 9},
+                 {2, 2, 2, 7, 1, 9}, {2, 2, 2, 7, 3, 5}, {2, 2, 2, 7, 3, 6}};
   for (int i = 0; i < 7; i++) {
     hits[i].t = values[i].t;
     hits[i].own = values[i].own;
@@ -593,8 +618,8 @@ TEST(NearestHit, TheNearestCountsThenTheFirstBlockInEveryOrder)
   }
 }
 
-// A triangle's hit, which has no block with a frame: in front of a block's, or just as far.
-TEST(NearestHit, TheEndOfARayIsThatOfItsHit)
+// Hits of triangles, which have no block with a frame: closer than a block's hit, or at the same distance.
+TEST(NearestHit, EndOfRayIsEndOfItsHit)
 {
   Block block = {};
   simd::NearestHit nearest;
@@ -603,7 +628,7 @@ TEST(NearestHit, TheEndOfARayIsThatOfItsHit)
   EXPECT_FALSE(nearest.isBefore(1.5f, 1.5f, &block, 2, ids));
   nearest.set(2, 1.5f, &block);
   EXPECT_EQ(nearest.end(2), 1.5f);
-  EXPECT_EQ(nearest.end(1), 1) << "what was hit later is nearer";
+  EXPECT_EQ(nearest.end(1), 1) << "the later hit is nearer";
 }
 
 } // namespace

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The traversal's decoder of cVERT against the scalar one, cvert/decoder/decoded_block.h: random blocks of
- * every size, all groups, to the last bit, as nothing rounds. Compiled once for every ISA, outside
- * of the library. */
+/* Compares the traversal's decoder of cVERT with the scalar one, cvert/decoder/decoded_block.h: random blocks of all
+ * sizes, all groups bit by bit, because no operation rounds. Compiled once for every ISA, outside of the library. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -26,8 +25,9 @@ using namespace embree::cbvh;
 
 using namespace cvert;
 
-// Vertices at every scale of residuals; some blocks are raw. spacing: of the lattice that they are on, if isSnapped
-void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness, float spacing, bool isSnapped)
+// Vertices with residuals of all sizes; some blocks are raw. spacing: of their lattice, if isSnapped
+void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, double roughness,
+                  float spacing, bool isSnapped)
 {
   double axis[3][3], origin[3];
   for (int k = 0; k < 3; k++) {
@@ -37,14 +37,18 @@ void fillRandomly(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_
   for (uint32_t y = 0; y <= quadsY; y++)
     for (uint32_t x = 0; x <= quadsX; x++) {
       const double h = roughness*random.normal();
-      auto place = [&](int k) { return x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k]); }; // 20: not along a normal any more
+      // 20: not along a normal
+      auto place = [&](int k) {
+        return x*axis[0][k] + y*axis[1][k] + (roughness == 20 ? 1000*random.normal() : h*axis[2][k]);
+      };
       for (int k = 0; k < 3; k++)
-        encoder.vertices[y*(quadsX + 1) + x][k] = float((isSnapped ? origin[k] + std::floor(place(k)) : 0.01*origin[k] + place(k))*spacing);
+        encoder.vertices[y*(quadsX + 1) + x][k] = float(
+          (isSnapped ? origin[k] + std::floor(place(k)) : 0.01*origin[k] + place(k))*spacing);
     }
   if (random.chance(0.1)) encoder.vertices[random.below((quadsX + 1)*(quadsY + 1))][0] = INFINITY;
 }
 
-TEST(VertDecoding, GroupsEqualTheScalarDecoder)
+TEST(VertDecoding, GroupsMatchScalarDecoder)
 {
   using namespace embree::isa::cbvh;
   Random random(95);
@@ -84,11 +88,14 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
       decoder.vertices(boxes, lane, group);
       for (uint32_t q = 0; q < 16; q++)
         for (uint32_t c = 0; c < 4; c++) {
-          const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX), y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
+          const uint32_t x = std::min(groupQuads*(g % layout.groupsX) + q % 4 + c % 2, quadsX),
+                         y = std::min(groupQuads*(g / layout.groupsX) + q / 4 + c / 2, quadsY);
           for (int k = 0; k < 3; k++) {
             const float a = group.at[k][laneOfCorner(q, c)], b = expected->vertex(x, y)[k];
-            ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
-              << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis " << k;
+            ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)))
+              << a << " for " << b << ": block " << i << " of " << quadsX << " x " << quadsY
+              << (statistics.raw ? ", raw" : "") << ", group " << g << ", quad " << q << ", corner " << c << ", axis "
+              << k;
           }
         }
     }
@@ -96,7 +103,7 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
     ASSERT_EQ(boxes.axis, statistics.raw ? 3 : shearedAxis(block->boxForm));
     for (int k = 0; k < 3; k++) {
       ASSERT_EQ(boxes.origin[k], block->origin[k]);
-      const int i = (k - boxes.axis + 3) % 3; // the sheared axis, or how many axes after it
+      const int i = (k - boxes.axis + 3) % 3; // the sheared axis, or the number of axes after it
       ASSERT_EQ(boxes.shear[k], statistics.raw ? 0.0f : i == 0 ? 1.0f : shearSlope(block->boxForm, i)/16.0f);
     }
   }
@@ -107,9 +114,9 @@ TEST(VertDecoding, GroupsEqualTheScalarDecoder)
   EXPECT_GT(withRemainders, 500u);
 }
 
-// Of a group whose vertices are on few lattice points, so that many are equal, on lines and in planes with the
-// ray: what has the ray in it by exact signs is found, though sides round to 0.
-TEST(VertTriangles, WhatHasTheRayInItIsFound)
+// A group whose vertices are on few lattice points, so that many are equal, collinear, or coplanar with the ray.
+// Triangles that contain the ray by exact signs must be found, although sides round to 0.
+TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
 {
   using namespace embree::isa::cbvh;
   using embree::Vec3fa;
@@ -118,7 +125,7 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
   for (int i = 0; i < 20000; i++) {
     CellVertices cell;
     const unsigned width = 2 + random.below(30);
-    // every other one is a line, which rounds apart when it is sheared
+    // every other triangle is degenerate, and shearing rounds its vertices apart
     const bool isLine = i % 2;
     float along[VertTables::lanes], step[3];
     for (float& x : along) x = float(random.below(8));
@@ -145,7 +152,8 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(triangle.sides(pre))) << "case " << i << ", triangle " << h;
+        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(triangle.sides(pre)))
+          << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
@@ -159,9 +167,9 @@ TEST(VertTriangles, WhatHasTheRayInItIsFound)
   EXPECT_GT(bad, 1000u);
 }
 
-// A ray along z through points of a lattice, in integers: what has it inside or on an edge contains it, what is a
-// line from there does not.
-TEST(VertTriangles, ContainWhatIsInsideOrOnTheirEdges)
+// A ray along z through lattice points, in integers: a triangle contains the ray if it is inside or on an edge,
+// unless the triangle is degenerate seen along the ray.
+TEST(VertTriangles, ContainInnerPointsAndEdges)
 {
   using namespace embree::isa::cbvh;
   Random random(98);
@@ -180,10 +188,13 @@ TEST(VertTriangles, ContainWhatIsInsideOrOnTheirEdges)
         x[v] = int(cell.at[0][laneOfCorner(h >> 1, corners[h & 1][v])]);
         y[v] = int(cell.at[1][laneOfCorner(h >> 1, corners[h & 1][v])]);
       }
-      const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) { return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax); };
+      const auto area = [](int ax, int ay, int bx, int by, int cx, int cy) {
+        return (bx - ax)*(cy - ay) - (by - ay)*(cx - ax);
+      };
       const int all = area(x[0], y[0], x[1], y[1], x[2], y[2]);
-      const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]), area(x[0], y[0], x[1], y[1], px, py)};
-      // parts of one sign make up the whole
+      const int parts[3] = {area(px, py, x[1], y[1], x[2], y[2]), area(x[0], y[0], px, py, x[2], y[2]),
+                            area(x[0], y[0], x[1], y[1], px, py)};
+      // parts with the same sign sum up to the whole
       const bool isInside = all != 0 && std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]) == std::abs(all);
       ASSERT_EQ(VertTriangle(cell, h).containsExactly(pre), isInside) << "case " << i << ", triangle " << h;
       inside += isInside;
@@ -196,7 +207,7 @@ TEST(VertTriangles, ContainWhatIsInsideOrOnTheirEdges)
   EXPECT_GT(lines, 1000u);
 }
 
-// The rays of a packet, through vertices and past them, with numbers that are none among them.
+// The rays of a packet through and past vertices, including values that are not finite.
 template<int K>
 void comparePacketsWithRays()
 {
@@ -241,7 +252,7 @@ void comparePacketsWithRays()
   EXPECT_GT(found, 1000u);
 }
 
-TEST(VertTriangles, OfPacketsAreThoseOfRays)
+TEST(VertTriangles, PacketsMatchSingleRays)
 {
   comparePacketsWithRays<4>();
 #if defined(__AVX__)
@@ -252,9 +263,9 @@ TEST(VertTriangles, OfPacketsAreThoseOfRays)
 #endif
 }
 
-// What a thread with weakly ordered loads sees while another one maps the first file: addresses that hold all blocks,
-// and no function yet that checks them.
-TEST(MappedBlocks, ABlockIsUsableWhereNoFileIsSeen)
+// Simulates the view of a thread with weakly ordered loads while another thread maps the first file: the addresses
+// contain all blocks, but the function that checks them is not visible yet.
+TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
 {
   const uint64_t block[2] = {0, 0};
   ASSERT_EQ(isMappedBlockGood.load(), nullptr) << "this program has no files";

@@ -1,14 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Checksums of the blocks of all generated scenes in the kinds with frames: a change of the format, of frames or of
- * encoders is seen, and therefore deliberate. After one that is meant, the test prints the
- * new table. (Those of cVERT, codec/vert_bytes.cpp, are of given vertices.)
+/* Checksums of the blocks of all generated scenes, for the kinds with frames. They detect unintended changes of the
+ * format, of frames and of encoders. After an intended change, the test prints the new table. (codec/vert_bytes.cpp has
+ * checksums of cVERT for given vertices.)
  *
- * What the encoders are given depends on the machine: Embree normalizes by the processor's
- * approximate reciprocal square root, and the compiler may fuse multiply and add where the
- * lowest ISA has it. So the vertices, which cGRID stores as they are, have a checksum too:
- * where that is another one the test is skipped, before any work if the first scene has it. */
+ * The input of the encoders depends on the machine: Embree normalizes with the processor's approximate reciprocal
+ * square root, and the compiler may fuse multiply and add if the lowest ISA supports it. Therefore the vertices, which
+ * cGRID stores exactly, have a checksum as well. If it differs the test is skipped; the first scene decides. */
 
 #include "building/built_scene.h"
 #include "kernels/cbvh/framed/block.h"
@@ -56,7 +55,7 @@ public:
   uint64_t value = 0xcbf29ce484222325u;
 };
 
-// In an order that no thread has a part in.
+// Blocks in an order that does not depend on threads.
 std::vector<const Block*> sortedBlocks(RTCScene scene)
 {
   std::vector<const Block*> blocks = sceneBlocks(scene);
@@ -65,7 +64,7 @@ std::vector<const Block*> sortedBlocks(RTCScene scene)
   return blocks;
 }
 
-// What all kinds are made of.
+// The patches that all kinds are made of.
 struct Source
 {
   Model model;
@@ -95,7 +94,8 @@ Pinned checksums(const std::string& name)
 {
   const Source source(name);
   Pinned found = {name, vertexChecksum(source), {}};
-  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel, RepresentationKind::CLeafOnly};
+  const RepresentationKind kinds[] = {RepresentationKind::CGrid, RepresentationKind::CVoxel,
+                                      RepresentationKind::CLeafOnly};
   for (int k = 0; k < 3; k++) {
     const BuiltScene scene(source.model, {kinds[k], 1}, source.build);
     Checksum blocks;
@@ -105,22 +105,25 @@ Pinned checksums(const std::string& name)
   return found;
 }
 
-// One test, as trex and herd share a map that the first of them makes.
-TEST(BlockBytes, AreThoseThatWerePinned)
+// One test, because trex and herd share a map, which the first of them creates.
+TEST(BlockBytes, MatchPinnedChecksums)
 {
-  if (!PINNED_ISA) GTEST_SKIP() << "checksums are pinned for builds whose lowest ISA is SSE2";
-  const char* const otherVertices = "Embree evaluates other vertices on this processor";
+  if (!PINNED_ISA) GTEST_SKIP() << "checksums exist only for builds whose lowest ISA is SSE2";
+  const char* const otherVertices = "Embree evaluates different vertices on this processor";
   const uint64_t ofFirst = vertexChecksum(Source(pinned[0].scene));
-  if (ofFirst != pinned[0].vertices) GTEST_SKIP() << otherVertices << ": those of " << pinned[0].scene << " have 0x" << std::hex << ofFirst;
+  if (ofFirst != pinned[0].vertices)
+    GTEST_SKIP() << otherVertices << ": those of " << pinned[0].scene << " have 0x" << std::hex << ofFirst;
   std::string table, others;
   for (const std::string& scene : sceneNames()) {
     SCOPED_TRACE(scene);
     const Pinned found = checksums(scene);
     char row[200];
-    std::snprintf(row, sizeof(row), "  {\"%s\", 0x%016" PRIx64 ", {0x%016" PRIx64 ", 0x%016" PRIx64 ", 0x%016" PRIx64 "}},\n", scene.c_str(), found.vertices, found.blocks[0], found.blocks[1], found.blocks[2]);
+    std::snprintf(row, sizeof(row),
+                  "  {\"%s\", 0x%016" PRIx64 ", {0x%016" PRIx64 ", 0x%016" PRIx64 ", 0x%016" PRIx64 "}},\n",
+                  scene.c_str(), found.vertices, found.blocks[0], found.blocks[1], found.blocks[2]);
     table += row;
     const auto expected = std::find_if(pinned.begin(), pinned.end(), [&](const Pinned& p) { return p.scene == scene; });
-    if (expected == pinned.end()) { ADD_FAILURE() << "no checksums are pinned for this scene"; continue; }
+    if (expected == pinned.end()) { ADD_FAILURE() << "no checksums for this scene"; continue; }
     if (found.vertices != expected->vertices) {
       others += " " + scene;
       continue;

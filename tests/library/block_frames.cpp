@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What the frames of blocks that the library built are aligned to. */
+/* Alignment of the frames of blocks that the library built. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "support/displaced_sheet.h"
@@ -14,8 +14,8 @@ namespace {
 
 using embree::cbvh::Block;
 
-// Cosine between the z axis of the only block of a sheet in the plane z = 0 and the z axis of the
-// world, where displacement stands it on end: z = 2 x.
+// Cosine of the angle between the z axis of the frame and of the world, for the only block of a sheet in the plane z
+// = 0 that displacement tilts to z = 2 x.
 double uprightness(const char* config)
 {
   Device device(config);
@@ -30,9 +30,9 @@ double uprightness(const char* config)
   return z/std::sqrt(x*x + y*y + z*z);
 }
 
-// Heights of leaves are along the normal that displacement goes along; boxes are tightest along
-// the normal of what they bound.
-TEST(BlockFrames, OfLeavesFollowTheSmoothSurface)
+// Heights of leaves are along the normal of the smooth surface, the direction of displacement. Boxes are aligned to
+// the normal of the displaced surface, where they are tightest.
+TEST(BlockFrames, FramesOfLeavesFollowSmoothSurface)
 {
   EXPECT_NEAR(uprightness("subdiv_accel=cbvh.leaf,cbvh_frame_level=0"), 1, 1e-6);
   EXPECT_NEAR(uprightness("subdiv_accel=cbvh.voxel,cbvh_frame_level=0"), 1/std::sqrt(5), 1e-6);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builds that could end badly, and do not: faces without a vertex, displacement that
- * changes its mind, geometries without faces. */
+/* Builds of unusual input: faces without valid vertices, displacement functions with changing results, geometries
+ * without faces. */
 
 #include "support/displaced_sheet.h"
 
@@ -11,13 +11,17 @@
 namespace cbvh::test {
 namespace {
 
-// A face that loses all its vertices leaves no block, and takes none from the mesh behind
-// it, whichever tasks build the two.
-TEST(BuildEdgeCases, AFaceWithoutVerticesTakesNothingFromItsNeighbours)
+// A face without valid vertices produces no block, and does not affect the next geometry, independently of the tasks
+// that build both.
+TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf");
   Scene scene(device);
-  DisplaceFunction poison = [](unsigned primID, float, float, Vec& p) { if (primID == 0) p[2] = NAN; }, none = [](unsigned, float, float, Vec&) {};
+  DisplaceFunction poison =
+                     [](unsigned primID, float, float, Vec& p) {
+                       if (primID == 0) p[2] = NAN;
+                     },
+                   none = [](unsigned, float, float, Vec&) {};
   for (int m = 0; m < 2; m++) {
     RTCGeometry geometry = newSheet(device, m ? 4 : 2, 10.f*m, 64, m ? none : poison);
     rtcCommitGeometry(geometry);
@@ -29,13 +33,14 @@ TEST(BuildEdgeCases, AFaceWithoutVerticesTakesNothingFromItsNeighbours)
   for (int f = 0; f < 6; f++)
     for (int i = 0; i < 64; i++) {
       const float x = (f < 2 ? f : 10 + f - 2) + (i % 8 + 0.3f)/8, y = (i/8 + 0.4f)/8;
-      EXPECT_EQ(isHit(intersect(scene, makeRay({x, y, 1}, {0, 0, -1}))), f != 0) << "face " << f << " at " << x << ", " << y;
+      EXPECT_EQ(isHit(intersect(scene, makeRay({x, y, 1}, {0, 0, -1}))), f != 0)
+        << "face " << f << " at " << x << ", " << y;
     }
 }
 
-// Frame levels of an error bound are decided once, so a displacement that gives other
-// values when it is asked again cannot ask for more room than there is.
-TEST(BuildEdgeCases, ADisplacementMayAnswerDifferentlyTheSecondTime)
+// Frame levels for an error bound are chosen once. A displacement function that returns different values later must
+// not cause a buffer overflow.
+TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0005,cbvh_exact_faces=0");
   Scene scene(device);
@@ -49,7 +54,7 @@ TEST(BuildEdgeCases, ADisplacementMayAnswerDifferentlyTheSecondTime)
   EXPECT_EQ(statisticsOf(scene).numBlocks, 4u);
 }
 
-// Boxes that count how often they are asked for their bounds: enough for a tree of their own.
+// Boxes that count calls of their bounds function; enough of them for a tree of their own.
 RTCGeometry newBoxes(RTCDevice device, unsigned& asked)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
@@ -63,13 +68,14 @@ RTCGeometry newBoxes(RTCDevice device, unsigned& asked)
   return geometry;
 }
 
-// A compressed geometry without faces has no accelerator, which is no reason to make new
-// ones at every commit of a dynamic scene: others would be rebuilt from nothing.
-TEST(BuildEdgeCases, AGeometryWithoutFacesIsNoReasonToRebuild)
+// A compressed geometry without faces has no accelerator. This must not cause new accelerators at every commit of a
+// dynamic scene, because other geometries would be rebuilt completely.
+TEST(BuildEdgeCases, GeometryWithoutFacesDoesNotCauseRebuilds)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf");
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW); // a tree each, those that did not change are kept
+  // one tree per geometry; trees of unchanged geometries are kept
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
   addSurface(device, scene, Cage(), SurfaceSettings());
   unsigned asked = 0, askedOther = 0;
   attach(scene, newBoxes(device, asked));
@@ -79,7 +85,7 @@ TEST(BuildEdgeCases, AGeometryWithoutFacesIsNoReasonToRebuild)
   rtcCommitGeometry(rtcGetGeometry(scene, other));
   rtcCommitScene(scene);
   EXPECT_GT(askedOther, 0u);
-  EXPECT_EQ(asked, 0u) << "what did not change is built anew";
+  EXPECT_EQ(asked, 0u) << "an unchanged geometry was rebuilt";
   const RTCCompressionStatistics stats = statisticsOf(scene);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   EXPECT_EQ(stats.numBlocks + stats.numQuads + stats.topLevelBytes, 0u);

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Cages that Embree takes and that are not what one expects: index buffers longer than the faces, holes, faces without
- * edges, edges of three faces of which some are quads. Builds that share borders, of cVERT and of cLEAF, make of
- * them what the same cage in plain words gives, and closed surfaces. */
+/* Unusual cages that Embree supports: index buffers longer than the faces, holes, faces without edges, edges shared by
+ * three faces, some of them quads. Builds of cVERT and cLEAF, which share borders, must give the same result as for an
+ * equivalent simple cage, and closed surfaces. */
 
 #include "support/edge_rates.h"
 #include "support/vert_triangles.h"
@@ -16,9 +16,10 @@ namespace cbvh::test {
 namespace {
 
 class CageTopology : public testing::TestWithParam<RTCCompression> {};
-INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+INSTANTIATE_TEST_SUITE_P(Compression, CageTopology, testing::Values(RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+                         nameOf);
 
-// New memory has this byte in it, as it has any on a heap in use.
+// Fills new memory with this byte, because memory of a heap in use is not zero.
 class FilledHeap
 {
 public:
@@ -35,7 +36,7 @@ SurfaceSettings sharing(RTCCompression compression, float rate)
   return settings;
 }
 
-/* The same hits as in the plain scene. faces: those of the cage, by those of the plain cage. */
+/* Expects the same hits as in the simple scene. faces: maps faces of the simple cage to those of the cage. */
 void expectSameHits(RTCScene scene, RTCScene plain, const std::vector<unsigned>& faces)
 {
   Random random(111);
@@ -53,7 +54,7 @@ void expectSameHits(RTCScene scene, RTCScene plain, const std::vector<unsigned>&
   EXPECT_GT(hits, 50u);
 }
 
-TEST_P(CageTopology, IndicesBehindThoseOfFacesDoNotMatter)
+TEST_P(CageTopology, IndicesAfterThoseOfFacesAreIgnored)
 {
   Device device;
   const SurfaceSettings settings = sharing(GetParam(), 16);
@@ -72,8 +73,8 @@ TEST_P(CageTopology, IndicesBehindThoseOfFacesDoNotMatter)
     }
 }
 
-// Embree has the face behind it in its place, once more.
-TEST_P(CageTopology, AFaceWithoutEdgesIsNone)
+// Embree duplicates the next face in its place.
+TEST_P(CageTopology, FacesWithoutEdgesAreIgnored)
 {
   Device device;
   const SurfaceSettings settings = sharing(GetParam(), 16);
@@ -90,11 +91,12 @@ TEST_P(CageTopology, AFaceWithoutEdgesIsNone)
   }
 }
 
-// Rays from inside at the middles of faces, as GRID has them.
-TEST_P(CageTopology, HolesAreOpenAndNothingElseIs)
+// Rays from inside at the centers of faces must hit if they hit GRID.
+TEST_P(CageTopology, OnlyHolesAreOpen)
 {
   Device device;
-  for (const std::vector<unsigned>& holes : {std::vector<unsigned>{0}, std::vector<unsigned>{5}, std::vector<unsigned>{1, 2, 3}}) {
+  for (const std::vector<unsigned>& holes :
+       {std::vector<unsigned>{0}, std::vector<unsigned>{5}, std::vector<unsigned>{1, 2, 3}}) {
     Cage cage = cubeCage();
     cage.holes = holes;
     cage.indices.resize(cage.indices.size() + 5, 0);
@@ -107,7 +109,8 @@ TEST_P(CageTopology, HolesAreOpenAndNothingElseIs)
       Vec d;
       for (float& x : d) x = float(random.uniform(-0.3, 0.3));
       d[i % 3] = i % 2 ? 1.f : -1.f;
-      const RTCRayHit ray = makeRay({0, 0, 0}, d), expected = intersect(twins.grid, ray), found = intersect(twins.scene, ray);
+      const RTCRayHit ray = makeRay({0, 0, 0}, d), expected = intersect(twins.grid, ray),
+                      found = intersect(twins.scene, ray);
       ASSERT_EQ(isHit(found), isHit(expected));
       if (!isHit(expected)) continue;
       EXPECT_EQ(found.hit.primID, expected.hit.primID);
@@ -119,8 +122,8 @@ TEST_P(CageTopology, HolesAreOpenAndNothingElseIs)
 
 // --- edges of three faces --------------------------------------------------------------
 
-/* Two chambers, one on the other, with a wall between them: its border is of three faces. The wall has n edges, each
- * chamber's sides are quads, or triangles that end in a point.
+/* Two chambers on top of each other with a wall between them. The border of the wall belongs to three faces. The wall
+ * has n edges; the sides of each chamber are quads, or triangles that meet in a point.
  *
  *     x---x---x
  *     |   |   |   quads, and a cap of n edges
@@ -173,14 +176,14 @@ std::vector<Chambers> chambers(bool hasWall)
   return all;
 }
 
-// Quads of a face along an edge of the cage, as GRID has them where no face is known beside it.
+// Quads of a face along an edge of the cage in GRID if the face has no neighbor at that edge.
 unsigned ownQuads(unsigned edges, float rate)
 {
   const unsigned n = unsigned(std::ceil(edges == 4 ? rate : 0.5f*rate));
   return edges == 4 ? n : 2*n;
 }
 
-// For each edge of the wall the least that any of its three faces has.
+// Sum over the edges of the wall of the lowest number of quads of any of its three faces.
 size_t quadsOfRing(const Cage& cage, unsigned n, const SurfaceSettings& settings)
 {
   std::map<std::pair<unsigned, unsigned>, unsigned> least;
@@ -189,7 +192,8 @@ size_t quadsOfRing(const Cage& cage, unsigned n, const SurfaceSettings& settings
     for (unsigned i = 0; i < edges; i++) {
       const unsigned a = cage.indices[begin + i], b = cage.indices[begin + (i+1) % edges];
       if (a >= n || b >= n) continue;
-      const unsigned quads = ownQuads(edges, settings.edgeRates.empty() ? settings.rate : settings.edgeRates[begin + i]);
+      const unsigned quads = ownQuads(edges,
+                                      settings.edgeRates.empty() ? settings.rate : settings.edgeRates[begin + i]);
       const auto known = least.emplace(std::minmax(a, b), quads);
       known.first->second = std::min(known.first->second, quads);
     }
@@ -201,7 +205,7 @@ size_t quadsOfRing(const Cage& cage, unsigned n, const SurfaceSettings& settings
   return sum;
 }
 
-// How often triangles use each edge, whichever way.
+// Number of triangles that use each edge, in either direction.
 std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> usesOfEdges(RTCScene scene)
 {
   std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> uses;
@@ -210,20 +214,21 @@ std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> usesOf
   return uses;
 }
 
-// From both chambers at the border of the wall, and anywhere.
+// Rays from both chambers at the border of the wall and in random directions.
 void expectNoMisses(const Twins& twins)
 {
   Random random(113);
   size_t ofGrid = 0;
   for (int i = 0; i < 400; i++) {
-    const double a = 2*M_PI*random.uniform(), r = random.uniform(0.6, 1), height = i % 4 ? 0.1*random.normal() : random.uniform(-1, 1);
+    const double a = 2*M_PI*random.uniform(), r = random.uniform(0.6, 1),
+                 height = i % 4 ? 0.1*random.normal() : random.uniform(-1, 1);
     const Vec o = {float(random.uniform(-0.05, 0.05)), float(random.uniform(-0.05, 0.05)), i % 2 ? 0.2f : -0.2f};
     const RTCRayHit ray = makeRay(o, {float(r*std::cos(a)) - o[0], float(r*std::sin(a)) - o[1], float(height) - o[2]});
     ofGrid += !isHit(intersect(twins.grid, ray));
     ASSERT_TRUE(isHit(intersect(twins.scene, ray))) << "ray " << i;
     ASSERT_TRUE(occluded(twins.scene, ray)) << "ray " << i;
   }
-  EXPECT_LE(ofGrid, 20u) << "rays do not start inside";
+  EXPECT_LE(ofGrid, 20u) << "too many rays start outside";
 }
 
 std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& cage, Displacement& displacement)
@@ -231,7 +236,7 @@ std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& ca
   std::vector<SurfaceSettings> all;
   for (float rate : {1.0f, 2.0f, 3.0f, 7.0f}) all.push_back(sharing(compression, rate));
   Random random(114);
-  for (unsigned most : {2, 3, 9}) { // sides disagree on the rate of an edge
+  for (unsigned most : {2, 3, 9}) { // different rates on both sides of an edge
     all.push_back(sharing(compression, 1));
     for (size_t i = 0; i < cage.indices.size(); i++) all.back().edgeRates.push_back(float(1 + random.below(most)));
   }
@@ -242,13 +247,13 @@ std::vector<SurfaceSettings> fewQuads(RTCCompression compression, const Cage& ca
 std::string describe(const Chambers& c, const SurfaceSettings& settings)
 {
   const auto form = [](bool isPrism) { return isPrism ? "quads" : "triangles"; };
-  return "wall of " + std::to_string(c.n) + " edges, " + form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) + " above, rate "
-    + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
+  return "wall of " + std::to_string(c.n) + " edges, " + form(c.isPrism[0]) + " below, " + form(c.isPrism[1]) +
+         " above, rate " + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
 }
 
-/* No edge of a triangle is its alone: then faces have the same vertices where they meet. And they have those of the
- * face that has least. */
-TEST_P(CageTopology, QuadsAndOtherFacesOnAnEdgeOfThreeShareIt)
+/* No edge may belong to only one triangle. Then faces have the same vertices on common borders: those of the face with
+ * the lowest number of quads. */
+TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVertices)
 {
   Device device;
   Displacement displacement;
@@ -273,7 +278,7 @@ TEST_P(CageTopology, QuadsAndOtherFacesOnAnEdgeOfThreeShareIt)
 }
 
 // The same without the wall: edges of two faces.
-TEST_P(CageTopology, QuadsAndOtherFacesOnAnEdgeOfTwoShareIt)
+TEST_P(CageTopology, FacesOnAnEdgeOfTwoShareVertices)
 {
   Device device;
   Displacement displacement;

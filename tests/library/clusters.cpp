@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces as clusters of formats for GPUs: decoders written from the specifications find the triangles that rays hit, to the bit. */
+/* Surfaces as clusters of GPU formats: decoders written from the specifications find exactly the triangles that rays
+ * hit. */
 
 #include "support/cluster_judge.h"
 #include "support/diced_mesh.h"
@@ -15,10 +16,16 @@
 namespace cbvh::test {
 namespace {
 
-const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1};
-const char* nameOf(RTCClusterFormat format) { return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1" : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1" : "floats"; }
+const RTCClusterFormat allFormats[] = {RTC_CLUSTER_FORMAT_FLOAT3, RTC_CLUSTER_FORMAT_COMPRESSED1,
+                                       RTC_CLUSTER_FORMAT_DGF1};
+const char* nameOf(RTCClusterFormat format)
+{
+  return format == RTC_CLUSTER_FORMAT_DGF1 ? "DGF1"
+         : format == RTC_CLUSTER_FORMAT_COMPRESSED1 ? "COMPRESSED1"
+                                                    : "floats";
+}
 
-// A geometry that is compressed by its own commit.
+// A geometry compressed by its own commit.
 struct Stored
 {
   RTCGeometry geometry;
@@ -45,7 +52,7 @@ private:
   RTCScene scene = nullptr;
 };
 
-// Of all formats. allFit: no cluster has floats in place of another format.
+// Checks all formats. allFit: no cluster falls back to floats.
 void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
 {
   size_t triangles = 0;
@@ -62,7 +69,7 @@ void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
   }
 }
 
-TEST(Clusters, OfCagesAreTheTrianglesThatRaysHit)
+TEST(Clusters, ClustersOfCagesMatchHitTriangles)
 {
   Device device;
   Random random(171);
@@ -78,7 +85,7 @@ TEST(Clusters, OfCagesAreTheTrianglesThatRaysHit)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, AreWholeGridsWhereNothingIsStitched)
+TEST(Clusters, UnstitchedClustersAreWholeGrids)
 {
   Device device;
   SurfaceSettings settings;
@@ -86,7 +93,8 @@ TEST(Clusters, AreWholeGridsWhereNothingIsStitched)
   Displacement displacement;
   settings.displacement = &displacement;
   const Stored cube(device, cubeCage(), settings);
-  const ClusterJudge positions(cube, 0, RTC_CLUSTER_FORMAT_COMPRESSED1), dgf(cube, 0, RTC_CLUSTER_FORMAT_DGF1), floats(cube, 0, RTC_CLUSTER_FORMAT_FLOAT3);
+  const ClusterJudge positions(cube, 0, RTC_CLUSTER_FORMAT_COMPRESSED1), dgf(cube, 0, RTC_CLUSTER_FORMAT_DGF1),
+    floats(cube, 0, RTC_CLUSTER_FORMAT_FLOAT3);
   EXPECT_EQ(positions.report.numClusters, 6*16u);
   EXPECT_EQ(positions.report.numVertices, 6*16*81u);
   EXPECT_EQ(positions.wholeClusters, 6*16u);
@@ -97,7 +105,7 @@ TEST(Clusters, AreWholeGridsWhereNothingIsStitched)
   EXPECT_LE(dgf.largestCluster, 64u);
 }
 
-TEST(Clusters, HaveScalesAndPlacesOfAnyKind)
+TEST(Clusters, AnyScaleAndPositionIsSupported)
 {
   Device device;
   for (float scale : {1e-30f, 1e-6f, 1.0f, 1e6f, 1e12f})
@@ -109,12 +117,13 @@ TEST(Clusters, HaveScalesAndPlacesOfAnyKind)
       SurfaceSettings settings;
       settings.displacement = &displacement;
       settings.rate = 20;
-      expectClusters(Stored(device, creasedCube(), settings), away <= 3000); // beyond, vertices are finer than 24 bits have it
+      // farther away, vertices are finer than 24 bits
+      expectClusters(Stored(device, creasedCube(), settings), away <= 3000);
     }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, OfHolesAndVerticesThatAreNotFiniteLeaveThemOut)
+TEST(Clusters, HolesAndNonFiniteVerticesAreLeftOut)
 {
   Device device;
   Random random(172);
@@ -130,7 +139,7 @@ TEST(Clusters, OfHolesAndVerticesThatAreNotFiniteLeaveThemOut)
   }
 }
 
-TEST(Clusters, OfGridsQuadsAndTriangles)
+TEST(Clusters, GridsQuadsAndTrianglesAreSupported)
 {
   Device device;
   Random random(173);
@@ -141,11 +150,12 @@ TEST(Clusters, OfGridsQuadsAndTriangles)
     for (const DicedMesh& mesh : {quads, trianglesOf(quads), trianglesOf(quads, 1, 2)})
       expectClusters(Stored(newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
   }
-  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)), false);
+  expectClusters(Stored(newMesh(device, globe(40, 30), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT)),
+                 false);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, SayWhyTheyHaveFloats)
+TEST(Clusters, ReasonForFloatsIsReported)
 {
   Device device;
   Displacement displacement;
@@ -168,7 +178,7 @@ TEST(Clusters, SayWhyTheyHaveFloats)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
+TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats)
 {
   Device device;
   Diced diced;
@@ -176,7 +186,8 @@ TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
   diced.add(9, 9, [&](unsigned x, unsigned y) { return position(x/8.0, y/8.0); });
   diced.add(25, 25, [&](unsigned x, unsigned y) {
     if (x > 0) return position(1 + x/24.0, y/24.0);
-    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0); // on an edge of the coarser grid: a third is on no lattice
+    // on an edge of the coarser grid; a third is on no lattice
+    const Vec a = position(1, y/3/8.0), b = position(1, (y/3 + 1)/8.0);
     const float t = float(y % 3)/3;
     return Vec{a[0] + t*(b[0] - a[0]), a[1] + t*(b[1] - a[1]), a[2] + t*(b[2] - a[2])};
   });
@@ -190,7 +201,7 @@ TEST(Clusters, OfStitchedGridsMeetWhereSomeHaveFloats)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Clusters, OfNothingAndOfUnknownFormatsAreErrors)
+TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
 {
   Device device;
   SurfaceSettings settings;
@@ -206,7 +217,9 @@ TEST(Clusters, OfNothingAndOfUnknownFormatsAreErrors)
   rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   size_t calls = 0;
-  rtcForEachCompressedCluster(cube, 0, RTC_CLUSTER_FORMAT_DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls, &report);
+  rtcForEachCompressedCluster(
+    cube, 0, RTC_CLUSTER_FORMAT_DGF1, [](void* n, const RTCCompressedCluster*) { return ++*(size_t*)n < 3; }, &calls,
+    &report);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
   EXPECT_EQ(report.numClusters, 3u);
 }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The codec alone, kernels/cvert, and Embree's library read each other's files. */
+/* The codec library (kernels/cvert) and Embree's library read each other's files. */
 
 #include "cvert/decoder/decoded_block.h"
 #include "cvert/decoder/decoded_mesh.h"
@@ -29,27 +29,28 @@ using cvert::ErrorCode;
 
 typedef std::array<float, 3> Vertex;
 
-// The vertices of the parts of a geometry at a time, as Embree's library reports them.
+// Returns the vertices of the parts of a geometry at a time, as reported by Embree's library.
 std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry)
 {
   std::vector<std::vector<Vertex>> parts;
   rtcForEachCompressedPart(geometry, [](void* user, const RTCCompressedPart* part) {
     std::vector<Vertex> vertices;
-    for (size_t i = 0; i < size_t(part->width)*part->height; i++) vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+    for (size_t i = 0; i < size_t(part->width)*part->height; i++)
+      vertices.push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
     ((std::vector<std::vector<Vertex>>*)user)->push_back(vertices);
     return true;
   }, &parts);
   return parts;
 }
 
-// Compares bits: raw blocks have NaN.
+// Compares bits, because raw blocks contain NaN.
 bool isSame(const std::vector<Vertex>& vertices, const cvert::DecodedBlock& decoded) {
   return std::memcmp(vertices.data(), decoded.vertices, vertices.size()*sizeof(Vertex)) == 0;
 }
 
-// Files have the same blocks and vertices for both. Embree's parts come from the same scalar decoder; tests/isa compares it with those that
-// trace.
-TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
+// Files must have the same blocks and vertices in both libraries. Embree's parts come from the same scalar decoder;
+// tests/isa compares it with the decoders for traversal.
+TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
 {
   Folder folder;
   size_t numBlocks = 0;
@@ -64,11 +65,15 @@ TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
     std::vector<const cvert::VertHeader*> blocks;
     bool hasFramed = false;
     std::vector<const cvert::MeshHeader*> meshes;
-    const cvert::Reason reason = cvert::forEachBlock(file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
-      if (type == cvert::FILE_FRAMED) hasFramed = true;
-      else if (type == cvert::FILE_MESH) meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
-      else blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
-    });
+    const cvert::Reason reason = cvert::forEachBlock(
+      file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
+        if (type == cvert::FILE_FRAMED)
+          hasFramed = true;
+        else if (type == cvert::FILE_MESH)
+          meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
+        else
+          blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));
+      });
     EXPECT_EQ(reason.message(), "");
     if (!hasFramed) {
       EXPECT_EQ(blocks.size() + meshes.size(), file.geometry(0).numBlocks);
@@ -88,8 +93,11 @@ TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
       for (const cvert::VertHeader* block : blocks) {
         const auto decoded = std::make_unique<cvert::DecodedBlock>(block);
         size_t i = 0;
-        while (i < parts.size() && (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1)*(decoded->quadsY + 1) || !isSame(parts[i], *decoded))) i++;
-        ASSERT_LT(i, parts.size()) << "a block whose vertices Embree does not have";
+        while (i < parts.size() &&
+               (isFound[i] || parts[i].size() != size_t(decoded->quadsX + 1)*(decoded->quadsY + 1) ||
+                !isSame(parts[i], *decoded)))
+          i++;
+        ASSERT_LT(i, parts.size()) << "Embree has no such block";
         isFound[i] = true;
         numBlocks++;
       }
@@ -99,7 +107,7 @@ TEST(CodecLibrary, ReadsTheVerticesThatEmbreeTraces)
   EXPECT_GT(numBlocks, 100u);
 }
 
-// A sheet over [0,32] x [0,32], of 2 x 2 blocks of 16 x 16 quads.
+// A sheet over [0,32] x [0,32] with 2 x 2 blocks of 16 x 16 quads.
 struct Sheet
 {
   static const unsigned quads = 32;
@@ -118,7 +126,7 @@ struct Sheet
       for (unsigned x = 0; x < quads; x += 16) add(x, y, numSteps);
   }
 
-  // A multiple of 1/8.
+  // Returns a multiple of 1/8.
   static float heightAt(unsigned x, unsigned y, unsigned step) { return float((x*x + 3*y) % 7)/8 + float(step); }
 
 private:
@@ -200,7 +208,7 @@ ErrorCode codeOf(const std::function<void()>& call)
   return ErrorCode::NONE;
 }
 
-TEST(CodecLibrary, ReportsWhatIsWrong)
+TEST(CodecLibrary, ReportsErrors)
 {
   Folder folder;
   EXPECT_EQ(codeOf([&] { cvert::File file(folder/"none"); }), ErrorCode::INVALID_ARGUMENT);
@@ -226,7 +234,7 @@ TEST(CodecLibrary, ReportsWhatIsWrong)
   writeBytes(folder/"short", sound.substr(0, sound.size() - 1));
   EXPECT_EQ(codeOf([&] { cvert::File file(folder/"short"); }), ErrorCode::DAMAGED);
   std::string altered = sound;
-  altered[2*4096 + 100] ^= 1; // in the blocks, which are not read when the file is opened
+  altered[2*4096 + 100] ^= 1; // in a block; opening a file does not read blocks
   writeBytes(folder/"altered", altered);
   const cvert::File file(folder/"altered");
   EXPECT_EQ(codeOf([&] { file.verify(); }), ErrorCode::DAMAGED);
@@ -242,7 +250,8 @@ TEST(CodecLibrary, ReportsWhatIsWrong)
   EXPECT_EQ(cvert::validateVert(header, bytes).code, ErrorCode::UNSUPPORTED);
   EXPECT_EQ(codeOf([&] { sheet.surface.appendToList(header, uint32_t(bytes)); }), ErrorCode::UNSUPPORTED);
   cvert::FileSurface hasTree;
-  EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT) << "to a surface that is a tree";
+  EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT)
+    << "the surface is a tree";
 }
 
 } // namespace

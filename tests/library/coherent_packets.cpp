@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Coherent packets where they could go another way than single rays: lanes that are off, rays that start on the
- * surface, filters, and faces that GRID traces. scene_features.cpp has all that is plain. */
+/* Coherent packets in cases where they could differ from single rays: inactive lanes, rays that start on the surface,
+ * filters, and faces that GRID traces. scene_features.cpp tests simple cases. */
 
 #include "support/filtered_surface.h"
 #include "support/random.h"
@@ -25,9 +25,10 @@ struct Traced
   bool occluded;
 };
 
-// In packets of 8. Lanes that are off hold `garbage` in every word, and are not in the result.
-std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
-                                   const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0)
+// Traces packets of 8. Inactive lanes contain `garbage` in every word and are not part of the result.
+std::map<size_t, Traced> inPackets(
+  RTCScene scene, const std::vector<RTCRayHit>& rays, RTCIntersectContext& context,
+  const std::function<bool(size_t)>& isOn = [](size_t) { return true; }, float garbage = 0)
 {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   std::map<size_t, Traced> traced;
@@ -38,7 +39,8 @@ std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>&
     auto pack = [&] {
       for (unsigned k = 0; k < N; k++) {
         valid[k] = isOn(first + k) ? -1 : 0;
-        for (unsigned w = 0; w < words; w++) std::memcpy(&lanes[w*N + k], valid[k] ? (const float*)&rays[first + k] + w : &garbage, 4);
+        for (unsigned w = 0; w < words; w++)
+          std::memcpy(&lanes[w*N + k], valid[k] ? (const float*)&rays[first + k] + w : &garbage, 4);
       }
     };
     pack();
@@ -63,7 +65,7 @@ std::map<size_t, Traced> inPackets(RTCScene scene, const std::vector<RTCRayHit>&
   return inPackets(scene, rays, context);
 }
 
-// As a picture has them, row by row, from near.
+// Rays of a picture, row by row, from a short distance.
 std::vector<RTCRayHit> pictureRays(unsigned side)
 {
   std::vector<RTCRayHit> rays;
@@ -110,8 +112,8 @@ void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, 
   }
 }
 
-// They hold what memory held before.
-TEST_P(CoherentPackets, DoNotLookAtLanesThatAreOff)
+// Inactive lanes contain arbitrary memory.
+TEST_P(CoherentPackets, InactiveLanesAreIgnored)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
@@ -121,12 +123,14 @@ TEST_P(CoherentPackets, DoNotLookAtLanesThatAreOff)
   for (float garbage : {nan, inf, -inf, 0.0f}) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    expectHitsOfSingleRays(scene, rays, inPackets(scene, rays, context, [](size_t i) { return i % N != i/N % N; }, garbage));
+    expectHitsOfSingleRays(scene, rays,
+                           inPackets(
+                             scene, rays, context, [](size_t i) { return i % N != i/N % N; }, garbage));
     ASSERT_FALSE(HasFatalFailure()) << "lanes hold " << garbage;
   }
 }
 
-TEST_P(CoherentPackets, ThatStartOnTheSurfaceHitWhatSingleRaysHit)
+TEST_P(CoherentPackets, RaysThatStartOnTheSurfaceMatchSingleRays)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
@@ -149,11 +153,14 @@ struct SeenHit { float t, u, v; unsigned primID; };
 
 struct PacketFilter
 {
-  RTCIntersectContext context; // first
+  RTCIntersectContext context; // must be the first member
   std::function<bool(const SeenHit&)> accepts;
   std::map<unsigned, std::vector<SeenHit>> seen; // by ray
 
-  explicit PacketFilter(const std::function<bool(const SeenHit&)>& accepts) : accepts(accepts) { rtcInitIntersectContext(&context); }
+  explicit PacketFilter(const std::function<bool(const SeenHit&)>& accepts) : accepts(accepts)
+  {
+    rtcInitIntersectContext(&context);
+  }
 };
 
 void filter(const RTCFilterFunctionNArguments* args)
@@ -161,8 +168,8 @@ void filter(const RTCFilterFunctionNArguments* args)
   PacketFilter& self = *(PacketFilter*)args->context;
   for (unsigned k = 0; k < args->N; k++) {
     if (args->valid[k] != -1) continue;
-    const SeenHit s = {RTCRayN_tfar(args->ray, args->N, k), RTCHitN_u(args->hit, args->N, k), RTCHitN_v(args->hit, args->N, k),
-                       RTCHitN_primID(args->hit, args->N, k)};
+    const SeenHit s = {RTCRayN_tfar(args->ray, args->N, k), RTCHitN_u(args->hit, args->N, k),
+                       RTCHitN_v(args->hit, args->N, k), RTCHitN_primID(args->hit, args->N, k)};
     self.seen[RTCRayN_id(args->ray, args->N, k)].push_back(s);
     if (!self.accepts(s)) args->valid[k] = 0;
   }
@@ -170,7 +177,7 @@ void filter(const RTCFilterFunctionNArguments* args)
 
 bool isOnDarkSquare(const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; }
 
-TEST_P(CoherentPackets, HitTheNearestThatAFilterAccepts)
+TEST_P(CoherentPackets, NearestAcceptedHitIsReported)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -192,7 +199,7 @@ TEST_P(CoherentPackets, HitTheNearestThatAFilterAccepts)
   EXPECT_GT(past, 100u) << "the filter rejected no first hit";
 }
 
-TEST_P(CoherentPackets, AskAFilterOnceAfterAnyHit)
+TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -204,15 +211,16 @@ TEST_P(CoherentPackets, AskAFilterOnceAfterAnyHit)
     alignas(64) int valid[N];
     std::fill_n(valid, N, -1);
     for (unsigned k = 0; k < N; k++)
-      for (unsigned w = 0; w < sizeof(packet)/4/N; w++) std::memcpy((float*)&packet + w*N + k, (const float*)&rays[first + k] + w, 4);
+      for (unsigned w = 0; w < sizeof(packet)/4/N; w++)
+        std::memcpy((float*)&packet + w*N + k, (const float*)&rays[first + k] + w, 4);
     rtcOccluded8(valid, scene, &all.context, &packet);
   }
   EXPECT_GT(all.seen.size(), 1000u);
   for (const auto& [id, hits] : all.seen) ASSERT_EQ(hits.size(), 1u) << "ray " << id;
 }
 
-// Closest hit and any hit, in whatever order.
-TEST_P(CoherentPackets, ShowAFilterThatRejectsAllWhatSingleRaysShowIt)
+// Closest hit and any hit, in any order.
+TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -229,13 +237,14 @@ TEST_P(CoherentPackets, ShowAFilterThatRejectsAllWhatSingleRaysShowIt)
     std::vector<SeenHit>& found = together.seen[id];
     ASSERT_EQ(found.size(), hits.size()) << "ray " << id;
     auto key = [](const SeenHit& s) { return std::tie(s.t, s.primID, s.u, s.v); };
-    for (auto* seen : {&found, &hits}) std::sort(seen->begin(), seen->end(), [&](const SeenHit& a, const SeenHit& b) { return key(a) < key(b); });
+    for (auto* seen : {&found, &hits})
+      std::sort(seen->begin(), seen->end(), [&](const SeenHit& a, const SeenHit& b) { return key(a) < key(b); });
     for (size_t i = 0; i < hits.size(); i++) ASSERT_EQ(key(found[i]), key(hits[i])) << "ray " << id;
   }
 }
 
-// What a thread keeps of blocks is overwritten meanwhile: packets go on as if nothing had happened.
-TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
+// The filter function evicts the thread's cached blocks by tracing other rays.
+TEST_P(CoherentPackets, FilterMayTraceRays)
 {
   Scene scene(device);
   SurfaceSettings of = settings();
@@ -255,7 +264,8 @@ TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
     }
     return isOnDarkSquare(s);
   });
-  const std::map<size_t, Traced> expected = inPackets(scene, rays, plain.context), found = inPackets(scene, rays, busy.context);
+  const std::map<size_t, Traced> expected = inPackets(scene, rays, plain.context),
+                                 found = inPackets(scene, rays, busy.context);
   unsigned seen = 0;
   for (const auto& [i, traced] : found) {
     const Traced& e = expected.at(i);
@@ -265,7 +275,8 @@ TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
     ASSERT_EQ(traced.occluded, e.occluded) << "ray " << i;
     const std::vector<SeenHit>&a = plain.seen[rays[i].ray.id], &b = busy.seen[rays[i].ray.id];
     ASSERT_EQ(a.size(), b.size()) << "ray " << i;
-    for (size_t k = 0; k < a.size(); k++) ASSERT_TRUE(a[k].t == b[k].t && a[k].u == b[k].u && a[k].primID == b[k].primID) << "ray " << i;
+    for (size_t k = 0; k < a.size(); k++)
+      ASSERT_TRUE(a[k].t == b[k].t && a[k].u == b[k].u && a[k].primID == b[k].primID) << "ray " << i;
     seen += unsigned(a.size());
   }
   EXPECT_GT(seen, 100u);
@@ -273,13 +284,14 @@ TEST_P(CoherentPackets, GoOnAfterAFilterHasTracedRays)
 
 // --- faces that GRID traces ----------------------------------------------------------------------
 
-// GRID's triangles are tested another way by packets: not to the bit, and a ray in 1000 may hit beside an edge.
-TEST_P(CoherentPackets, HitWhatGridTracesInTheSameScene)
+// Packets use a different test for GRID's triangles: results are not bit-identical, and one ray in 1000 may hit the
+// other side of an edge.
+TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   Displacement aside;
-  aside.offset = {0.5f, 0.1f, 0.1f}; // both in each other
+  aside.offset = {0.5f, 0.1f, 0.1f}; // both surfaces intersect each other
   SurfaceSettings ofGrid = settings();
   ofGrid.displacement = &aside;
   ofGrid.compression = RTC_COMPRESSION_NONE;
@@ -291,7 +303,8 @@ TEST_P(CoherentPackets, HitWhatGridTracesInTheSameScene)
     const RTCRayHit expected = intersect(scene, rays[i]);
     ASSERT_EQ(traced.occluded, isHit(traced.hit)) << "ray " << i;
     if (isHit(expected)) hits[expected.hit.geomID]++;
-    others += traced.hit.hit.geomID != expected.hit.geomID || (isHit(expected) && !(std::fabs(traced.hit.ray.tfar - expected.ray.tfar) <= 1e-4f));
+    others += traced.hit.hit.geomID != expected.hit.geomID ||
+              (isHit(expected) && !(std::fabs(traced.hit.ray.tfar - expected.ray.tfar) <= 1e-4f));
   }
   EXPECT_GT(hits[0], 1000u);
   EXPECT_GT(hits[1], 1000u);

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Lines on stderr about commits: what is compressed, what is not and why, and how much memory it takes. */
+/* Lines on stderr about commits: compressed geometries, geometries that are not compressed with the reason, and memory.
+ * */
 
 #include "support/environment.h"
 #include "support/irregular_mesh.h"
@@ -14,7 +15,7 @@
 namespace cbvh::test {
 namespace {
 
-// The line that a commit writes on stderr.
+// Returns the line that a commit writes to stderr.
 std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
 {
   testing::internal::CaptureStdout();
@@ -27,27 +28,33 @@ std::string commitLineOf(const std::string& config, const std::function<void(RTC
     rtcCommitScene(scene);
   }
   const std::string text = testing::internal::GetCapturedStderr();
-  EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos) << "programs write pictures there";
-  const size_t begin = text.rfind("compression: "); // the commit of a scene comes last
+  EXPECT_EQ(testing::internal::GetCapturedStdout().find("compress"), std::string::npos)
+    << "programs write pictures there";
+  const size_t begin = text.rfind("compression: "); // the commit of the scene comes last
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
 
-// Every type of geometry, still and moving, beside what Embree takes for it.
-TEST(CommitLine, ComparesWithEmbreesOwnKernelOfTheSameType)
+// Every type of geometry, static and moving, with Embree's memory for the same type.
+TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
 {
   Random random(1);
   for (unsigned timeSteps : {1u, 2u, 3u, 5u}) {
     Diced grids = dicedSheet(4, 64);
     DicedMesh quads = meshOf(grids, QuadOrder::Rows, random), triangles = trianglesOf(quads);
-    grids.motion = quads.motion = triangles.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.1f*float(step)*p[0]}; };
+    grids.motion = quads.motion = triangles.motion = [](const Vec& p, unsigned step) {
+      return Vec{p[0], p[1], p[2] + 0.1f*float(step)*p[0]};
+    };
     SurfaceSettings settings;
     settings.rate = 64;
     settings.timeSteps = timeSteps;
     const std::pair<const char*, std::function<RTCGeometry(RTCDevice)>> types[] = {
       {"1 subdivision surface as cVERT: ", [&](RTCDevice device) { return newSurface(device, cubeCage(), settings); }},
-      {"1 grid geometry as cVERT: ", [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-      {"1 quad mesh as cVERT: ", [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
-      {"1 triangle mesh as cVERT: ", [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
+      {"1 grid geometry as cVERT: ",
+       [&](RTCDevice device) { return newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
+      {"1 quad mesh as cVERT: ",
+       [&](RTCDevice device) { return newMesh(device, quads, RTC_COMPRESSION_INHERIT, 0, timeSteps); }},
+      {"1 triangle mesh as cVERT: ",
+       [&](RTCDevice device) { return newMesh(device, triangles, RTC_COMPRESSION_INHERIT, 0, timeSteps); }}};
     for (const auto& type : types) {
       const auto& name = type.first;
       const auto& make = type.second;
@@ -68,19 +75,22 @@ TEST(CommitLine, ComparesWithEmbreesOwnKernelOfTheSameType)
       const double estimate = std::stod(line.substr(at + 23)), taken = double(memory.live - before)/(1 << 20);
       EXPECT_GT(estimate, 0.65*taken) << line;
       EXPECT_LT(estimate, 1.35*taken) << line;
-      EXPECT_NEAR(std::stod(line.substr(input + 19)), double(before)/(1 << 20), 0.05*double(before)/(1 << 20) + 0.02) << line;
+      EXPECT_NEAR(std::stod(line.substr(input + 19)), double(before)/(1 << 20),
+                  0.05*double(before)/(1 << 20) + 0.02)
+        << line;
     }
   }
 }
 
-// What is not compressed is named with its reason, whatever its type.
-TEST(CommitLine, NamesWhatIsNotCompressedAndWhy)
+// Geometries that are not compressed are listed with the reason, for all types.
+TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
 {
   const std::string line = commitLineOf("", [](RTCDevice device, RTCScene scene) {
     Random random(1);
     DicedMesh scan;
     for (unsigned i = 0; i < 1000; i++) {
-      scan.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+      scan.vertices.push_back(
+        {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
       if (i >= 2) scan.triangles.push_back({random.below(i), random.below(i), i});
     }
     attach(scene, newMesh(device, scan, RTC_COMPRESSION_INHERIT, 0, 2));
@@ -92,15 +102,17 @@ TEST(CommitLine, NamesWhatIsNotCompressedAndWhy)
     addSurface(device, scene, quadCage(), settings);
   });
   EXPECT_NE(line.find("compression: 1 grid geometry as cVERT: 4096 quads"), std::string::npos) << line;
-  for (const char* part : {"not compressed: 1 subdivision surface that does not ask for it", "998 triangles that move and do not lie in grids",
-                           "64 quads that are too few to matter", "100 grids that are so small that Embree's own kernel needs less memory for them"})
+  for (const char* part : {"not compressed: 1 subdivision surface that does not ask for it",
+                           "998 triangles that move and do not lie in grids", "64 quads that are too few to matter",
+                           "100 grids that are so small that Embree's own kernel needs less memory for them"})
     EXPECT_NE(line.find(part), std::string::npos) << line;
 }
 
-// A line on each commit: what was compressed, what GRID would use, what was left to it and why.
-TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
+// One line per commit: compressed geometries, GRID's memory, and geometries left to GRID with the reason.
+TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
 {
-  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings, const Cage& cage = cubeCage()) {
+  const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings,
+                         const Cage& cage = cubeCage()) {
     std::unique_ptr<Environment> set(environment ? new Environment(environment) : nullptr);
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
@@ -109,7 +121,8 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
       const SurfaceScene scene(device, cage, settings);
     }
     const std::string text = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos) << "programs write pictures there";
+    EXPECT_EQ(testing::internal::GetCapturedStdout().find("compression:"), std::string::npos)
+      << "programs write pictures there";
     const size_t begin = text.find("compression: 1 subdivision surface");
     return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
   };
@@ -119,7 +132,7 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
     const std::string line = lineOf(environment, "", settings);
     EXPECT_NE(line.find("1 subdivision surface as cVERT: 24576 quads in 0.0"), std::string::npos) << line;
     EXPECT_EQ(line.find("not compressed"), std::string::npos) << line;
-    /* what GRID would take is what GRID takes, but for the allocator's rounding */
+    /* the estimated memory of GRID matches its actual memory, except for the allocator's rounding */
     Memory memory;
     Device grid("subdiv_accel=bvh4.grid.eager");
     rtcSetDeviceMemoryMonitorFunction(grid, Memory::monitor, &memory);
@@ -133,14 +146,15 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
     EXPECT_GT(mebibytes, 0.85*taken);
     EXPECT_LT(mebibytes, 1.1*taken);
   }
-  EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"), std::string::npos);
+  EXPECT_NE(lineOf(nullptr, "verbose=1,subdiv_accel=cbvh.voxel", settings).find("1 subdivision surface as cVOXEL"),
+            std::string::npos);
   EXPECT_EQ(lineOf("1", "", settings), "");
   EXPECT_EQ(lineOf("verbose", "", settings), "");
   settings.edgeRates.assign(24, 8);
   settings.edgeRates[0] = 300;
   const std::string line = lineOf("voxel,verbose", "", settings);
   EXPECT_NE(line.find("not compressed: 2400 quads with too high edge rates"), std::string::npos) << line;
-  /* a needle has no good frame: GRID traces it, or where its sides have different rates, cGRID */
+  /* a needle has no usable frame: it is left to GRID, or to cGRID if its sides have different rates */
   Cage needle = quadCage();
   for (Vec& p : needle.positions) p[1] *= 0x1p-20f;
   settings.edgeRates.assign(4, 8);
@@ -151,7 +165,7 @@ TEST(CommitLine, SaysWhatWasCompressedAndWhatGridWouldUse)
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
 }
 
-// A lattice as coarse as the quads is reported once, even if nobody asked for lines about commits.
+// A lattice that is as coarse as the quads is reported once, even if lines about commits are off.
 TEST(CoarseLattice, IsReportedOnce)
 {
   Random random(2);

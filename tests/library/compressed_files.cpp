@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files of compressed geometry: what is loaded is what was saved. */
+/* Files of compressed geometry: loaded geometry equals saved geometry. */
 
 #include "support/query_forms.h"
 #include "support/saved.h"
@@ -23,7 +23,7 @@ std::vector<RTCRayHit> timedRays(Random& random, unsigned count, bool moves)
   return rays;
 }
 
-// All of rays and hits that the library writes.
+// Compares all members of rays and hits that the library writes.
 void expectSameToTheBit(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found)
 {
   ASSERT_EQ(expected.size(), found.size());
@@ -51,7 +51,8 @@ std::vector<std::array<float, 3>> verticesOf(RTCGeometry geometry, float time)
   std::vector<std::array<float, 3>> all;
   rtcForEachCompressedPartAtTime(geometry, time, [](void* self, const RTCCompressedPart* part) {
     for (unsigned i = 0; i < part->width*part->height; i++)
-      ((std::vector<std::array<float, 3>>*)self)->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
+      ((std::vector<std::array<float, 3>>*)self)
+        ->push_back({part->vertices[3*i], part->vertices[3*i + 1], part->vertices[3*i + 2]});
     return true;
   }, &all);
   std::sort(all.begin(), all.end());
@@ -70,7 +71,7 @@ public:
   RTCGeometry geometry;
 };
 
-TEST(CompressedFiles, LoadedSurfacesAreThoseThatWereSaved)
+TEST(CompressedFiles, LoadedSurfacesMatchSavedOnes)
 {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
@@ -112,7 +113,9 @@ TEST(CompressedFiles, LoadedSurfacesAreThoseThatWereSaved)
       const auto hits = closestHits(scene, rays, QueryForm::Single);
       for (const RTCRayHit& r : hits) {
         RTCCompressedTriangle triangle;
-        if (isHit(r)) found += rtcGetCompressedTriangleAtTime(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
+        if (isHit(r))
+          found += rtcGetCompressedTriangleAtTime(scene.geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v,
+                                                  &r.hit.Ng_x, &triangle);
       }
       EXPECT_EQ(found, hitsOf(hits));
     }
@@ -123,7 +126,7 @@ TEST(CompressedFiles, LoadedSurfacesAreThoseThatWereSaved)
   }
 }
 
-TEST(CompressedFiles, ALoadedSurfaceIsSavedAsTheSameBytes)
+TEST(CompressedFiles, LoadedSurfaceIsSavedAsTheSameBytes)
 {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
@@ -135,14 +138,15 @@ TEST(CompressedFiles, ALoadedSurfaceIsSavedAsTheSameBytes)
     geometry = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
     ASSERT_NE(geometry, nullptr) << device.message;
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"b").c_str())) << device.message;
-    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) << "the file that it comes from: " << device.message;
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()))
+      << "saving to the file that it was loaded from: " << device.message;
     rtcReleaseGeometry(geometry);
     EXPECT_EQ(bytesOf(folder/"a"), bytesOf(folder/"b"));
     EXPECT_EQ(folder.names().size(), 2u);
   }
 }
 
-TEST(CompressedFiles, OneFileHoldsManyGeometriesWhoseInputIsGone)
+TEST(CompressedFiles, OneFileHoldsManyGeometriesWithReleasedInput)
 {
   Folder folder;
   Device device;
@@ -163,7 +167,7 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWhoseInputIsGone)
     ASSERT_TRUE(rtcAppendCompressedGeometry(writer, geometry)) << saveable.name << ": " << device.message;
     rtcReleaseGeometry(geometry);
   }
-  EXPECT_EQ(access((folder/"all").c_str(), F_OK), -1) << "it is there before it is whole";
+  EXPECT_EQ(access((folder/"all").c_str(), F_OK), -1) << "the file exists before it is complete";
   ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
   EXPECT_FALSE(rtcCommitCompressedFile(writer));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
@@ -193,10 +197,10 @@ TEST(CompressedFiles, OneFileHoldsManyGeometriesWhoseInputIsGone)
   EXPECT_GT(geomIDs.size(), 4u);
   EXPECT_EQ(statisticsOf(scene).numQuads, quads);
   EXPECT_EQ(device.errors, 0u) << device.message;
-  EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder/"all").c_str()), nullptr) << "there are several";
+  EXPECT_EQ(rtcLoadCompressedGeometry(device, (folder/"all").c_str()), nullptr) << "the file has several geometries";
 }
 
-TEST(CompressedFiles, StatisticsNeedAnOpenFileAStructAndAnIndexInRange)
+TEST(CompressedFiles, StatisticsRequireAnOpenFileAStructAndAValidIndex)
 {
   Folder folder;
   Device device;
@@ -218,14 +222,14 @@ TEST(CompressedFiles, StatisticsNeedAnOpenFileAStructAndAnIndexInRange)
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_NONE);
   EXPECT_FALSE(rtcGetCompressedFileGeometryStatistics(nullptr, 0, &statistics));
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT) << "without a file the error is the thread's";
-  EXPECT_EQ(statistics.numQuads, 12345u) << "an error writes nothing";
+  EXPECT_EQ(statistics.numQuads, 12345u) << "an error must not write";
   EXPECT_TRUE(rtcGetCompressedFileGeometryStatistics(file, 0, &statistics));
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE);
   EXPECT_NE(statistics.numQuads, 12345u);
   rtcReleaseCompressedFile(file);
 }
 
-TEST(CompressedFiles, AGeometryIsLoadedSeveralTimesInOneScene)
+TEST(CompressedFiles, GeometryCanBeLoadedSeveralTimesInOneScene)
 {
   for (const Saveable& saveable : allSaveable()) {
     SCOPED_TRACE(saveable.name);
@@ -235,7 +239,7 @@ TEST(CompressedFiles, AGeometryIsLoadedSeveralTimesInOneScene)
     RTCGeometry geometry = saveable.make(device);
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"a").c_str()));
     const std::string before = bytesOf(folder/"a");
-    // the first is masked away from half of the rays, the second from the others
+    // the mask of the first excludes half of the rays, the mask of the second the others
     Scene scene(device);
     for (unsigned mask : {1u, 2u, 4u}) {
       RTCGeometry loaded = mask == 4 ? geometry : rtcLoadCompressedGeometry(device, (folder/"a").c_str());
@@ -245,7 +249,7 @@ TEST(CompressedFiles, AGeometryIsLoadedSeveralTimesInOneScene)
       if (mask != 4) rtcCommitGeometry(loaded);
       attach(scene, loaded);
     }
-    rtcDisableGeometry(rtcGetGeometry(scene, 2)); // whose input is gone, so that a mask cannot be committed
+    rtcDisableGeometry(rtcGetGeometry(scene, 2)); // its input was released, so a mask cannot be committed
     rtcCommitScene(scene);
     std::vector<RTCRayHit> rays = timedRays(random, 300, saveable.moves), single;
     for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = 1 + i % 2;
@@ -262,16 +266,17 @@ TEST(CompressedFiles, AGeometryIsLoadedSeveralTimesInOneScene)
         ASSERT_EQ(found[i].hit.geomID, unsigned(i % 2));
 #endif
         ASSERT_LT(found[i].hit.geomID, 2u);
-        ASSERT_EQ(rtcGetGeometryUserData(rtcGetGeometry(scene, found[i].hit.geomID)), (void*)size_t(1 + found[i].hit.geomID));
+        ASSERT_EQ(rtcGetGeometryUserData(rtcGetGeometry(scene, found[i].hit.geomID)),
+                  (void*)size_t(1 + found[i].hit.geomID));
       }
     }
     EXPECT_GT(hits, 50u);
-    EXPECT_EQ(before, bytesOf(folder/"a")) << "the file was written into";
+    EXPECT_EQ(before, bytesOf(folder/"a")) << "the file was modified";
     EXPECT_EQ(device.errors, 0u) << device.message;
   }
 }
 
-TEST(CompressedFiles, FiltersInstancesAndOtherDevices)
+TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork)
 {
   Folder folder;
   {
@@ -285,7 +290,10 @@ TEST(CompressedFiles, FiltersInstancesAndOtherDevices)
   ASSERT_NE(geometry, nullptr) << device.message;
   struct Seen { size_t calls = 0; } seen;
   rtcSetGeometryUserData(geometry, &seen);
-  rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) { ((Seen*)args->geometryUserPtr)->calls++; args->valid[0] = 0; });
+  rtcSetGeometryIntersectFilterFunction(geometry, [](const RTCFilterFunctionNArguments* args) {
+    ((Seen*)args->geometryUserPtr)->calls++;
+    args->valid[0] = 0;
+  });
   rtcCommitGeometry(geometry);
   OneGeometry inner(device, geometry);
   Scene outer(device);
@@ -314,7 +322,7 @@ TEST(CompressedFiles, FiltersInstancesAndOtherDevices)
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-TEST(CompressedFiles, WhatNeedsACageIsRefusedWithTheReason)
+TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
 {
   Folder folder;
   Device device;
@@ -339,14 +347,19 @@ TEST(CompressedFiles, WhatNeedsACageIsRefusedWithTheReason)
       [&] { rtcSetGeometryTopologyCount(geometry, 2); },
       [&] { rtcSetGeometryTimeStepCount(geometry, 7); },
       [&] { rtcGetGeometryFirstHalfEdge(geometry, 0); },
-      [&] { RTCCompressionArguments args; rtcInitCompressionArguments(&args); args.compression = RTC_COMPRESSION_NONE; rtcSetGeometryCompression(geometry, &args); }};
+      [&] {
+        RTCCompressionArguments args;
+        rtcInitCompressionArguments(&args);
+        args.compression = RTC_COMPRESSION_NONE;
+        rtcSetGeometryCompression(geometry, &args);
+      }};
     for (const auto& edit : edits) {
       SCOPED_TRACE(&edit - edits);
       edit();
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
       EXPECT_NE(device.message.find("loaded from a file"), std::string::npos) << device.message;
     }
-    // as it was
+    // unchanged
     rtcCommitGeometry(geometry);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     if (saveable.moves) {
@@ -358,7 +371,7 @@ TEST(CompressedFiles, WhatNeedsACageIsRefusedWithTheReason)
   }
 }
 
-TEST(CompressedFiles, WhatIsNotCompressedIsNotSaved)
+TEST(CompressedFiles, UncompressedGeometryIsNotSaved)
 {
   Folder folder;
   Device device;
@@ -388,8 +401,8 @@ TEST(CompressedFiles, WhatIsNotCompressedIsNotSaved)
   rtcReleaseGeometry(instance);
 }
 
-// Cages whose faces are all holes, or all at a border that is not subdivided.
-TEST(CompressedFiles, SurfacesWithoutAFaceAreSavedAndLoaded)
+// Cages in which all faces are holes, or all are at a border that is not subdivided.
+TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
 {
   Folder folder;
   Device device;
@@ -410,7 +423,7 @@ TEST(CompressedFiles, SurfacesWithoutAFaceAreSavedAndLoaded)
   ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
   rtcReleaseCompressedFileWriter(writer);
   RTCCompressedFile file = rtcOpenCompressedFile(device, (folder/"all").c_str());
-  ASSERT_NE(file, nullptr) << "one geometry makes all of them unopenable: " << device.message;
+  ASSERT_NE(file, nullptr) << "one geometry prevents opening the others: " << device.message;
   EXPECT_TRUE(rtcVerifyCompressedFile(file)) << device.message;
   Scene scene(device);
   for (unsigned i = 0; i < geometries.size(); i++) {
@@ -433,8 +446,8 @@ TEST(CompressedFiles, SurfacesWithoutAFaceAreSavedAndLoaded)
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-// Whatever a save accepts, a load accepts.
-TEST(CompressedFiles, WhatCannotBeLoadedIsNotSaved)
+// If a save succeeds, a load succeeds.
+TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
 {
   const float infinity = std::numeric_limits<float>::infinity(), largest = std::numeric_limits<float>::max();
   Device device;
@@ -455,7 +468,7 @@ TEST(CompressedFiles, WhatCannotBeLoadedIsNotSaved)
           settings.end = end;
           device.takeError();
           RTCGeometry geometry = newSurface(device, cage, settings);
-          refused += device.takeError() != RTC_ERROR_NONE; // a time range of no finite length
+          refused += device.takeError() != RTC_ERROR_NONE; // an invalid time range
           releasing(geometry, RTC_COMPRESSION_VERT);
           if (rtcSaveCompressedGeometry(geometry, (folder/"a").c_str())) {
             RTCGeometry loaded = rtcLoadCompressedGeometry(device, (folder/"a").c_str());
@@ -472,8 +485,8 @@ TEST(CompressedFiles, WhatCannotBeLoadedIsNotSaved)
   EXPECT_LT(refused, 60u);
 }
 
-// A scene that compresses others has a tree of it, too, without a block that GRID would trace.
-TEST(CompressedFiles, WhatAsksForNoCompressionIsNotSavedThoughItHasNoFace)
+// A scene that compresses other geometries also has a tree for it, without blocks that GRID would trace.
+TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
 {
   Folder folder;
   Device device;
@@ -492,8 +505,8 @@ TEST(CompressedFiles, WhatAsksForNoCompressionIsNotSavedThoughItHasNoFace)
   EXPECT_TRUE(folder.names().empty());
 }
 
-// Threads that trace while others load, save and release the same files, and make geometries of one that is open.
-TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
+// Threads trace while others load, save and release the same files, and create geometries of an open one.
+TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
 {
   Folder folder;
   Device device;
@@ -525,7 +538,8 @@ TEST(CompressedFiles, ManyThreadsLoadAndTraceAtATime)
   for (std::thread& thread : threads) thread.join();
   rtcReleaseCompressedFile(open);
   EXPECT_EQ(device.errors, 0u) << device.message;
-  for (size_t t = 0; t < 4; t++) EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
+  for (size_t t = 0; t < 4; t++)
+    EXPECT_EQ(bytesOf(folder/(std::to_string(t) + "-saved")), bytesOf(folder/std::to_string((t + 11) % 4)));
 }
 
 } // namespace

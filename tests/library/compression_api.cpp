@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Settings, statistics, memory, progress and rebuilding, as a program sees them. */
+/* Settings, statistics, memory, progress and rebuilding, through the API. */
 
 #include "support/environment.h"
 #include "support/memory.h"
@@ -20,13 +20,13 @@
 namespace cbvh::test {
 namespace {
 
-// What a scene's statistics say of the representation of a cube.
+// Returns the representation of a cube according to the statistics of its scene.
 std::string representationOf(RTCScene scene)
 {
   const RTCCompressionStatistics s = statisticsOf(scene);
   if (s.numBlocks == 0) return "none";
   if (s.maxVertexSpacing > 0) return "vert";
-  // leaves take nothing, 2 bytes a quad (at least 8), or 12 a vertex; and up to 12 to align the next block
+  // leaves have no bytes, 2 bytes per quad (at least 8), or 12 per vertex; and up to 12 bytes align the next block
   const size_t leaves = s.leafBytes/s.numBlocks, quads = s.numQuads/s.numBlocks;
   std::string name = leaves < 16 ? "voxel" : leaves <= std::max<size_t>(2*quads, 8) + 12 ? "leaf" : "grid";
   for (int n = 0; n <= 8; n++)
@@ -34,11 +34,11 @@ std::string representationOf(RTCScene scene)
   return name;
 }
 
-// Representation of a cube, at level 5 unless given, on a device with that configuration.
+// Returns the representation of a cube, by default at level 5, on a device with this configuration.
 std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
-  Device device(says ? "cbvh_exact_faces=0," + config : config); // numbers of blocks show which form
+  Device device(says ? "cbvh_exact_faces=0," + config : config); // the number of blocks reveals the form
   if (!device) return "no device";
   Displacement displacement;
   SurfaceSettings settings;
@@ -55,14 +55,15 @@ std::string representation(const std::string& config, const RTCCompressionArgume
   return representationOf(scene);
 }
 
-RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, float maxError = -1)
+RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
+                                  float maxError = -1)
 {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = compression;
   args.frameLevel = frameLevel;
   args.maxError = maxError;
-  args.exactFaces = 0; // numbers of blocks show which form
+  args.exactFaces = 0; // the number of blocks reveals the form
   return args;
 }
 
@@ -88,7 +89,7 @@ TEST(Settings, DeviceStringChoosesTheRepresentation)
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=8"), "leaf 5");
 }
 
-TEST(Settings, FrameLevelThatNobodyGivesMakesBlocksOf16x16Quads)
+TEST(Settings, DefaultFrameLevelGivesBlocksOf16x16Quads)
 {
   const char* const expected[] = {"leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 0", "leaf 1", "leaf 2"};
   for (unsigned level = 0; level <= 6; level++)
@@ -96,19 +97,24 @@ TEST(Settings, FrameLevelThatNobodyGivesMakesBlocksOf16x16Quads)
   EXPECT_EQ(representation("subdiv_accel=cbvh.leaf,cbvh_frame_level=2", nullptr, 4), "leaf 2");
 }
 
-TEST(Settings, EnvironmentChoosesForProgramsThatDoNot)
+TEST(Settings, EnvironmentIsUsedIfProgramSetsNothing)
 {
-  const std::pair<const char*, const char*> cases[] = {
-    {"leaf", "leaf 1"}, {"voxel,frame_level=1", "voxel 1"}, {" leaf , frame_level=auto ", "leaf 1"},
-    {"leaf,frame_level=auto,max_error=1e-30", "leaf 5"}, {"none", "none"}, {"0", "none"}, {"", "none"}, {"frame_level=1", "none"},
-    {"grid,level=3", "grid 3"}}; // as frame_level was called
+  const std::pair<const char*, const char*> cases[] = {{"leaf", "leaf 1"},
+                                                       {"voxel,frame_level=1", "voxel 1"},
+                                                       {" leaf , frame_level=auto ", "leaf 1"},
+                                                       {"leaf,frame_level=auto,max_error=1e-30", "leaf 5"},
+                                                       {"none", "none"},
+                                                       {"0", "none"},
+                                                       {"", "none"},
+                                                       {"frame_level=1", "none"},
+                                                       {"grid,level=3", "grid 3"}}; // the former name of frame_level
   for (const auto& c : cases) {
     Environment environment(c.first);
     EXPECT_EQ(representation(""), c.second) << c.first;
   }
 }
 
-TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
+TEST(Settings, GeometryOverridesDeviceOverridesEnvironment)
 {
   Environment environment("leaf,frame_level=1");
   EXPECT_EQ(representation(""), "leaf 1");
@@ -126,7 +132,7 @@ TEST(Settings, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
   EXPECT_EQ(representation("subdiv_accel=cbvh.voxel", &args), "leaf 5");
 }
 
-TEST(Settings, OneIsTheBestKind)
+TEST(Settings, OneSelectsDefaultKind)
 {
   EXPECT_EQ(representation("subdiv_accel=cbvh"), "vert");
   Environment environment("1");
@@ -142,7 +148,8 @@ TEST(Version, LibraryAndHeadersAgree)
   const ssize_t minor = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_MINOR);
   const ssize_t patch = rtcGetDeviceCompressionProperty(device, RTC_COMPRESSION_PROPERTY_VERSION_PATCH);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-  EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch), RTC_COMPRESSION_VERSION_STRING);
+  EXPECT_EQ(std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch),
+            RTC_COMPRESSION_VERSION_STRING);
   EXPECT_EQ(major*10000 + minor*100 + patch, RTC_COMPRESSION_VERSION);
 
   EXPECT_EQ(rtcGetDeviceCompressionProperty(device, RTCCompressionProperty(4)), 0);
@@ -152,8 +159,8 @@ TEST(Version, LibraryAndHeadersAgree)
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
 }
 
-// With the kind that the device string, or else the environment, chose.
-TEST(Version, StandsAboveTheBannerOfVerboseDevicesOnly)
+// With the kind chosen by the device string or by the environment.
+TEST(Version, IsPrintedAboveTheBannerOfVerboseDevicesOnly)
 {
   const auto said = [](const std::string& config) {
     testing::internal::CaptureStdout();
@@ -163,18 +170,20 @@ TEST(Version, StandsAboveTheBannerOfVerboseDevicesOnly)
   const std::string name = "Embree CBVH " RTC_COMPRESSION_VERSION_STRING "\n";
   EXPECT_EQ(said(""), "");
   Environment environment("leaf");
-  for (const auto& c : {std::make_pair("verbose=1", "cLEAF"), std::make_pair("verbose=1,subdiv_accel=cbvh.vert", "cVERT"),
-                        std::make_pair("verbose=1,subdiv_accel=bvh4.grid.eager", "GRID")}) {
+  for (const auto& c :
+       {std::make_pair("verbose=1", "cLEAF"), std::make_pair("verbose=1,subdiv_accel=cbvh.vert", "cVERT"),
+        std::make_pair("verbose=1,subdiv_accel=bvh4.grid.eager", "GRID")}) {
     const std::string text = said(c.first);
-    const size_t ours = text.find(name), kind = text.find(std::string("Subdivision surfaces: ") + c.second), banner = text.find("Embree Ray Tracing Kernels");
+    const size_t ours = text.find(name), kind = text.find(std::string("Subdivision surfaces: ") + c.second),
+                 banner = text.find("Embree Ray Tracing Kernels");
     EXPECT_LT(ours, kind) << text;
     EXPECT_LT(kind, banner) << text;
     EXPECT_NE(banner, std::string::npos) << text;
   }
 }
 
-// As a program that speaks German sets it, but for a locale that may not be there.
-TEST(Settings, NumbersHaveAPointInEveryLocale)
+// A German locale, if it is installed.
+TEST(Settings, NumbersUseDecimalPointInEveryLocale)
 {
   struct Comma : public std::numpunct<char> { char do_decimal_point() const override { return ','; } };
   const std::locale before = std::locale::global(std::locale(std::locale(), new Comma));
@@ -185,7 +194,7 @@ TEST(Settings, NumbersHaveAPointInEveryLocale)
   std::locale::global(before);
 }
 
-// rtcNewDevice has no device to report with: a line on stderr, and the code.
+// If rtcNewDevice fails there is no device for an error message: it prints a line to stderr and sets the error code.
 void expectNoDevice(const std::string& config, const std::string& name, const std::string& value)
 {
   rtcGetDeviceError(nullptr);
@@ -199,7 +208,7 @@ void expectNoDevice(const std::string& config, const std::string& name, const st
   EXPECT_NE(output.find("\"" + value + "\""), std::string::npos) << config << ": " << output;
 }
 
-TEST(Settings, DeviceStringsWithUnknownValuesAreRefusedByNameAndValue)
+TEST(Settings, UnknownValuesInDeviceStringAreRejectedByNameAndValue)
 {
   expectNoDevice("subdiv_accel=cbvh.foo", "subdiv_accel", "cbvh.foo");
   expectNoDevice("subdiv_accel=cbvh.", "subdiv_accel", "cbvh.");
@@ -213,8 +222,8 @@ TEST(Settings, DeviceStringsWithUnknownValuesAreRefusedByNameAndValue)
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=x", "cbvh_max_error", "x");
 }
 
-// An unknown key of ours is refused, and the nearest known one is named: Embree takes any key in silence.
-TEST(Settings, UnknownKeysAreRefusedWithTheNearestKnownOne)
+// Unknown keys of ours are errors that suggest the nearest known key. Embree ignores other unknown keys silently.
+TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
 {
   expectNoDevice("subdiv_accel=cbvh,cbvh_maxerror=0.001", "did you mean cbvh_max_error?", "cbvh_maxerror");
   expectNoDevice("cbvh_framelevel=2", "did you mean cbvh_frame_level?", "cbvh_framelevel");
@@ -224,9 +233,9 @@ TEST(Settings, UnknownKeysAreRefusedWithTheNearestKnownOne)
   expectNoDevice("", "did you mean max_error?", "maxerror=0.001");
 }
 
-// One kind has three names, in any case of letters, wherever one of them is taken. "grid" alone is Embree's in programs, and
-// cGRID where no other is meant.
-TEST(Settings, NamesOfKindsAreTakenEverywhere)
+// Each kind has three case-insensitive names that are accepted everywhere. "grid" means Embree's GRID in programs
+// that offer both, and cGRID elsewhere.
+TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
 {
   const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
   for (const std::string& kind : kinds) {
@@ -243,8 +252,8 @@ TEST(Settings, NamesOfKindsAreTakenEverywhere)
   EXPECT_EQ(representation("subdiv_accel=CBVH"), representation("subdiv_accel=cbvh"));
 }
 
-// A geometry that opts out of what a name of ours asks for is Embree's.
-TEST(Settings, EveryNameOfOursLeavesToEmbreeWhatOptsOut)
+// A geometry that opts out of compression is left to Embree.
+TEST(Settings, GeometriesCanOptOutOfEveryKind)
 {
   for (const char* name : {"cvert", "vert", "cbvh.vert", "CBVH"}) {
     Device device(std::string("subdiv_accel=") + name);
@@ -256,12 +265,20 @@ TEST(Settings, EveryNameOfOursLeavesToEmbreeWhatOptsOut)
   }
 }
 
-TEST(Settings, EnvironmentsWithUnknownValuesAreRefusedByNameAndValue)
+TEST(Settings, UnknownValuesInEnvironmentAreRejectedByNameAndValue)
 {
-  const std::pair<const char*, const char*> cases[] = {
-    {"foo", "foo"}, {"leaf,frame_level=9", "9"}, {"leaf,frame_level=-1", "-1"}, {"leaf,frame_level=", ""},
-    {"leaf,frame_level=2x", "2x"}, {"leaf,level=9", "9"}, {"2", "2"},
-    {"leaf,max_error=-1", "-1"}, {"leaf,max_error=nan", "nan"}, {"leaf,colour=2", "colour=2"}, {"cbvh.foo", "cbvh.foo"}, {"cgrids", "cgrids"}};
+  const std::pair<const char*, const char*> cases[] = {{"foo", "foo"},
+                                                       {"leaf,frame_level=9", "9"},
+                                                       {"leaf,frame_level=-1", "-1"},
+                                                       {"leaf,frame_level=", ""},
+                                                       {"leaf,frame_level=2x", "2x"},
+                                                       {"leaf,level=9", "9"},
+                                                       {"2", "2"},
+                                                       {"leaf,max_error=-1", "-1"},
+                                                       {"leaf,max_error=nan", "nan"},
+                                                       {"leaf,paint=2", "paint=2"},
+                                                       {"cbvh.foo", "cbvh.foo"},
+                                                       {"cgrids", "cgrids"}};
   for (const auto& c : cases) {
     Environment environment(c.first);
     expectNoDevice("", "EMBREE_CBVH", c.second);
@@ -270,7 +287,7 @@ TEST(Settings, EnvironmentsWithUnknownValuesAreRefusedByNameAndValue)
 
 // --- errors of the functions --------------------------------------------------------------------
 
-TEST(SetGeometryCompression, RefusesBadArgumentsByNameAndValueAndKeepsTheSetting)
+TEST(SetGeometryCompression, RejectsBadArgumentsByNameAndValueAndKeepsTheSetting)
 {
   Device device;
   Displacement displacement;
@@ -333,11 +350,12 @@ TEST(SetGeometryCompression, RefusesBadArgumentsByNameAndValueAndKeepsTheSetting
   EXPECT_EQ(representationOf(scene), "voxel 1");
 }
 
-TEST(SetGeometryCompression, RefusesGeometryOfOtherTypes)
+TEST(SetGeometryCompression, RejectsOtherGeometryTypes)
 {
   Device device;
   const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
-  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_SPHERE_POINT, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
+  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_SPHERE_POINT, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE,
+                               RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
     RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetGeometryCompression(geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << type;
@@ -346,7 +364,7 @@ TEST(SetGeometryCompression, RefusesGeometryOfOtherTypes)
   }
 }
 
-TEST(GetSceneCompressionStatistics, RefusesNullAndUncommittedScenes)
+TEST(GetSceneCompressionStatistics, RejectsNullAndUncommittedScenes)
 {
   Device device;
   Displacement displacement;
@@ -386,7 +404,7 @@ TEST(GetSceneCompressionStatistics, IsAllZeroWithoutCompression)
   EXPECT_EQ(std::memcmp(&stats, &none, offsetof(RTCCompressionStatistics, maxLeafThickness) + sizeof(float)), 0);
 }
 
-TEST(GetSceneCompressionStatistics, CountsWhatFormatSaysABlockHolds)
+TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification)
 {
   Device device;
   Displacement displacement;
@@ -405,7 +423,7 @@ TEST(GetSceneCompressionStatistics, CountsWhatFormatSaysABlockHolds)
     EXPECT_EQ(s.nodeBytes, 24u*4*(kind == RTC_COMPRESSION_GRID ? 5 : 21));
     const size_t leaf = kind == RTC_COMPRESSION_GRID ? 4*(3*81 + 3) : kind == RTC_COMPRESSION_LEAF ? 128 : 0;
     EXPECT_GE(s.leafBytes, 24*leaf);
-    EXPECT_LT(s.leafBytes, 24*(leaf + 16)); // up to the alignment of the next block
+    EXPECT_LT(s.leafBytes, 24*(leaf + 16)); // includes the alignment of the next block
     EXPECT_EQ(s.frameBytes, 24u*76);
     EXPECT_GT(s.topLevelBytes, 0u);
     EXPECT_EQ(s.gridBytes, 0u);
@@ -413,7 +431,7 @@ TEST(GetSceneCompressionStatistics, CountsWhatFormatSaysABlockHolds)
   }
 }
 
-TEST(MaxError, BoundsTheThicknessOfLeavesWhenTheFrameLevelIsAuto)
+TEST(MaxError, BoundsThicknessOfLeavesWithAutomaticFrameLevel)
 {
   Device device;
   Displacement displacement;
@@ -433,8 +451,8 @@ TEST(MaxError, BoundsTheThicknessOfLeavesWhenTheFrameLevelIsAuto)
       rtcCommitScene(scene);
       const RTCCompressionStatistics s = statisticsOf(scene);
       EXPECT_LE(s.maxLeafThickness, maxError);
-      EXPECT_GE(s.numBlocks, blocks) << "a tighter bound takes no coarser frames";
-      EXPECT_LT(s.numBlocks, s.numQuads) << "the bound is met before blocks have one quad";
+      EXPECT_GE(s.numBlocks, blocks) << "a tighter bound must not give coarser frames";
+      EXPECT_LT(s.numBlocks, s.numQuads) << "the bound holds before blocks have one quad";
       blocks = s.numBlocks;
     }
   }
@@ -478,32 +496,33 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
       const RTCCompressionStatistics s = statisticsOf(scene);
       sizes.sum = s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes;
     }
-    EXPECT_EQ(memory.live, before) << "all is returned with the scene";
+    EXPECT_EQ(memory.live, before) << "the scene must release all memory";
   }
-  EXPECT_EQ(memory.live, 0) << "all is returned with the device";
+  EXPECT_EQ(memory.live, 0) << "the device must release all memory";
   return sizes;
 }
 
-// What the scene holds besides, its mesh's topology and regular patches, does not
-// depend on the level. The allocator rounds up by a few percent and by a block a thread.
-TEST(Memory, StatisticsAddUpToTheMonitorsFigure)
+// The mesh's topology and regular patches, which the scene also stores, do not depend on the level. The allocator
+// rounds up by a few percent and by one block per thread.
+TEST(Memory, StatisticsMatchMemoryMonitor)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     const Sizes small = measure(kind, sheetCage(8), 4), large = measure(kind, sheetCage(8), 128);
     const double added = double(large.result) - double(small.result), stated = double(large.sum) - double(small.sum);
-    std::printf("compression %d: monitor %zu, statistics %zu, peak %zu\n", int(kind), large.result, large.sum, large.peak);
+    std::printf("compression %d: monitor %zu, statistics %zu, peak %zu\n", int(kind), large.result, large.sum,
+                large.peak);
     EXPECT_GE(added, stated*0.999);
     EXPECT_LE(added, stated*1.06 + 256*1024);
   }
 }
 
-/* What a commit takes besides its result is one patch a thread, however many faces there are:
- * 14 floats a vertex (patch_vertices.h: P, N, u and v, then the undisplaced and the displaced
- * vertices), in arrays that grow by doubling, so 112 bytes at most. Blocks are gathered and
- * encoded one at a time, 1/16 of the patch each at frame level 2, and the allocator fills
- * its last blocks: 16 more. It is 104 in all at this rate, with 4 faces as with 36. */
-TEST(Memory, PeakDuringCommitIsTheResultAndAPatchAThread)
+/* In addition to its result, a commit needs one patch per thread, independently of the number of faces: 14 floats per
+ * vertex (patch_vertices.h: P, N, u and v, the undisplaced and the displaced vertices) in arrays that grow by doubling,
+ * so at most 112 bytes. Blocks are collected and encoded one at a time, 1/16 of the patch each at frame level 2, and
+ * the allocator fills its last blocks: 16 more. At this rate the total is 104, with 4 faces as with 36. */
+TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
 {
   const float rate = 256;
   for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT})
@@ -516,24 +535,26 @@ TEST(Memory, PeakDuringCommitIsTheResultAndAPatchAThread)
     }
 }
 
-// What malloc holds more after a commit has gone through the monitor: all but small
-// change of the C++ library and of TBB.
-TEST(Memory, EveryByteGoesThroughTheMonitor)
+// The growth of malloc's memory during a commit must have gone through the monitor, except for small allocations of
+// the C++ library and of TBB.
+TEST(Memory, MonitorSeesAllMemory)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
-    measure(kind, sheetCage(8), 4); // TBB's threads and arenas come once
+    measure(kind, sheetCage(8), 4); // TBB creates its threads and arenas only once
     const Sizes sizes = measure(kind, sheetCage(8), 128);
     EXPECT_LE(sizes.heap, sizes.result + 256*1024);
   }
 }
 
-// So does what a commit takes for a while: at no call of the displacement function, which
-// comes when a patch has its vertices, has malloc given out more than the monitor knows of.
-TEST(Memory, EveryByteGoesThroughTheMonitorDuringCommit)
+// The same for temporary memory: whenever the displacement function is called, when the vertices of a patch exist,
+// malloc must not have allocated more than the monitor knows.
+TEST(Memory, MonitorSeesAllMemoryDuringCommit)
 {
-  mallopt(M_MMAP_THRESHOLD, 64*1024); // as large pieces do that are on no thread's list
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  mallopt(M_MMAP_THRESHOLD, 64*1024); // the allocator maps large pieces directly
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SCOPED_TRACE(kind);
     Memory memory;
     Device device("threads=1");
@@ -556,7 +577,7 @@ TEST(Memory, EveryByteGoesThroughTheMonitorDuringCommit)
     heap = heapBytes();
     live = memory.live;
     rtcCommitScene(scene);
-    // cVERT evaluates borders beforehand: a corner once for each of its two
+    // cVERT evaluates borders in advance: each corner once for both of its borders
     EXPECT_EQ(calls, kind == RTC_COMPRESSION_VERT ? 12u : 4u);
     EXPECT_LE(unknown, 256*1024);
     displacement.poison = nullptr;
@@ -569,7 +590,7 @@ struct Progress
 {
   std::vector<double> fractions;
   double cancelAt = 2;
-  std::mutex mutex; // several threads call
+  std::mutex mutex; // several threads call the function
 
   static bool monitor(void* self, double n)
   {
@@ -582,10 +603,10 @@ struct Progress
 
 TEST(Progress, RisesToOne)
 {
-  // a task of eight faces reports when it ends, or after every 2^15 quads: here after each face
+  // a task of eight faces reports at its end, and after every 2^15 quads: here after each face
   for (const auto& tasks : {std::make_pair(64.0f, sheetCage(12)), std::make_pair(256.0f, sheetCage(3))}) {
     SCOPED_TRACE(testing::Message() << "rate " << tasks.first);
-    Device device("threads=1"); // one thread: calls come in order
+    Device device("threads=1"); // with one thread, calls are in order
     Displacement displacement;
     SurfaceSettings settings;
     settings.displacement = &displacement;
@@ -605,10 +626,11 @@ TEST(Progress, RisesToOne)
   }
 }
 
-TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)
+TEST(Progress, CancelledCommitCanBeRepeated)
 {
   Memory memory;
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     {
       Device device;
       rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -633,7 +655,8 @@ TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       Random random(81);
       for (int i = 0; i < 500; i++) {
-        const RTCRayHit ray = makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1});
+        const RTCRayHit ray = makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3},
+                                      {0.01f, 0.02f, -1});
         const RTCRayHit a = intersect(whole, ray), b = intersect(scene, ray);
         ASSERT_EQ(isHit(a), isHit(b));
         if (isHit(a)) { ASSERT_EQ(a.ray.tfar, b.ray.tfar); }
@@ -645,9 +668,10 @@ TEST(Progress, CancellingLeavesASceneThatCanBeCommittedAgain)
 
 // --- rebuilding -------------------------------------------------------------------------------------
 
-TEST(Dynamic, ScenesFollowWhatChanges)
+TEST(Dynamic, ScenesFollowChanges)
 {
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Memory memory;
     Device device;
     rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
@@ -690,9 +714,11 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   addSurface(device, scene, cubeCage(), settings);
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
-  const struct { RTCCompression kind; int frameLevel; const char* name; } steps[] = {
-    {RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_LEAF, 2, "leaf 2"}, {RTC_COMPRESSION_LEAF, 0, "leaf 0"},
-    {RTC_COMPRESSION_GRID, 1, "grid 1"}, {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_VOXEL, 4, "voxel 4"}, {RTC_COMPRESSION_INHERIT, 0, "none"}};
+  const struct { RTCCompression kind; int frameLevel; const char* name;
+  } steps[] = {{RTC_COMPRESSION_INHERIT, 2, "none"}, {RTC_COMPRESSION_LEAF, 2, "leaf 2"},
+               {RTC_COMPRESSION_LEAF, 0, "leaf 0"},  {RTC_COMPRESSION_GRID, 1, "grid 1"},
+               {RTC_COMPRESSION_NONE, 1, "none"}, {RTC_COMPRESSION_VOXEL, 4, "voxel 4"},
+               {RTC_COMPRESSION_INHERIT, 0, "none"}};
   for (const auto& step : steps) {
     const RTCCompressionArguments args = arguments(step.kind, step.frameLevel);
     rtcSetGeometryCompression(geometry, &args);
@@ -704,8 +730,8 @@ TEST(Dynamic, SettingsTakeEffectWithTheNextCommit)
   }
 }
 
-// Embree ignores unknown keys; one that asks for compression must not be.
-TEST(DeviceString, AKeyThatIsNoneIsNamedWithTheNearest)
+// Embree ignores unknown keys, but a misspelled request for compression must not be ignored.
+TEST(DeviceString, UnknownKeysGetSuggestion)
 {
   for (const char* config : {"subdiv_acel=cbvh", "threds=1,subdiv_accel=cbvh.vert"}) {
     testing::internal::CaptureStderr();
@@ -717,7 +743,7 @@ TEST(DeviceString, AKeyThatIsNoneIsNamedWithTheNearest)
     EXPECT_NE(said.find(isAccel ? "\"subdiv_acel\"" : "\"threds\""), std::string::npos) << said;
     EXPECT_NE(said.find(isAccel ? "did you mean subdiv_accel?" : "did you mean threads?"), std::string::npos) << said;
   }
-  RTCDevice device = rtcNewDevice("threds=1,unknown,grid_accel=default"); // as stock Embree
+  RTCDevice device = rtcNewDevice("threds=1,unknown,grid_accel=default"); // accepted, as by stock Embree
   ASSERT_NE(device, nullptr);
   rtcReleaseDevice(device);
 }

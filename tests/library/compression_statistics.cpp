@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What rtcGetSceneCompressionStatistics counts, and when it does. */
+/* Counters of rtcGetSceneCompressionStatistics, and the times at which they are valid. */
 
 #include "support/scene.h"
 
@@ -11,7 +11,8 @@
 namespace cbvh::test {
 namespace {
 
-RTCCompressionStatistics statisticsOf(RTCDevice device, const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces)
+RTCCompressionStatistics statisticsOf(RTCDevice device,
+                                      const std::vector<std::pair<const Cage*, const SurfaceSettings*>>& surfaces)
 {
   Scene scene(device);
   for (const auto& surface : surfaces) addSurface(device, scene, *surface.first, *surface.second);
@@ -21,16 +22,18 @@ RTCCompressionStatistics statisticsOf(RTCDevice device, const std::vector<std::p
 
 bool isAllZero(const RTCCompressionStatistics& s)
 {
-  return s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes + s.numBlocks + s.numQuads + s.numGridQuads +
-    s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves == 0 && s.maxLeafThickness == 0;
+  return s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes + s.numBlocks + s.numQuads +
+             s.numGridQuads + s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves ==
+           0 &&
+         s.maxLeafThickness == 0;
 }
 
-// Each of two surfaces has some of everything: blocks, affine ones, solid leaves, quads that are
-// left out, and quads of GRID's. A scene of both has the sums, but for the tree over them.
+// Both surfaces contribute to each counter: blocks, affine ones, solid leaves, quads that are left out, and quads of
+// GRID. A scene with both must have the sums, except for the tree above them.
 TEST(CompressionStatistics, AddUpOverSurfaces)
 {
   Device device;
-  Cage many = sheetCage(6), few = cubeCage(); // of several tasks, and of one
+  Cage many = sheetCage(6), few = cubeCage(); // one with several tasks, one with a single task
   Displacement rough, rougher;
   rough.amplitude = 0.4f;
   rougher.amplitude = 0.9f;
@@ -43,26 +46,29 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
   for (int i = 0; i < 2; i++) {
     settings[i].displacement = displacements[i];
     settings[i].compression = RTC_COMPRESSION_LEAF;
-    settings[i].frameLevel = 1; // blocks small enough that some have no frame but an affine one
+    settings[i].frameLevel = 1; // blocks small enough that some have only an affine frame
     settings[i].edgeRates.assign(cages[i]->indices.size(), 16.0f);
-    std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, and so the edges of its neighbours too
+    std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, which includes edges of its neighbors
     alone[i] = statisticsOf(device, {{cages[i], &settings[i]}});
-    for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes, alone[i].numBlocks, alone[i].numQuads,
-                     alone[i].numGridQuads, alone[i].numInvalidQuads, alone[i].numAffineBlocks, alone[i].numSolidLeaves})
-      EXPECT_GT(n, 0u) << "surface " << i << " has to have some of everything";
+    for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes,
+                     alone[i].numBlocks, alone[i].numQuads, alone[i].numGridQuads, alone[i].numInvalidQuads,
+                     alone[i].numAffineBlocks, alone[i].numSolidLeaves})
+      EXPECT_GT(n, 0u) << "surface " << i << " must contribute to every counter";
   }
   const RTCCompressionStatistics both = statisticsOf(device, {{cages[0], &settings[0]}, {cages[1], &settings[1]}});
-  for (size_t RTCCompressionStatistics::*field : {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
-      &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::gridBytes, &RTCCompressionStatistics::numBlocks,
-      &RTCCompressionStatistics::numQuads, &RTCCompressionStatistics::numGridQuads, &RTCCompressionStatistics::numInvalidQuads,
-      &RTCCompressionStatistics::numAffineBlocks, &RTCCompressionStatistics::numSolidLeaves})
+  for (size_t RTCCompressionStatistics::*field :
+       {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
+        &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::gridBytes,
+        &RTCCompressionStatistics::numBlocks, &RTCCompressionStatistics::numQuads,
+        &RTCCompressionStatistics::numGridQuads, &RTCCompressionStatistics::numInvalidQuads,
+        &RTCCompressionStatistics::numAffineBlocks, &RTCCompressionStatistics::numSolidLeaves})
     EXPECT_EQ(both.*field, alone[0].*field + alone[1].*field);
   EXPECT_EQ(both.maxLeafThickness, std::max(alone[0].maxLeafThickness, alone[1].maxLeafThickness));
   EXPECT_GE(both.topLevelBytes, std::max(alone[0].topLevelBytes, alone[1].topLevelBytes));
 }
 
-// Blocks follow each other at multiples of 16 bytes, and what is between them is theirs.
-TEST(CompressionStatistics, BytesOfBlocksAreThoseOfTheirStride)
+// Blocks are aligned to 16 bytes, and the padding counts as part of the block.
+TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
 {
   Device device;
   Displacement displacement;
@@ -76,12 +82,13 @@ TEST(CompressionStatistics, BytesOfBlocksAreThoseOfTheirStride)
       settings.frameLevel = 3 - height;
       const RTCCompressionStatistics s = statisticsOf(device, {{&cage, &settings}});
       EXPECT_EQ(s.numBlocks, size_t(64) >> 2*height);
-      EXPECT_EQ((s.frameBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u) << "height " << height << ", kind " << kind;
+      EXPECT_EQ((s.frameBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u)
+        << "height " << height << ", kind " << kind;
     }
 }
 
-// There is a projective map of the corners of a trapezoid, of those of a dented quad there is none.
-TEST(CompressionStatistics, CountAffineBlocks)
+// The corners of a trapezoid have a projective map; those of a dented quad have none.
+TEST(CompressionStatistics, AffineBlocksAreCounted)
 {
   Device device;
   SurfaceSettings settings;
@@ -98,7 +105,7 @@ TEST(CompressionStatistics, CountAffineBlocks)
   }
 }
 
-TEST(CompressionStatistics, AreThoseOfTheLastCommit)
+TEST(CompressionStatistics, DescribeTheLastCommit)
 {
   Device device;
   SurfaceSettings settings;
@@ -108,13 +115,14 @@ TEST(CompressionStatistics, AreThoseOfTheLastCommit)
   rtcCommitScene(scene);
   EXPECT_GT(statisticsOf(scene).numBlocks, 0u);
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
-  rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_NO_BOUNDARY); // has no face at a border, and there is no other
+  // every face is at a border, so this mode removes all of them
+  rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_NO_BOUNDARY);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   EXPECT_TRUE(isAllZero(statisticsOf(scene)));
 }
 
-TEST(CompressionStatistics, AreRefusedUntilAChangeIsCommitted)
+TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
 {
   Device device;
   SurfaceSettings settings;
@@ -144,8 +152,8 @@ TEST(CompressionStatistics, AreRefusedUntilAChangeIsCommitted)
   }
 }
 
-// A surface that is disabled asks for nothing: the others are as without it, stock Embree's.
-TEST(CompressionStatistics, KnowNothingOfDisabledSurfaces)
+// A disabled surface does not request compression: the other surfaces are traced by stock Embree.
+TEST(CompressionStatistics, IgnoreDisabledSurfaces)
 {
   Device device;
   SurfaceSettings settings;
@@ -163,10 +171,11 @@ TEST(CompressionStatistics, KnowNothingOfDisabledSurfaces)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Whatever kind is asked for, what moves is cVERT.
-TEST(CompressionStatistics, CountWhatMoves)
+// Moving geometry is stored as cVERT, independently of the selected kind.
+TEST(CompressionStatistics, CountMovingGeometry)
 {
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Device device;
     SurfaceSettings settings;
     Scene scene(device);
@@ -186,25 +195,28 @@ TEST(CompressionStatistics, CountWhatMoves)
   }
 }
 
-// The spacing follows the edges of each time step, and the statistics have the largest.
-TEST(CompressionStatistics, HaveTheSpacingOfEveryTimeStep)
+// The spacing follows the edges of each time step. The statistics contain the largest spacing.
+TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
 {
   Device device;
   const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
     SurfaceSettings settings;
     settings.compression = RTC_COMPRESSION_VERT;
     settings.timeSteps = timeSteps;
-    settings.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]}; };
+    settings.motion = [&](const Vec& p, unsigned step) {
+      return Vec{scale(step)*p[0], scale(step)*p[1], scale(step)*p[2]};
+    };
     const SurfaceScene scene(device, cubeCage(), settings);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     return statisticsOf(scene).maxVertexSpacing;
   };
   const float still = spacing(1, [](unsigned) { return 1.0f; });
   EXPECT_GT(still, 0);
-  for (unsigned large : {0u, 1u, 2u, 3u}) EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
+  for (unsigned large : {0u, 1u, 2u, 3u})
+    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
 }
 
-// What Embree's subdivision does not evaluate is counted.
+// Faces that Embree's subdivision does not evaluate are counted.
 TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
 {
   const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0
@@ -224,9 +236,12 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
   };
   Cage large = prismCage(20), tiny = sheetCage(4);
   tiny.addFace({0, 1});
-  struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers; } cases[] = {
-    {"64 quads at a vertex", fan(64, 4), 0, true}, {"65 quads at a vertex", fan(65, 4), 65, false},
-    {"16 corners", prismCage(16), 0, true}, {"20 corners, at which all quads are", large, 22, false}, {"2 corners", tiny, 0, true}};
+  struct Case { const char* name; Cage cage; size_t unsupported; bool hasOthers;
+  } cases[] = {{"64 quads at a vertex", fan(64, 4), 0, true},
+               {"65 quads at a vertex", fan(65, 4), 65, false},
+               {"16 corners", prismCage(16), 0, true},
+               {"20 corners, at which all quads are", large, 22, false},
+               {"2 corners", tiny, 0, true}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}) {
       SCOPED_TRACE(testing::Message() << c.name << ", " << kindName(compression));
@@ -241,13 +256,14 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
       if (c.unsupported) EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
-      EXPECT_EQ(device.errors, 0u) << "Embree says nothing, and programs rely on it: " << device.message;
+      EXPECT_EQ(device.errors, 0u) << "Embree does not report these faces, and programs rely on that: "
+                                   << device.message;
       rtcReleaseGeometry(geometry);
     }
 }
 
-// The frame level of a face is that of its roughest sub-patch, whichever of them that is.
-TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
+// The frame level of a face is determined by its roughest sub-patch.
+TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
 {
   Device device;
   const Cage cage = prismCage(5);
@@ -261,11 +277,12 @@ TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
     settings.maxError = 0.003f;
     settings.rate = 32;
     RTCGeometry geometry = newSurface(device, cage, settings);
-    displacement.frequency = float(rough); // carries it to the function
+    displacement.frequency = float(rough); // passes the value to the displacement function
     rtcSetGeometryDisplacementFunction(geometry, [](const RTCDisplacementFunctionNArguments* args) {
       const unsigned wanted = unsigned(((const Displacement*)args->geometryUserPtr)->frequency);
       for (unsigned i = 0; i < args->N; i++) {
-        const float su = std::floor((args->u[i] - 0.25f)/2), sv = std::floor((args->v[i] - 0.25f)/2); // corner k of an n-gon is at (2 (k%4) + 1/2, 2 (k/4) + 1/2)
+        // corner k of an n-gon is at (2 (k%4) + 1/2, 2 (k/4) + 1/2)
+        const float su = std::floor((args->u[i] - 0.25f)/2), sv = std::floor((args->v[i] - 0.25f)/2);
         if (args->primID < 2 && unsigned(su + 4*sv) == wanted)
           args->P_z[i] += 0.02f*std::sin(8*args->u[i])*std::sin(6*args->v[i]);
       }
@@ -275,7 +292,8 @@ TEST(CompressionStatistics, KeepTheErrorBoundInEverySubPatch)
     attach(scene, geometry);
     rtcCommitScene(scene);
     EXPECT_LE(statisticsOf(scene).maxLeafThickness, settings.maxError) << "sub-patch " << rough;
-    EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads) << "the bound is met before blocks have one quad";
+    EXPECT_LT(statisticsOf(scene).numBlocks, statisticsOf(scene).numQuads)
+      << "the bound holds before blocks have one quad";
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   }
 }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files of compressed geometry that are not what they should be, and disks that take none. */
+/* Damaged files of compressed geometry, and disks that reject writes. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "support/child_process.h"
@@ -37,10 +37,10 @@ protected:
     EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
     EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
-    EXPECT_NE(device.message.find(path), std::string::npos) << "the file is not named: " << device.message;
+    EXPECT_NE(device.message.find(path), std::string::npos) << "the message does not name the file: " << device.message;
   }
 
-  // Forgets the errors that there were.
+  // Clears earlier errors.
   void loadInto(RTCScene scene)
   {
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
@@ -56,12 +56,13 @@ protected:
   std::string sound;
 };
 
-TEST_F(DamagedFiles, AreRefusedWithTheReason)
+TEST_F(DamagedFiles, AreRejectedWithTheReason)
 {
   expectRefused("", "only 0 bytes");
   expectRefused("mesh", "only 4 bytes");
   expectRefused(std::string(100000, 'x'), "not a file of compressed surfaces");
-  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50) expectRefused(sound.substr(0, bytes), "truncated");
+  for (size_t bytes = 64; bytes < sound.size(); bytes += 1 + sound.size()/50)
+    expectRefused(sound.substr(0, bytes), "truncated");
   expectRefused(sound.substr(0, sound.size() - 1), "truncated");
   expectRefused(sound + "x", "after its end");
   expectRefused("\r" + sound, "not a file of compressed surfaces");
@@ -72,7 +73,7 @@ TEST_F(DamagedFiles, AreRefusedWithTheReason)
   EXPECT_NE(device.message.find("is a folder: expected a regular file"), std::string::npos) << device.message;
 }
 
-TEST_F(DamagedFiles, OfOtherVersionsAreRefused)
+TEST_F(DamagedFiles, OtherVersionsAreRejected)
 {
   FileBytes file(sound);
   const auto with = [&](auto member, uint32_t value) {
@@ -86,11 +87,12 @@ TEST_F(DamagedFiles, OfOtherVersionsAreRefused)
   expectRefused(with(&Header::version, file.header().version - 1), "older version of these files");
   expectRefused(with(&Header::vertVersion, cvert::meshFormatVersion + 1), "newer version of cVERT");
   expectRefused(with(&Header::vertVersion, file.header().vertVersion - 1), "older version of cVERT");
-  expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1), "blocks with frames of a newer version, 2");
+  expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1),
+                "blocks with frames of a newer version, 2");
   expectRefused(with(&Header::byteOrder, __builtin_bswap32(file.header().byteOrder)), "byte order");
 }
 
-TEST_F(DamagedFiles, AnyAlteredByteIsFound)
+TEST_F(DamagedFiles, AnyModifiedByteIsDetected)
 {
   Random random(21);
   FileBytes file(sound);
@@ -98,7 +100,8 @@ TEST_F(DamagedFiles, AnyAlteredByteIsFound)
   const auto alter = [&](size_t begin, size_t end, size_t count, bool isRefused) {
     for (size_t i = 0; i < count; i++) {
       std::string bytes = sound;
-      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^= char(1 << random.below(8));
+      bytes[count >= end - begin ? begin + i % (end - begin) : begin + random.below(uint32_t(end - begin))] ^= char(
+        1 << random.below(8));
       if (isRefused) { expectRefused(bytes, ""); continue; }
       writeBytes(path, bytes);
       RTCCompressedFile opened = rtcOpenCompressedFile(device, path.c_str());
@@ -114,7 +117,7 @@ TEST_F(DamagedFiles, AnyAlteredByteIsFound)
   alter(record.blocks, record.blocks + record.blockBytes, 100, false);
 }
 
-TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
+TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
 {
   Random random(5);
   const std::vector<RTCRayHit> rays = raysAt(random, 400);
@@ -129,7 +132,7 @@ TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
   const std::vector<RTCRayHit> before = trace();
   FileBytes file(sound);
   const auto& record = file.record(0);
-  // primitive 3 of the cube becomes one that it does not have
+  // replaces primitive 3 of the cube by a primitive that does not exist
   size_t altered = 0;
   for (uint64_t i = 0; i < record.treeBytes; i += 8) {
     uint64_t child;
@@ -143,7 +146,8 @@ TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
   device.errors = 0;
   const std::vector<RTCRayHit> after = trace();
   EXPECT_EQ(device.errors, 1u);
-  EXPECT_NE(device.message.find("primitive 6 is out of range: the geometry has 6"), std::string::npos) << device.message;
+  EXPECT_NE(device.message.find("primitive 6 is out of range: the geometry has 6"), std::string::npos)
+    << device.message;
   size_t others = 0;
   for (size_t i = 0; i < rays.size(); i++) {
     if (isHit(after[i])) ASSERT_NE(after[i].hit.primID, 3u);
@@ -155,18 +159,19 @@ TEST_F(DamagedFiles, ABlockThatIsNoneIsLeftOutWithOneError)
   EXPECT_GT(others, 100u);
 }
 
-// A page of zeros, as of a disk that lost it: its blocks are no surface, and say so, whatever traces them.
-TEST_F(DamagedFiles, APageOfZerosIsReported)
+// A page of zeros, as left by a failed disk: its blocks are invalid and reported by any query.
+TEST_F(DamagedFiles, PageOfZerosIsReported)
 {
   Random random(6);
   const std::vector<RTCRayHit> rays = raysAt(random, 3000);
   for (const Saveable& saveable : allSaveable()) {
-    if (saveable.moves) continue; // checked when the file is opened
+    if (saveable.moves) continue; // validated when the file is opened
     RTCGeometry geometry = saveable.make(device);
     ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, path.c_str()));
     rtcReleaseGeometry(geometry);
     FileBytes file(bytesOf(path));
-    const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes), first = file.record(0).blocks + (file.record(0).blockBytes - bytes)/2/16*16;
+    const size_t bytes = std::min<size_t>(4096, file.record(0).blockBytes),
+                 first = file.record(0).blocks + (file.record(0).blockBytes - bytes)/2/16*16;
     std::fill_n(file.bytes.begin() + ptrdiff_t(first), bytes, '\0');
     writeBytes(path, file.bytes);
     for (QueryForm form : {QueryForm::Single, QueryForm::Packet8, QueryForm::CoherentStream}) {
@@ -184,13 +189,14 @@ TEST_F(DamagedFiles, APageOfZerosIsReported)
   }
 }
 
-// Parameters of hits come from where the patch lies in its face.
-TEST_F(DamagedFiles, ABlockOutsideOfItsFaceIsLeftOut)
+// Parameters of hits depend on the position of the patch in its face.
+TEST_F(DamagedFiles, BlockOutsideOfItsFaceIsLeftOut)
 {
   Random random(7);
   const std::vector<RTCRayHit> rays = raysAt(random, 2000);
   for (RTCCompression compression : {RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_GRID})
-    for (const auto& [u, v] : {std::make_pair(150u, 0u), std::make_pair(0u, 2u), std::make_pair(17u, 1u), std::make_pair(1u, 0u)}) {
+    for (const auto& [u, v] :
+         {std::make_pair(150u, 0u), std::make_pair(0u, 2u), std::make_pair(17u, 1u), std::make_pair(1u, 0u)}) {
       SCOPED_TRACE(testing::Message() << kindName(compression) << " at " << u << ", " << v);
       SurfaceSettings settings;
       settings.rate = 16;
@@ -213,7 +219,7 @@ TEST_F(DamagedFiles, ABlockOutsideOfItsFaceIsLeftOut)
     }
 }
 
-TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
+TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
 {
   size_t loaded = 0, refused = 0, hits = 0, withErrors = 0;
   const std::vector<Saveable> all = allSaveable();
@@ -232,7 +238,7 @@ TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
       withErrors += trial.isLoaded && trial.errors;
     }
   }
-  // each is met, or the test says little
+  // each of them is hit, otherwise the test is not meaningful
   EXPECT_GT(loaded, all.size());
   EXPECT_GT(refused, all.size());
   EXPECT_GT(hits, 1000u);
@@ -241,9 +247,9 @@ TEST_F(DamagedFiles, AnyIsRefusedOrTracedWithoutHarm)
 
 // --- disks -------------------------------------------------------------------------------------------
 
-TEST_F(DamagedFiles, AFullDiskLeavesTheOldFile)
+TEST_F(DamagedFiles, FullDiskLeavesTheOldFile)
 {
-  const std::string old = "what was there before";
+  const std::string old = "previous contents";
   for (size_t limit : {0ul, 100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
     SCOPED_TRACE(limit);
     writeBytes(path, sound);
@@ -255,21 +261,23 @@ TEST_F(DamagedFiles, AFullDiskLeavesTheOldFile)
       const rlimit full = {limit, limit};
       setrlimit(RLIMIT_FSIZE, &full);
       if (rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) return 1;
-      return device.message.find("cannot be written") == std::string::npos ? 2 : device.takeError() == RTC_ERROR_INVALID_OPERATION ? 0 : 3;
+      return device.message.find("cannot be written") == std::string::npos ? 2
+             : device.takeError() == RTC_ERROR_INVALID_OPERATION ? 0
+                                                                           : 3;
     });
     EXPECT_EQ(status, 0);
     EXPECT_EQ(bytesOf(folder/"other"), old);
-    EXPECT_EQ(folder.names().size(), 2u) << "something is left";
+    EXPECT_EQ(folder.names().size(), 2u) << "a temporary file was left";
     rtcReleaseGeometry(geometry);
   }
 }
 
-TEST_F(DamagedFiles, AKillWhileSavingLeavesTheOldFile)
+TEST_F(DamagedFiles, KillWhileSavingLeavesTheOldFile)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
-  const std::string old = "what was there before";
-  // once at each size that is written
+  const std::string old = "previous contents";
+  // killed once at each size that is written
   size_t killed = 0;
   for (size_t limit : {100ul, 5000ul, sound.size()/2, sound.size() - 100}) {
     writeBytes(folder/"other", old);
@@ -282,24 +290,25 @@ TEST_F(DamagedFiles, AKillWhileSavingLeavesTheOldFile)
     EXPECT_EQ(bytesOf(folder/"other"), old);
   }
   EXPECT_EQ(killed, 4u);
-  // and what is left is in nobody's way, and goes
+  // remaining temporary files do not disturb, and are removed
   EXPECT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"other").c_str())) << device.message;
   EXPECT_EQ(folder.names().size(), 2u);
   EXPECT_EQ(bytesOf(folder/"other"), sound);
   rtcReleaseGeometry(geometry);
 }
 
-TEST_F(DamagedFiles, FoldersThatTakeNoFileAreNamed)
+TEST_F(DamagedFiles, UnwritableFoldersAreReported)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr);
-  for (const std::string& to : {folder/"none/file", folder/"surface.cbvh/file", std::string("/proc/surface.cbvh"), std::string("/dev/null"), folder.path, std::string()}) {
+  for (const std::string& to : {folder/"none/file", folder/"surface.cbvh/file", std::string("/proc/surface.cbvh"),
+                                std::string("/dev/null"), folder.path, std::string()}) {
     EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, to.c_str()));
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << to;
     EXPECT_NE(device.message.find(to), std::string::npos) << device.message;
   }
   EXPECT_EQ(folder.names().size(), 1u);
-  if (geteuid() != 0) { // whom permissions stop
+  if (geteuid() != 0) { // permissions do not apply to root
     chmod(folder.path.c_str(), 0555);
     EXPECT_FALSE(rtcSaveCompressedGeometry(geometry, path.c_str()));
     EXPECT_NE(device.message.find("Permission denied"), std::string::npos) << device.message;
@@ -309,11 +318,12 @@ TEST_F(DamagedFiles, FoldersThatTakeNoFileAreNamed)
   rtcReleaseGeometry(geometry);
 }
 
-TEST_F(DamagedFiles, AFileThatOnlyMayBeReadIsOpenedAndKeepsItsMode)
+TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
 {
   chmod(path.c_str(), 0440);
-  // a second geometry of it writes into pages of its own
-  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()), second = rtcLoadCompressedGeometry(device, path.c_str());
+  // a second geometry writes to its own pages
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str()),
+              second = rtcLoadCompressedGeometry(device, path.c_str());
   ASSERT_NE(geometry, nullptr) << device.message;
   ASSERT_NE(second, nullptr) << device.message;
   ASSERT_EQ(symlink("surface.cbvh", (folder/"link").c_str()), 0);
@@ -328,8 +338,8 @@ TEST_F(DamagedFiles, AFileThatOnlyMayBeReadIsOpenedAndKeepsItsMode)
   rtcReleaseGeometry(second);
 }
 
-// The first block that is read is in one of the halves: damage to the other one is found after clusters.
-TEST_F(DamagedFiles, AClusterReportHasTheSumsOfWhatCameBeforeTheDamage)
+// The first block that is read is in one of the halves: damage of the other half is detected after some clusters.
+TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
 {
   const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {
     RTCCompressedClusterReport& sums = *(RTCCompressedClusterReport*)ptr;
@@ -360,7 +370,7 @@ TEST_F(DamagedFiles, AClusterReportHasTheSumsOfWhatCameBeforeTheDamage)
   EXPECT_GT(most, 0u);
 }
 
-TEST_F(DamagedFiles, AWriterThatIsReleasedLeavesNothing)
+TEST_F(DamagedFiles, ReleasedWriterLeavesNoFile)
 {
   RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
   RTCCompressedFileWriter writer = rtcNewCompressedFileWriter(device, path.c_str());

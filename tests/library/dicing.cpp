@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rates of edges by a camera: rtcDiceGeometry. */
+/* Edge rates for a camera: rtcDiceGeometry. */
 
 #include "support/closed.h"
 #include "support/edge_rates.h"
@@ -16,7 +16,7 @@ namespace {
 
 const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
 
-// Looks along -z from a height, at pictures of 512 x 512 pixels and 90 degrees.
+// A camera that looks along -z, with pictures of 512 x 512 pixels and a field of view of 90 degrees.
 RTCDicingArguments cameraAt(float x, float y, float z)
 {
   RTCDicingArguments args;
@@ -32,7 +32,8 @@ RTCDicingArguments cameraAt(float x, float y, float z)
 
 struct Surface
 {
-  Surface(Device& device, const Cage& cage, RTCDisplacementFunctionN displacement = nullptr) : device(device), cage(cage)
+  Surface(Device& device, const Cage& cage, RTCDisplacementFunctionN displacement = nullptr)
+    : device(device), cage(cage)
   {
     SurfaceSettings settings;
     geometry = newSurface(device, cage, settings);
@@ -78,7 +79,7 @@ void expectAgreement(const Cage& cage, const std::vector<float>& rates)
   }
 }
 
-TEST(Dicing, QuadsAreAboutAsLargeAsAskedFor)
+TEST(Dicing, QuadsHaveRequestedSize)
 {
   Device device;
   Surface surface(device, quadCage()); // 1 x 1
@@ -88,7 +89,7 @@ TEST(Dicing, QuadsAreAboutAsLargeAsAskedFor)
       args.quadSize = size;
       const std::vector<float> rates = surface.rates(args);
       expectPowersOfTwo(rates);
-      const float wanted = 1/(height*args.pixelSize*size); // below the camera; farther off quads look smaller
+      const float wanted = 1/(height*args.pixelSize*size); // directly below the camera; quads farther away look smaller
       for (float rate : rates) {
         EXPECT_LE(rate, 1.5f*wanted) << height << ", " << size;
         EXPECT_GE(rate, wanted/2.2f) << height << ", " << size; // corners are 1.22 times as far away
@@ -96,7 +97,7 @@ TEST(Dicing, QuadsAreAboutAsLargeAsAskedFor)
     }
 }
 
-TEST(Dicing, NeighboursAgreeAndWhatIsNearerIsFiner)
+TEST(Dicing, NeighborsAgreeAndNearFacesAreFiner)
 {
   Device device;
   for (const auto& c : closedCages) {
@@ -111,13 +112,13 @@ TEST(Dicing, NeighboursAgreeAndWhatIsNearerIsFiner)
   }
 }
 
-TEST(Dicing, WhatIsOutsideOfThePictureIsCoarserUpToABound)
+TEST(Dicing, SurfacesOutsideOfThePictureAreCoarserUpToABound)
 {
   Device device;
   Surface surface(device, quadCage());
   RTCDicingArguments all = cameraAt(0.5f, 0.5f, 2), behind = all;
-  all.width = all.height = 0; // all around
-  behind.direction[2] = 1;    // it is behind the camera
+  all.width = all.height = 0; // no picture bounds: all directions
+  behind.direction[2] = 1;    // the surface is behind the camera
   const float seen = surface.rates(all)[0];
   for (float outside : {1.0f, 4.0f, 16.0f}) {
     behind.outside = outside;
@@ -126,28 +127,30 @@ TEST(Dicing, WhatIsOutsideOfThePictureIsCoarserUpToABound)
 }
 
 // The picture shows a small part of a face whose border is far outside of it.
-TEST(Dicing, AFaceIsAsFineAsThePartOfItThatIsSeen)
+TEST(Dicing, FaceIsAsFineAsItsVisiblePart)
 {
   Device device;
   Surface surface(device, quadCage(20));
   const RTCDicingArguments args = cameraAt(9.3f, 8.6f, 1);
   const std::vector<float> rates = surface.rates(args);
-  for (int i = 0; i < 2; i++) // of edges that are opposite the higher one is that of the face's quads
+  for (int i = 0; i < 2; i++) // of two opposite edges, the higher rate determines the quads of the face
     EXPECT_GE(std::max(rates[i], rates[i + 2]), 0.5f*std::min(4096.0f, 20/args.pixelSize));
 }
 
-TEST(Dicing, TheLengthOfTheDisplacedSurfaceCounts)
+TEST(Dicing, LengthOfDisplacedSurfaceCounts)
 {
   Device device;
   const auto waves = [](const RTCDisplacementFunctionNArguments* args) {
-    for (unsigned i = 0; i < args->N; i++) args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]); // none on the border
+    // no displacement on the border
+    for (unsigned i = 0; i < args->N; i++)
+      args->P_z[i] += 0.2f*std::sin(30*args->u[i])*std::sin(float(M_PI)*args->v[i]);
   };
   const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 4);
   Surface flat(device, quadCage()), displaced(device, quadCage(), waves);
   EXPECT_GE(displaced.rates(args)[0], 2*flat.rates(args)[0]);
 }
 
-TEST(Dicing, ABoundOfAnEdgeHolds)
+TEST(Dicing, MaxRateIsRespected)
 {
   Device device;
   Surface surface(device, cubeCage());
@@ -156,11 +159,11 @@ TEST(Dicing, ABoundOfAnEdgeHolds)
   args.maxRates = bounds.data();
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
   args.maxRates = nullptr;
-  args.maxRate = 13; // no power of two
+  args.maxRate = 13; // not a power of two
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
 }
 
-TEST(Dicing, AnOrthographicCameraSeesAllAlike)
+TEST(Dicing, OrthographicCameraIgnoresDistance)
 {
   Device device;
   Surface surface(device, quadCage());
@@ -169,16 +172,16 @@ TEST(Dicing, AnOrthographicCameraSeesAllAlike)
   const std::vector<float> near = surface.rates(args);
   args.position[2] = 1000;
   EXPECT_EQ(surface.rates(args), near);
-  EXPECT_EQ(near, std::vector<float>(4, 256)); // pixels are 1/256
+  EXPECT_EQ(near, std::vector<float>(4, 256)); // pixels are 1/256 wide
 }
 
-TEST(Dicing, AnInstanceIsWhereItsTransformPutsIt)
+TEST(Dicing, TransformOfInstanceIsApplied)
 {
   Device device;
   Surface surface(device, quadCage());
   RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
   const std::vector<float> here = surface.rates(args);
-  const float moved[12] = {0,3,0, -3,0,0, 0,0,3, 10,20,30}; // turned, three times as large
+  const float moved[12] = {0,3,0, -3,0,0, 0,0,3, 10,20,30}; // rotated and scaled by three
   args.transform = moved;
   args.position[0] = 10 - 1.5f;
   args.position[1] = 20 + 1.5f;
@@ -186,7 +189,7 @@ TEST(Dicing, AnInstanceIsWhereItsTransformPutsIt)
   EXPECT_EQ(surface.rates(args), here);
 }
 
-TEST(Dicing, ACameraOnTheSurfaceAndVerticesThatAreNotFiniteGiveRates)
+TEST(Dicing, CameraOnSurfaceAndNonFiniteVerticesGiveValidRates)
 {
   Device device;
   Surface cube(device, cubeCage());
@@ -201,7 +204,7 @@ TEST(Dicing, ACameraOnTheSurfaceAndVerticesThatAreNotFiniteGiveRates)
   }
 }
 
-// What is diced by a view has no hole.
+// View-dependent rates must not open holes.
 TEST(Dicing, ClosedSurfacesStayClosed)
 {
   Device device("subdiv_accel=cbvh.vert");
@@ -218,7 +221,8 @@ TEST(Dicing, ClosedSurfacesStayClosed)
     Random random(71);
     std::vector<RTCRayHit> rays;
     for (int i = 0; i < 20000; i++) {
-      const unsigned a = random.below(unsigned(c.cage.indices.size())), b = random.below(unsigned(c.cage.indices.size()));
+      const unsigned a = random.below(unsigned(c.cage.indices.size())),
+                     b = random.below(unsigned(c.cage.indices.size()));
       RTCRayHit ray = rayFromMiddle(random, c.cage.positions[c.cage.indices[a]], c.cage.positions[c.cage.indices[b]]);
       ray.ray.org_x *= 0.1f; // prisms of triangles are slim
       ray.ray.org_y *= 0.1f;
@@ -229,7 +233,7 @@ TEST(Dicing, ClosedSurfacesStayClosed)
   }
 }
 
-// A model and its camera have the same rates at any scale, and lengths of directions mean nothing.
+// Rates do not depend on the common scale of model and camera, nor on the length of directions.
 TEST(Dicing, RatesDoNotDependOnTheScale)
 {
   Device device;
@@ -246,7 +250,7 @@ TEST(Dicing, RatesDoNotDependOnTheScale)
   for (bool orthographic : {false, true}) {
     const std::vector<float> rates = ratesAt(1, 1, orthographic);
     EXPECT_GT(*std::max_element(rates.begin(), rates.end()), 8.0f);
-    for (int exponent : {-60, -40, -20, 20, 40, 59}) { // above 1.8e18 coordinates are not finite for Embree
+    for (int exponent : {-60, -40, -20, 20, 40, 59}) { // above 1.8e18 Embree considers coordinates not finite
       EXPECT_EQ(ratesAt(std::ldexp(1.0f, exponent), 1, orthographic), rates) << "scaled by 2^" << exponent;
       EXPECT_EQ(ratesAt(1, std::ldexp(1.0f, exponent), orthographic), rates) << "directions of length 2^" << exponent;
     }
@@ -255,7 +259,7 @@ TEST(Dicing, RatesDoNotDependOnTheScale)
   }
 }
 
-TEST(Dicing, WrongArgumentsAreRefusedByName)
+TEST(Dicing, InvalidArgumentsAreRejectedByName)
 {
   Device device;
   Surface surface(device, quadCage());
@@ -293,13 +297,13 @@ TEST(Dicing, WrongArgumentsAreRefusedByName)
   rtcDiceGeometry(other, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
   rtcReleaseGeometry(other);
-  rtcUpdateGeometryBuffer(surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0); // not committed since
+  rtcUpdateGeometryBuffer(surface.geometry, RTC_BUFFER_TYPE_VERTEX, 0); // not committed after this change
   rtcDiceGeometry(surface.geometry, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
 }
 
-// There is no cage to measure, or to walk on.
-TEST(Dicing, GeometriesWithoutACageAreRefused)
+// There is no cage to measure or to traverse.
+TEST(Dicing, GeometriesWithoutCageAreRejected)
 {
   Device device;
   const Folder folder;
@@ -337,7 +341,7 @@ TEST(Dicing, GeometriesWithoutACageAreRefused)
   }
 }
 
-TEST(Dicing, ACageWithAnIndexPastItsVerticesIsRefused)
+TEST(Dicing, CagesWithInvalidIndicesAreRejected)
 {
   Device device;
   Cage cage = cubeCage();

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Faces of cLEAF that leaves hold badly are stored as cVERT: which ones, what that mends, and
- * that nothing opens between the two. */
+/* Faces of cLEAF that leaves represent badly are stored as cVERT. Checks which faces are chosen, that this fixes their
+ * errors, and that there are no gaps between both forms. */
 
 #include "support/edge_rates.h"
 #include "support/scene_blocks.h"
@@ -28,7 +28,7 @@ SurfaceSettings leaf(float rate, bool exactFaces)
 // Rays at a surface around the origin.
 struct Hits
 {
-  unsigned grid = 0, wrong = 0, flipped = 0; // wrong: hit or miss otherwise than GRID's
+  unsigned grid = 0, wrong = 0, flipped = 0; // wrong: hits where GRID misses, or the reverse
 
   Hits(RTCScene gridScene, RTCScene scene, unsigned count)
   {
@@ -47,13 +47,13 @@ struct Hits
 Cage openSheet()
 {
   Cage cage;
-  // one face alone is a disc: its smooth boundary is one curve
+  // a single face is a disc: its smooth boundary is one curve
   cage.positions = {{-1.5f, -1.5f, 0}, {1.5f, -1.5f, 0}, {1.5f, 1.5f, 0.3f}, {-1.5f, 1.5f, 0}};
   cage.addFace({0, 1, 2, 3});
   return cage;
 }
 
-TEST(ExactFaces, CurvedBordersAreGridsOwn)
+TEST(ExactFaces, CurvedBordersMatchGrid)
 {
   Device device;
   for (float rate : {4.0f, 16.0f, 64.0f}) {
@@ -70,7 +70,7 @@ TEST(ExactFaces, CurvedBordersAreGridsOwn)
 
 TEST(ExactFaces, WallsFaceTheRightWay)
 {
-  // a cliff: seen along the sheet's normal half of the quads stand on end
+  // a cliff: half of its quads are parallel to the sheet's normal
   struct Cliff : public Displacement
   {
     static void apply(const RTCDisplacementFunctionNArguments* args)
@@ -78,7 +78,7 @@ TEST(ExactFaces, WallsFaceTheRightWay)
       for (unsigned i = 0; i < args->N; i++) {
         const float x = args->P_x[i];
         args->P_z[i] += 0.8f*std::tanh(30*std::sin(6*x));
-        args->P_x[i] += 0.06f*std::sin(12*x); // leans over
+        args->P_x[i] += 0.06f*std::sin(12*x); // overhangs
       }
     }
   } cliff;
@@ -115,7 +115,8 @@ TEST(ExactFaces, SmoothFacesStayLeaves)
   EXPECT_EQ(statisticsOf(scene).numExactQuads, 0u);
 }
 
-// One face of 4 x 4 blocks is folded at two vertices of four of them: those of the first quarter that is encoded, or others.
+// One face of 4 x 4 blocks with folds at two vertices of four blocks: blocks of the quarter that is encoded first, or
+// others.
 struct FewFolds : public Displacement
 {
   bool inFirstQuarter = false;
@@ -127,7 +128,7 @@ struct FewFolds : public Displacement
       const long x = std::lround(64*args->u[i]), y = std::lround(64*args->v[i]);
       const bool inBlock = folds.inFirstQuarter ? x/16 == y/16 : x/16 + y/16 == 3;
       if (args->primID != 0 || !inBlock || x % 16 != y % 16 || (x % 16 != 5 && x % 16 != 11)) continue;
-      // two or three quads to the side
+      // moves two or three quads sideways
       args->P_x[i] += 0.06f*(args->Ng_y[i] - args->Ng_z[i]);
       args->P_y[i] += 0.06f*(args->Ng_z[i] - args->Ng_x[i]);
       args->P_z[i] += 0.06f*(args->Ng_x[i] - args->Ng_y[i]);
@@ -135,8 +136,8 @@ struct FewFolds : public Displacement
   }
 };
 
-// Four quads of 4096 at each of eight vertices are less than one in 64, but more than one in 64 of a quarter.
-TEST(ExactFaces, AQuarterOfAPatchTellsOfTheRest)
+// Four quads at each of eight vertices are less than 1/64 of 4096 quads, but more than 1/64 of a quarter.
+TEST(ExactFaces, FirstQuarterOfPatchDoesNotDecideAlone)
 {
   Device device;
   FewFolds displacement;
@@ -154,7 +155,7 @@ TEST(ExactFaces, AQuarterOfAPatchTellsOfTheRest)
   }
 }
 
-// Displaced so that some faces are folded and others smooth.
+// Displaced so that some faces are folded and others are smooth.
 struct PartlyRough : public Displacement
 {
   static void apply(const RTCDisplacementFunctionNArguments* args)
@@ -169,9 +170,9 @@ struct PartlyRough : public Displacement
   }
 };
 
-// Blocks of both forms in one scene, and no ray passes where they meet: from inside of a closed surface,
-// aimed at the vertices that exact faces store on their borders, and at random.
-TEST(ExactFaces, NothingOpensBetweenBothForms)
+// Scenes with blocks of both forms must not leak at their common borders: rays from inside a closed surface at the
+// vertices that exact faces store on their borders, and at random.
+TEST(ExactFaces, NoGapsBetweenBothForms)
 {
   Device device;
   for (const auto& cage : closedCages)
@@ -206,8 +207,9 @@ TEST(ExactFaces, NothingOpensBetweenBothForms)
       unsigned missed = 0, missedAny = 0, missedInGrid = 0;
       const unsigned count = 60000;
       for (unsigned i = 0; i < count; i++) {
-        // the origin is deep inside of all these cages
-        const Vec o = {float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02))};
+        // the origin is deep inside all of these cages
+        const Vec o = {float(random.uniform(-0.02, 0.02)), float(random.uniform(-0.02, 0.02)),
+                       float(random.uniform(-0.02, 0.02))};
         Vec d;
         if (i % 4) {
           const Vec& target = targets[random.below(unsigned(targets.size()))];
@@ -236,7 +238,7 @@ size_t exactQuads(const std::string& config)
   return statisticsOf(scene).numExactQuads;
 }
 
-TEST(ExactFaces, GeometryGoesBeforeDeviceGoesBeforeEnvironment)
+TEST(ExactFaces, GeometryOverridesDeviceOverridesEnvironment)
 {
   EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf"), 256u);
   EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf,cbvh_exact_faces=0"), 0u);

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Loaded geometries are released while the heap is exhausted: nothing ends the process, and others are traced as before. */
+/* Loaded geometries are released while the heap is exhausted: the process continues, and other geometries are traced as
+ * before. */
 
 #include "support/file_mutations.h"
 
@@ -15,7 +16,7 @@ thread_local bool isExhausted = false;
 thread_local unsigned refused = 0;
 }
 
-// In place of the C++ library's own, for the libraries that this program loads, too.
+// Replaces the operator of the C++ library, also for the libraries that this program loads.
 void* operator new(std::size_t bytes)
 {
   if (isExhausted) { refused++; throw std::bad_alloc(); }
@@ -60,10 +61,10 @@ TEST(ExhaustedHeap, LoadedGeometriesAreReleased)
   isExhausted = true;
   rtcReleaseGeometry(first);
   isExhausted = false;
-  EXPECT_GT(refused, 0u) << "nothing was asked for, so nothing is tested";
+  EXPECT_GT(refused, 0u) << "no allocation was refused, so nothing is tested";
   EXPECT_EQ(countHits(second), hits);
   EXPECT_EQ(device.errors, 0u);
-  EXPECT_EQ(countHits(third), 0u) << "damaged blocks are still found";
+  EXPECT_EQ(countHits(third), 0u) << "damaged blocks must still be detected";
   EXPECT_EQ(device.errors, 1u);
   RTCGeometry fourth = load(path);
   EXPECT_EQ(countHits(fourth), hits);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* docs/formats/file.md against the code: its tables, and a reader that knows nothing but what the page says. */
+/* Compares docs/formats/file.md with the code: its tables, and a reader written only from the page. */
 
 #include "kernels/cvert/format/motion.h"
 #include "support/file_mutations.h"
@@ -30,7 +30,9 @@ std::map<std::string, Field> tableOf(const std::string& heading)
   const std::regex row("\\| ([0-9]+) \\| (?:([0-9]+) )?(bytes|u32|u64|f32) \\| `([a-zA-Z]+)` \\|");
   std::map<std::string, Field> fields;
   for (std::sregex_iterator i(page.begin(), page.end(), row), end; i != end; ++i) {
-    const size_t count = (*i)[2].matched ? std::stoul((*i)[2]) : 1, width = (*i)[3] == "u64" ? 8 : (*i)[3] == "bytes" ? 1 : 4;
+    const size_t count = (*i)[2].matched ? std::stoul((*i)[2]) : 1, width = (*i)[3] == "u64" ? 8
+                                                                            : (*i)[3] == "bytes" ? 1
+                                                                                                 : 4;
     fields[(*i)[4]] = {std::stoul((*i)[1]), count*width};
   }
   return fields;
@@ -44,7 +46,7 @@ std::map<std::string, Field> tableOf(const std::string& heading)
     table.erase(#field); \
   } while (false)
 
-TEST(FileFormat, TheHeaderIsThatOfThePage)
+TEST(FileFormat, HeaderMatchesPage)
 {
   auto table = tableOf("Header");
   EXPECT_FIELD(table, FileHeader, magic);
@@ -62,7 +64,7 @@ TEST(FileFormat, TheHeaderIsThatOfThePage)
   EXPECT_TRUE(table.empty()) << table.begin()->first;
 }
 
-TEST(FileFormat, ARecordIsThatOfThePage)
+TEST(FileFormat, RecordMatchesPage)
 {
   auto table = tableOf("Directory");
   EXPECT_FIELD(table, FileGeometry, tree);
@@ -103,7 +105,7 @@ void expectTable(const std::string& head, const std::vector<std::pair<std::strin
   EXPECT_NE(bytesOf(FILE_MD).find("\n\n" + table + "\n"), std::string::npos) << "file.md must contain\n" << table;
 }
 
-TEST(FileFormat, TheTablesOfNumbersAreGeneratedFromTheCode)
+TEST(FileFormat, TablesOfNumbersMatchCode)
 {
   const auto text = [](uint64_t number) { return std::to_string(number); };
   expectTable("| constant | value |\n|:--|--:|\n", {
@@ -131,7 +133,7 @@ TEST(FileFormat, TheTablesOfNumbersAreGeneratedFromTheCode)
     {text(FILE_VERT), "a cVERT block"}, {text(FILE_MOVING_VERT), "a moving cVERT block"},
     {text(FILE_MESH), "a mesh block"}});
 
-  // Files that exist have these numbers.
+  // Existing files contain these numbers.
   EXPECT_EQ(FILE_TREE, 0u); EXPECT_EQ(FILE_LIST, 1u); EXPECT_EQ(FILE_MOVING, 2u);
   EXPECT_EQ(FILE_CAGE, 0u); EXPECT_EQ(FILE_GRIDS, 1u); EXPECT_EQ(FILE_QUADS, 2u); EXPECT_EQ(FILE_TRIANGLES, 3u);
   EXPECT_EQ(FILE_NONE, 0u); EXPECT_EQ(FILE_NODE, 1u); EXPECT_EQ(FILE_FRAMED, 2u); EXPECT_EQ(FILE_VERT, 3u);
@@ -139,7 +141,7 @@ TEST(FileFormat, TheTablesOfNumbersAreGeneratedFromTheCode)
   EXPECT_EQ(crc32c("123456789", 9), 0xE3069283u);
 }
 
-TEST(FileFormat, ChecksumsAreThoseOfThePageInEachForm)
+TEST(FileFormat, ChecksumsMatchPageInEachForm)
 {
   Random random(3);
   std::string bytes;
@@ -149,11 +151,14 @@ TEST(FileFormat, ChecksumsAreThoseOfThePageInEachForm)
       for (bool isPortable : {false, true}) {
         const char* const data = bytes.data() + begin;
         ASSERT_EQ(fileChecksum(data, count, 0, isPortable), crc32c(data, count));
-        ASSERT_EQ(fileChecksum(data + count/3, count - count/3, fileChecksum(data, count/3, 0, !isPortable), isPortable), crc32c(data, count)) << "in two parts";
+        ASSERT_EQ(
+          fileChecksum(data + count/3, count - count/3, fileChecksum(data, count/3, 0, !isPortable), isPortable),
+          crc32c(data, count))
+          << "computed in two parts";
       }
 }
 
-// By the page alone: offsets as it has them, and what it says of children.
+// Written only from the page: its offsets, and its rules for children.
 class Reader
 {
 public:
@@ -178,7 +183,7 @@ public:
     EXPECT_EQ(u32(48), crc32c(&bytes[u64(40)], u32(24)*u32(28)));
   }
 
-  // Offsets of blocks in the order of the tree, with what they are.
+  // Returns the offsets of blocks in the order of the tree, and their types.
   std::vector<std::pair<uint64_t, uint64_t>> blocksOf(uint64_t record)
   {
     const uint64_t tree = u64(record), treeBytes = u64(record + 8);
@@ -224,7 +229,7 @@ private:
   std::vector<std::pair<uint64_t, uint64_t>> found;
 };
 
-TEST(FileFormat, AReaderThatKnowsThePageFindsAllBlocks)
+TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
 {
   Folder folder;
   Device device;
@@ -250,7 +255,8 @@ TEST(FileFormat, AReaderThatKnowsThePageFindsAllBlocks)
   bool hasMeshBlocks = false;
   for (size_t i = 0; i < all.size(); i++) {
     SCOPED_TRACE(all[i].name);
-    const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16), blockBytes = reader.u64(record + 24);
+    const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16),
+                   blockBytes = reader.u64(record + 24);
     const uint32_t surface = reader.u32(record + 52);
     forms.insert(reader.u32(record + 40));
     EXPECT_TRUE(surface >> 30 & 1);

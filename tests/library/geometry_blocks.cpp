@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks belong to their geometry: they are built when its surface changed and not otherwise, scenes share them, and each scene
- * reports its own IDs. */
+/* Blocks belong to their geometry. They are built only if the geometry's surface changed, scenes share them, and each
+ * scene reports its own IDs. */
 
 #include "support/memory.h"
 #include "support/scene.h"
@@ -13,7 +13,7 @@
 namespace cbvh::test {
 namespace {
 
-// Counts what is evaluated.
+// Counts evaluations.
 struct CountedDisplacement : Displacement
 {
   std::atomic<size_t> vertices{0};
@@ -25,7 +25,8 @@ struct CountedDisplacement : Displacement
   }
 };
 
-RTCGeometry newCounted(RTCDevice device, CountedDisplacement& displacement, SurfaceSettings settings = SurfaceSettings())
+RTCGeometry newCounted(RTCDevice device, CountedDisplacement& displacement,
+                       SurfaceSettings settings = SurfaceSettings())
 {
   settings.displacement = &displacement;
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
@@ -42,7 +43,7 @@ void expectCommit(const Device& device, RTCScene scene)
 
 const char* const kinds[] = {"vert", "leaf", "voxel", "grid"};
 
-TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
+TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
 {
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
@@ -66,11 +67,12 @@ TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
     const RTCRayHit down = makeRay({4, 0, 5}, {0, 0, -1});
     EXPECT_EQ(intersect(scene, down).hit.geomID, 1u);
 
-    // who sees it
+    // visibility does not affect blocks
     rtcSetGeometryMask(geometries[1], 2);
     rtcCommitGeometry(geometries[1]);
     EXPECT_EQ(built(), 0) << "mask";
-    rtcSetGeometryIntersectFilterFunction(geometries[1], [](const RTCFilterFunctionNArguments* args) { args->valid[0] = 0; });
+    rtcSetGeometryIntersectFilterFunction(geometries[1],
+                                          [](const RTCFilterFunctionNArguments* args) { args->valid[0] = 0; });
     rtcCommitGeometry(geometries[1]);
     EXPECT_EQ(built(), 0) << "filter";
     EXPECT_FALSE(isHit(intersect(scene, down)));
@@ -86,7 +88,7 @@ TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
     EXPECT_EQ(built(), 0) << "enabled";
     EXPECT_TRUE(isHit(intersect(scene, down)));
 
-    // the surface itself
+    // the surface itself changes
     float* x = (float*)rtcGetGeometryBufferData(geometries[1], RTC_BUFFER_TYPE_VERTEX, 0);
     const float before = intersect(scene, down).ray.tfar;
     for (int i = 0; i < 8; i++) x[3*i + 2] *= 2;
@@ -100,9 +102,9 @@ TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
     rtcSetGeometryUserData(geometries[0], &displacements[0]);
     rtcSetGeometryMask(geometries[0], 2);
     rtcCommitGeometry(geometries[0]);
-    EXPECT_EQ(built(), 1) << "user data, which displacements get";
+    EXPECT_EQ(built(), 1) << "user data is passed to displacement functions";
     rtcCommitGeometry(geometries[0]);
-    EXPECT_EQ(built(), 1) << "nothing that the library sees: a displacement may have changed";
+    EXPECT_EQ(built(), 1) << "the displacement function may behave differently";
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.maxError = 0.001f;
@@ -115,7 +117,7 @@ TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
     setBuffer(geometries[1], RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, weights);
     rtcSetGeometryMask(geometries[1], 4);
     rtcCommitGeometry(geometries[1]);
-    EXPECT_EQ(built(), 2) << "creases, and a mask";
+    EXPECT_EQ(built(), 2) << "creases and a mask changed";
     rtcDetachGeometry(scene, 0);
     EXPECT_EQ(built(), 0) << "detached";
     EXPECT_FALSE(isHit(intersect(scene, makeRay({0, 0, 5}, {0, 0, -1}))));
@@ -129,7 +131,7 @@ TEST(GeometryBlocks, OnlyWhatChangedIsBuilt)
   }
 }
 
-TEST(GeometryBlocks, ScenesShareThemUnderTheirOwnIDs)
+TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
 {
   for (const char* kind : kinds)
     for (bool asksForCompression : {true, false}) {
@@ -146,7 +148,7 @@ TEST(GeometryBlocks, ScenesShareThemUnderTheirOwnIDs)
       rtcAttachGeometryByID(first, shared, 7);
       other.offset = {4, 0, 0};
       RTCGeometry another = newCounted(device, other);
-      rtcAttachGeometryByID(first, another, 0); // which is compressed
+      rtcAttachGeometryByID(first, another, 0); // a compressed geometry
       expectCommit(device, first);
       const ssize_t live = memory.live;
       displacement.vertices = other.vertices = 0;
@@ -170,26 +172,29 @@ TEST(GeometryBlocks, ScenesShareThemUnderTheirOwnIDs)
           hits++;
           ASSERT_EQ(a.ray.tfar, b.ray.tfar);
           ASSERT_EQ(a.hit.primID, b.hit.primID);
-          ASSERT_TRUE((a.hit.geomID == 7 && b.hit.geomID == 2) || (a.hit.geomID == 0 && b.hit.geomID == 7)) << a.hit.geomID << " " << b.hit.geomID;
+          ASSERT_TRUE((a.hit.geomID == 7 && b.hit.geomID == 2) || (a.hit.geomID == 0 && b.hit.geomID == 7))
+            << a.hit.geomID << " " << b.hit.geomID;
         }
         EXPECT_GT(hits, 200u);
         EXPECT_EQ(statisticsOf(first).numQuads, statisticsOf(second).numQuads);
         rtcDetachGeometry(first, 7);
         expectCommit(device, first);
-        EXPECT_EQ(intersect(second, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 2u) << "the first scene has it no longer";
+        EXPECT_EQ(intersect(second, makeRay({0, 0, 5}, {0, 0, -1})).hit.geomID, 2u)
+          << "the first scene no longer contains it";
         EXPECT_FALSE(isHit(intersect(first, makeRay({0, 0, 5}, {0, 0, -1}))));
       }
-      EXPECT_LT(memory.live, live/2) << "nobody has it any longer";
+      EXPECT_LT(memory.live, live/2) << "no scene contains it any longer";
     }
 }
 
-// Of coincident surfaces the one with the lower ID counts, whichever was made first.
-TEST(GeometryBlocks, TheLowerIDInTheSceneCounts)
+// For coincident surfaces the hit has the lower ID, independently of the order of creation.
+TEST(GeometryBlocks, LowerIDInTheSceneWins)
 {
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
     Device device(std::string("subdiv_accel=cbvh.") + kind);
-    RTCGeometry a = newSurface(device, cubeCage(), SurfaceSettings()), b = newSurface(device, cubeCage(), SurfaceSettings());
+    RTCGeometry a = newSurface(device, cubeCage(), SurfaceSettings()),
+                b = newSurface(device, cubeCage(), SurfaceSettings());
     Scene one(device), other(device), twice(device);
     rtcAttachGeometryByID(one, a, 3);
     rtcAttachGeometryByID(one, b, 5);
@@ -202,7 +207,7 @@ TEST(GeometryBlocks, TheLowerIDInTheSceneCounts)
     expectCommit(device, one);
     expectCommit(device, other);
     expectCommit(device, twice);
-    if (std::string(kind) == "grid") continue; // any of the two, as in Embree
+    if (std::string(kind) == "grid") continue; // either of them, as in Embree
     Random random(4);
     for (const RTCRayHit& ray : raysAt(random, 300))
       for (RTCScene scene : {RTCScene(one), RTCScene(other), RTCScene(twice)}) {
@@ -212,8 +217,8 @@ TEST(GeometryBlocks, TheLowerIDInTheSceneCounts)
   }
 }
 
-// An instanced scene has the geometry under another ID.
-TEST(GeometryBlocks, InstancedScenesShareThem)
+// An instanced scene contains the geometry under another ID.
+TEST(GeometryBlocks, InstancedScenesShareBlocks)
 {
   Device device("subdiv_accel=cbvh.vert");
   RTCGeometry geometry = newSurface(device, cubeCage(), SurfaceSettings());
@@ -236,8 +241,8 @@ TEST(GeometryBlocks, InstancedScenesShareThem)
   EXPECT_EQ(hit.hit.instID[0], 4u);
 }
 
-// A scene goes from compressed surfaces to Embree's own and back.
-TEST(GeometryBlocks, IDsAreRightInScenesThatCeaseToCompress)
+// A scene changes from compressed surfaces to Embree's own and back.
+TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
 {
   Device device;
   CountedDisplacement displacement;
@@ -256,8 +261,8 @@ TEST(GeometryBlocks, IDsAreRightInScenesThatCeaseToCompress)
   rtcReleaseGeometry(geometry);
 }
 
-// Surfaces with motion blur, compressed and by Embree's GRID, beside others.
-TEST(GeometryBlocks, MotionBlurBesideThemKeepsItsIDs)
+// Surfaces with motion blur, compressed and as Embree's GRID, next to other geometries.
+TEST(GeometryBlocks, MotionBlurNextToOthersKeepsIDs)
 {
   for (RTCCompression still : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT})
     for (RTCCompression first : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT})
@@ -280,11 +285,13 @@ TEST(GeometryBlocks, MotionBlurBesideThemKeepsItsIDs)
           rtcReleaseGeometry(geometry);
         }
         expectCommit(device, scene);
-        for (unsigned i = 0; i < 3; i++) EXPECT_EQ(intersect(scene, makeRay({4.0f*float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i) << still << first << second;
+        for (unsigned i = 0; i < 3; i++)
+          EXPECT_EQ(intersect(scene, makeRay({4.0f*float(i), 0, 5}, {0, 0, -1})).hit.geomID, 3 + i)
+            << still << first << second;
       }
 }
 
-TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsItsIDs)
+TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsIDs)
 {
   Device device("subdiv_accel=cbvh.vert");
   Displacement displacement;
@@ -303,9 +310,9 @@ TEST(GeometryBlocks, MotionBlurByTheDeviceKeepsItsIDs)
   EXPECT_EQ(intersect(scene, makeRay({4, 0, 5}, {0, 0, -1})).hit.geomID, 8u);
 }
 
-// --- input that is let go -----------------------------------------------------------------------
+// --- released input -----------------------------------------------------------------------------
 
-// Memory of the application's that nobody may touch once it is gone.
+// Memory of the application; accesses after its release crash.
 class Mapped
 {
 public:
@@ -350,15 +357,18 @@ void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
   rtcSetGeometryCompression(geometry, &args);
 }
 
-// A cage in memory of the application's, which is gone, and an attribute of 8 numbers or NULL; committed.
+// Returns a committed geometry whose cage is in released memory of the application. attribute: 8 numbers, or NULL.
 RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute)
 {
   const Cage cage = cubeCage();
-  const Mapped vertices(cage.positions), faces(cage.faces), indices(cage.indices), levels(std::vector<float>(24, 20.0f));
+  const Mapped vertices(cage.positions), faces(cage.faces), indices(cage.indices),
+    levels(std::vector<float>(24, 20.0f));
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.memory, 0, sizeof(Vec), cage.positions.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.memory, 0, sizeof(Vec),
+                             cage.positions.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, faces.memory, 0, 4, cage.faces.size());
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices.memory, 0, 4, cage.indices.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices.memory, 0, 4,
+                             cage.indices.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, levels.memory, 0, 4, 24);
   if (attribute) {
     rtcSetGeometryVertexAttributeCount(geometry, 1);
@@ -379,7 +389,8 @@ TEST(ReleasedInput, IsNotReadAgain)
       SCOPED_TRACE(testing::Message() << kind << ", " << hasAttribute);
       Device device(std::string("subdiv_accel=cbvh.") + kind);
       Displacement displacement;
-      const std::vector<float> attribute = {0, 1, 2, 3, 4, 5, 6, 7, 7, 7, 7, 7}; // padded, as Embree reads four at a time
+      // padded, because Embree reads four floats at a time
+      const std::vector<float> attribute = {0, 1, 2, 3, 4, 5, 6, 7, 7, 7, 7, 7};
       RTCGeometry geometry = newReleased(device, displacement, hasAttribute ? attribute.data() : nullptr);
       SurfaceSettings settings;
       settings.rate = 20;
@@ -403,7 +414,7 @@ TEST(ReleasedInput, IsNotReadAgain)
         ASSERT_EQ(a.hit.u, b.hit.u);
       }
       EXPECT_GT(hits, 100u);
-      // what needs no input
+      // operations that do not need the input
       rtcSetGeometryMask(geometry, 2);
       rtcCommitGeometry(geometry);
       expectCommit(device, other);
@@ -414,14 +425,14 @@ TEST(ReleasedInput, IsNotReadAgain)
         EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
         EXPECT_GT(value, 0);
       }
-      // what needs it
+      // operations that need it
       rtcInterpolate0(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, &value, 1);
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
       rtcSetGeometryTessellationRate(geometry, 8);
       rtcCommitGeometry(geometry);
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
       EXPECT_NE(device.message.find("RTC_COMPRESSION_FLAG_RELEASE_INPUT"), std::string::npos) << device.message;
-      // all of it anew
+      // replaces all input
       const Cage cage = prismCage(5);
       setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, cage.positions);
       setBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faces);
@@ -435,7 +446,7 @@ TEST(ReleasedInput, IsNotReadAgain)
     }
 }
 
-TEST(ReleasedInput, CancelledItIsKept)
+TEST(ReleasedInput, IsKeptIfCommitIsCancelled)
 {
   Device device("subdiv_accel=cbvh.vert");
   Progress progress;
@@ -458,8 +469,8 @@ TEST(ReleasedInput, CancelledItIsKept)
   EXPECT_EQ(statisticsOf(scene).numQuads, 6u*64*64);
 }
 
-// Refused memory anywhere on the way, it leaves nothing behind, and a coarser lattice may do.
-TEST(ReleasedInput, OutOfMemoryItIsKept)
+// If memory is refused at any point, nothing leaks, and a coarser lattice may suffice.
+TEST(ReleasedInput, IsKeptIfOutOfMemory)
 {
   for (const char* kind : kinds) {
     SCOPED_TRACE(kind);
@@ -497,12 +508,12 @@ TEST(ReleasedInput, OutOfMemoryItIsKept)
   }
 }
 
-// Where nothing is compressed the flag has no effect.
-TEST(ReleasedInput, StaysWhereNothingIsCompressed)
+// Without compression the flag has no effect.
+TEST(ReleasedInput, StaysIfNothingIsCompressed)
 {
   Device device;
   Cage cage = cubeCage();
-  cage.positions.push_back({0, 0, 0}); // of which Embree reads a float behind the last that is used
+  cage.positions.push_back({0, 0, 0}); // Embree reads one float after the last one that it uses
   RTCGeometry geometry = newSurface(device, cage, SurfaceSettings());
   askForRelease(geometry);
   rtcCommitGeometry(geometry);
@@ -512,7 +523,7 @@ TEST(ReleasedInput, StaysWhereNothingIsCompressed)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(ReleasedInput, UnknownFlagsAreRefused)
+TEST(ReleasedInput, UnknownFlagsAreRejected)
 {
   Device device;
   RTCGeometry geometry = newSurface(device, cubeCage(), SurfaceSettings());

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random edits of geometries that scenes share, in any order, while another scene is traced. What a scene then answers is what a
- * fresh twin answers, made of new geometries that never were otherwise: no block is of a surface as it was before.
+/* Random edits of geometries that scenes share, in any order, while another scene is traced. After each edit a scene
+ * must give the same results as a scene of newly created geometries: no block may belong to an earlier state.
  *
- * CBVH_EDITS says how many, CBVH_EDITS_SEED which. */
+ * CBVH_EDITS sets the number of edits, CBVH_EDITS_SEED the seed. */
 
 #include "support/memory.h"
 #include "support/scene.h"
@@ -25,9 +25,10 @@ unsigned numberIn(const char* variable, unsigned otherwise)
   return text ? unsigned(std::strtoul(text, nullptr, 10)) : otherwise;
 }
 
-const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID, RTC_COMPRESSION_NONE};
+const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF,
+                                RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID, RTC_COMPRESSION_NONE};
 
-// A geometry, and all that it was told.
+// A geometry together with a copy of all its settings.
 class EditedSurface
 {
 public:
@@ -41,7 +42,7 @@ public:
   ~EditedSurface() { rtcReleaseGeometry(geometry); }
   EditedSurface(const EditedSurface&) = delete;
 
-  // Never edited.
+  // Returns a new geometry in the current state.
   RTCGeometry newTwin() const
   {
     RTCGeometry twin = newSurface(device, cage, settings);
@@ -49,14 +50,15 @@ public:
     return twin;
   }
 
-  // Edits the model, and tells the geometry: of what it let go all, else only what changed.
+  // Edits the model and updates the geometry: everything if its input was released, otherwise only the changes.
   void edit(Random& random)
   {
     const bool isReleased = hasReleased;
     switch (random.below(13)) {
-    case 0: { // one vertex, which may leave the world and come back
+    case 0: { // one vertex, which may move far away and back
       const size_t i = random.below(unsigned(cage.positions.size()));
-      for (float& x : cage.positions[i]) x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1*random.normal()) : float(random.normal());
+      for (float& x : cage.positions[i])
+        x = random.chance(0.05) ? NAN : std::isfinite(x) ? x + float(0.1*random.normal()) : float(random.normal());
       if (isReleased) break;
       float* vertices = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
       std::copy(cage.positions[i].begin(), cage.positions[i].end(), vertices + 3*i);
@@ -67,7 +69,7 @@ public:
       settings.rate = float(1 + random.below(8));
       rtcSetGeometryTessellationRate(geometry, settings.rate);
       break;
-    case 2: // what it does, the function is the same
+    case 2: // the behavior of the displacement function, not its address
       displacement.amplitude = float(0.1*random.uniform());
       rtcSetGeometryDisplacementFunction(geometry, Displacement::apply);
       break;
@@ -96,7 +98,7 @@ public:
       settings.compression = kinds[random.below(6)];
       setCompression(false);
       break;
-    case 8: // nothing
+    case 8: // no change
       break;
     case 9: {
       const unsigned i = random.below(unsigned(cage.indices.size() - 1));
@@ -106,7 +108,9 @@ public:
       break;
     }
     case 10: {
-      const RTCSubdivisionMode modes[] = {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_PIN_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_ALL};
+      const RTCSubdivisionMode modes[] = {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY,
+                                          RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_PIN_BOUNDARY,
+                                          RTC_SUBDIVISION_MODE_PIN_ALL};
       cage.mode = modes[random.below(5)];
       rtcSetGeometrySubdivisionMode(geometry, 0, cage.mode);
       break;
@@ -170,20 +174,21 @@ private:
   bool isEnabled = true, asksForRelease = false, hasReleased = false;
 };
 
-// Adds the rays that hit.
+// Traces rays through both scenes. Adds the number of hits.
 void expectTwins(RTCScene scene, RTCScene twin, Random& random, unsigned rays, size_t& hits)
 {
   for (RTCRayHit ray : raysAt(random, rays, 1.2f)) {
     ray.ray.mask = random.below(2) ? ~0u : 1u;
     const RTCRayHit a = intersect(scene, ray), b = intersect(twin, ray);
-    ASSERT_EQ(std::memcmp(&a, &b, sizeof(a)), 0) << "geometries " << int(a.hit.geomID) << " " << int(b.hit.geomID) << ", faces "
-      << int(a.hit.primID) << " " << int(b.hit.primID) << ", distances " << a.ray.tfar << " " << b.ray.tfar;
+    ASSERT_EQ(std::memcmp(&a, &b, sizeof(a)), 0)
+      << "geometries " << int(a.hit.geomID) << " " << int(b.hit.geomID) << ", faces " << int(a.hit.primID) << " "
+      << int(b.hit.primID) << ", distances " << a.ray.tfar << " " << b.ray.tfar;
     hits += isHit(a);
     ASSERT_EQ(occluded(scene, ray), occluded(twin, ray));
   }
 }
 
-// What a thread traces while others commit.
+// A thread that traces a scene while other threads commit.
 class Bystander
 {
 public:
@@ -222,7 +227,7 @@ private:
   std::thread thread;
 };
 
-TEST(GeometryEdits, ScenesAnswerAsFreshTwins)
+TEST(GeometryEdits, ScenesMatchFreshTwins)
 {
   const unsigned numEdits = numberIn("CBVH_EDITS", 1500), seed = numberIn("CBVH_EDITS_SEED", 1);
   Memory memory;
@@ -264,7 +269,7 @@ TEST(GeometryEdits, ScenesAnswerAsFreshTwins)
         s.scene.reset(new Scene(device));
         s.surfaces.clear();
         break;
-      case 3: { // goes; a new one gets its number
+      case 3: { // is removed; a new geometry gets its ID
         if (random.below(8)) break;
         for (auto& other : scenes)
           for (auto it = other.surfaces.begin(); it != other.surfaces.end();) {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Grid geometry that is compressed: hits as Embree's own kernel has them, by every function and on every ISA, grids that stay closed
- * and stitched, and what else is to be expected of a geometry. */
+/* Compressed grid geometry: hits match Embree's kernel with every function and on every ISA, grids stay closed and
+ * stitched, and general behavior of geometries. */
 
 #include "support/closed.h"
 #include "support/diced.h"
@@ -19,14 +19,17 @@
 namespace cbvh::test {
 namespace {
 
-// Odd sizes, rows farther apart than they are long, and vertices before the first.
+// Odd sizes, strides larger than the width, and a first vertex other than 0.
 Diced oddGrids(double lattice)
 {
   Diced diced = dicedSheet(1, 37, lattice);
   const Diced sheet = diced;
   diced.grids.clear();
-  const unsigned side = 38, sizes[][4] = {{0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
-  for (const auto& s : sizes) diced.grids.push_back({s[1]*side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
+  const unsigned side = 38,
+                 sizes[][4] = {
+                   {0, 0, 37, 7}, {0, 7, 5, 30}, {5, 7, 1, 30}, {6, 7, 31, 29}, {6, 36, 31, 1}}; // x, y, quads
+  for (const auto& s : sizes)
+    diced.grids.push_back({s[1]*side + s[0], side, (unsigned short)(s[2] + 1), (unsigned short)(s[3] + 1)});
   return diced;
 }
 
@@ -34,22 +37,27 @@ class GridGeometry : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Isas, GridGeometry, testing::Values(TEST_ISAS), nameOfIsa);
 
-TEST_P(GridGeometry, HitsAreEmbrees)
+TEST_P(GridGeometry, HitsMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(101);
   const double lattice = 0x1p-10;
-  const struct { const char* name; Diced diced; } shapes[] = {
-    {"one grid", dicedSheet(1, 64, lattice)}, {"a grid of 1000 quads a side", dicedSheet(1, 1000, 0x1p-14)}, {"small grids", dicedSheet(9, 4, lattice)},
-    {"grids of 8 quads", dicedSheet(5, 8, lattice)}, {"grids of 16 quads", dicedSheet(3, 16, lattice)}, {"grids of 33 quads", dicedSheet(2, 33, lattice)}, {"odd grids", oddGrids(lattice)}};
+  const struct { const char* name; Diced diced;
+  } shapes[] = {{"one grid", dicedSheet(1, 64, lattice)},
+                {"a grid of 1000 quads a side", dicedSheet(1, 1000, 0x1p-14)},
+                {"small grids", dicedSheet(9, 4, lattice)},
+                {"grids of 8 quads", dicedSheet(5, 8, lattice)},
+                {"grids of 16 quads", dicedSheet(3, 16, lattice)},
+                {"grids of 33 quads", dicedSheet(2, 33, lattice)},
+                {"odd grids", oddGrids(lattice)}};
   for (const auto& shape : shapes) {
     SCOPED_TRACE(shape.name);
     const GridScene embree(device, shape.diced, RTC_COMPRESSION_NONE), scene(device, shape.diced);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     const RTCCompressionStatistics stats = statisticsOf(scene);
     ASSERT_EQ(stats.numQuads, shape.diced.quads());
-    ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+    ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
     ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
     const std::vector<RTCRayHit> rays = raysAt(random, shape.diced, 1003);
     for (QueryForm form : allQueryForms) {
@@ -63,11 +71,11 @@ TEST_P(GridGeometry, HitsAreEmbrees)
   }
 }
 
-// Grids of one geometry, two geometries, beside a subdivision surface and triangles, in instances.
-TEST_P(GridGeometry, InScenesOfAllSorts)
+// Grids in one and two geometries, next to a subdivision surface and triangles, and in instances.
+TEST_P(GridGeometry, MixedScenesMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(102);
   const Diced diced = dicedSheet(4, 12, 0x1p-10);
   const auto fill = [&](RTCScene scene, RTCCompression compression) {
@@ -113,7 +121,7 @@ TEST_P(GridGeometry, InScenesOfAllSorts)
 TEST_P(GridGeometry, MasksAndFilters)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   const Diced diced = dicedSheet(2, 20);
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
   RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT);
@@ -124,13 +132,13 @@ TEST_P(GridGeometry, MasksAndFilters)
   ASSERT_LT(depth, 5.2f);
   EXPECT_TRUE(occluded(scene, down));
 
-  // Vertices that nobody says have changed: if blocks were built anew, they would be seen.
+  // Changes vertices without an update: they become visible only if blocks are rebuilt.
   float* x = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
   for (size_t i = 0; i < diced.vertices.size(); i++) x[3*i + 2] -= 1;
   rtcSetGeometryMask(geometry, 2);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
-  EXPECT_EQ(intersect(scene, down).ray.tfar, depth) << "a mask builds nothing";
+  EXPECT_EQ(intersect(scene, down).ray.tfar, depth) << "a mask must not cause a rebuild";
   down.ray.mask = 1;
   EXPECT_FALSE(isHit(intersect(scene, down)));
   EXPECT_FALSE(occluded(scene, down));
@@ -163,31 +171,38 @@ TEST_P(GridGeometry, MasksAndFilters)
 
 // --- closed -----------------------------------------------------------------------------------
 
-// From the inside, at vertices and edges of borders, where grids meet.
-TEST(GridSurfaces, AreClosedWhereGridsMeet)
+// Rays from inside at vertices and edges of common borders of grids.
+TEST(GridSurfaces, AreClosedBetweenGrids)
 {
   Device device;
   Random random(103);
-  const struct { unsigned n, quads; double warp; } balls[] = {{3, 3, 1}, {3, 4, 1}, {3, 7, 1}, {3, 16, 1}, {3, 40, 1}, {8, 5, 3}, {5, 16, 3}};
+  const struct
+  {
+    unsigned n, quads;
+    double warp;
+  } balls[] = {{3, 3, 1}, {3, 4, 1}, {3, 7, 1}, {3, 16, 1}, {3, 40, 1}, {8, 5, 3}, {5, 16, 3}};
   for (const auto& b : balls) {
-    SCOPED_TRACE(testing::Message() << b.n << " x " << b.n << " grids of " << b.quads << " quads, warped by " << b.warp);
+    SCOPED_TRACE(testing::Message() << b.n << " x " << b.n << " grids of " << b.quads << " quads, warped by "
+                                    << b.warp);
     const Diced ball = dicedBall(b.n, b.quads, b.warp);
     const GridScene scene(device, ball);
     EXPECT_GT(statisticsOf(scene).maxVertexDeviation, 0);
-    if (b.warp == 1) { EXPECT_EQ(statisticsOf(scene).numRawBlocks, 0u) << "quads are of one size"; }
+    if (b.warp == 1) { EXPECT_EQ(statisticsOf(scene).numRawBlocks, 0u) << "quads have the same size"; }
     std::vector<RTCRayHit> rays;
     for (unsigned i = 0; i < 30000; i++) {
       const RTCGrid& grid = ball.grids[random.below(unsigned(ball.grids.size()))];
       const bool alongU = random.chance(0.5);
-      const unsigned n = (alongU ? grid.width : grid.height) - 1u, k = random.below(n), other = random.chance(0.5) ? 0 : (alongU ? grid.height : grid.width) - 1u;
-      const Vec &a = alongU ? ball.vertex(grid, k, other) : ball.vertex(grid, other, k), &b = alongU ? ball.vertex(grid, k + 1, other) : ball.vertex(grid, other, k + 1);
+      const unsigned n = (alongU ? grid.width : grid.height) - 1u, k = random.below(n),
+                     other = random.chance(0.5) ? 0 : (alongU ? grid.height : grid.width) - 1u;
+      const Vec &a = alongU ? ball.vertex(grid, k, other) : ball.vertex(grid, other, k),
+                &b = alongU ? ball.vertex(grid, k + 1, other) : ball.vertex(grid, other, k + 1);
       rays.push_back(rayFromMiddle(random, a, b));
     }
     expectNoneMisses(scene, rays);
   }
 }
 
-// A coarse grid, and finer ones whose border vertices lie on its edges: two grids, one behind the other.
+// A coarse grid, and finer ones whose border vertices lie on its edges: two grids in a row.
 Diced stitchedGrids(unsigned coarse, unsigned fine)
 {
   Diced diced;
@@ -220,14 +235,16 @@ TEST(GridSurfaces, StayStitched)
     SCOPED_TRACE(testing::Message() << n[0] << " and 2 x " << n[1] << " quads");
     const Diced diced = stitchedGrids(n[0], n[1]);
     const GridScene embree(device, diced, RTC_COMPRESSION_NONE), scene(device, diced);
-    EXPECT_LT(statisticsOf(scene).numRawBlocks, statisticsOf(scene).numBlocks) << "only along the seam";
+    EXPECT_LT(statisticsOf(scene).numRawBlocks, statisticsOf(scene).numBlocks)
+      << "raw blocks occur only along the seam";
     size_t missed = 0, missedByEmbree = 0;
     for (unsigned i = 0; i < 20000; i++) {
       const unsigned k = random.below(n[0]);
       const Vec a = diced.vertex(diced.grids[0], n[0], k), b = diced.vertex(diced.grids[0], n[0], k + 1);
       const double t = random.uniform();
       Vec from = {float(0.5*random.normal()), float(0.5 + 0.5*random.normal()), 3}, direction;
-      for (int c = 0; c < 3; c++) direction[c] = float(a[c] + t*(b[c] - a[c]) + (c == 0 ? 1e-3*random.normal()/n[1] : 0)) - from[c];
+      for (int c = 0; c < 3; c++)
+        direction[c] = float(a[c] + t*(b[c] - a[c]) + (c == 0 ? 1e-3*random.normal()/n[1] : 0)) - from[c];
       if (t < 1e-3 && k == 0) continue; // the end of the seam
       const RTCRayHit ray = makeRay(from, direction);
       missed += !isHit(intersect(scene, ray));
@@ -237,9 +254,9 @@ TEST(GridSurfaces, StayStitched)
   }
 }
 
-// --- what is wrong ----------------------------------------------------------------------------
+// --- errors -----------------------------------------------------------------------------------
 
-TEST(GridSurfaces, WhatIsWrongIsNamedAndLeftOut)
+TEST(GridSurfaces, InvalidGridsAreReportedAndLeftOut)
 {
   Device device;
   const Diced good = dicedSheet(2, 8, 0x1p-10);
@@ -259,7 +276,7 @@ TEST(GridSurfaces, WhatIsWrongIsNamedAndLeftOut)
   outside.grids[2].startVertexID = unsigned(good.vertices.size()) - 5;
   expectNamed(outside);
   outside = good;
-  outside.grids[2].stride = 0xFFFFFFF0u; // the last vertex, in 32 bits, is in the buffer
+  outside.grids[2].stride = 0xFFFFFFF0u; // computed in 32 bits, the last vertex is in the buffer
   expectNamed(outside);
   Diced line = good;
   line.grids[2].width = 1;
@@ -267,8 +284,8 @@ TEST(GridSurfaces, WhatIsWrongIsNamedAndLeftOut)
   Diced poisoned = good;
   for (unsigned y = 3; y < 7; y++)
     for (unsigned x = 3; x < 7; x++) poisoned.vertex(good.grids[2], x, y)[(x + y) % 3] = x % 2 ? INFINITY : NAN;
-  EXPECT_EQ(commit(poisoned), RTC_ERROR_NONE) << "as Embree has it: " << device.message;
-  // quads around, and whole grids that have no such vertex, are there
+  EXPECT_EQ(commit(poisoned), RTC_ERROR_NONE) << "accepted, as in Embree: " << device.message;
+  // the quads around, and grids without such a vertex, must exist
   const GridScene scene(device, poisoned);
   device.takeError();
   EXPECT_TRUE(isHit(intersect(scene, makeRay({-0.95f, 0.05f, 5}, {0, 0, -1}))));
@@ -277,7 +294,7 @@ TEST(GridSurfaces, WhatIsWrongIsNamedAndLeftOut)
 
 // --- settings ---------------------------------------------------------------------------------
 
-TEST(GridSurfaces, AskForCompressionOrNot)
+TEST(GridSurfaces, CompressionCanBeSelected)
 {
   const Diced diced = dicedSheet(2, 20);
   const auto quads = [&](const Device& device, RTCCompression compression) {
@@ -292,12 +309,13 @@ TEST(GridSurfaces, AskForCompressionOrNot)
   EXPECT_EQ(quads(ofString, RTC_COMPRESSION_NONE), 0u);
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
 
-  // A dynamic scene, back and forth.
+  // A dynamic scene that switches back and forth.
   Scene scene(plain, RTC_SCENE_FLAG_DYNAMIC);
   RTCGeometry geometry = newGrids(plain, diced);
   attach(scene, geometry);
   const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = compression;
@@ -310,8 +328,8 @@ TEST(GridSurfaces, AskForCompressionOrNot)
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
 }
 
-// 2 x 2 quads in 68 bytes are less than any block.
-TEST(GridSurfaces, TheSmallestAreLeftAlone)
+// Grids of 2 x 2 quads take 68 bytes, less than any block.
+TEST(GridSurfaces, SmallestGridsAreNotCompressed)
 {
   Device device;
   Diced diced = dicedSheet(10, 2);
@@ -325,17 +343,18 @@ TEST(GridSurfaces, TheSmallestAreLeftAlone)
     return statisticsOf(scene).numQuads;
   };
   EXPECT_EQ(quads(0), 0u);
-  EXPECT_EQ(quads(RTC_COMPRESSION_FLAG_RELEASE_INPUT), 400u) << "their vertices are worth more";
+  EXPECT_EQ(quads(RTC_COMPRESSION_FLAG_RELEASE_INPUT), 400u) << "releasing their vertices saves more";
   diced.add(21, 21, [](unsigned x, unsigned y) { return Vec{0.1f*float(x), 0.1f*float(y), -1}; });
-  EXPECT_EQ(quads(0), 0u) << "most are small";
+  EXPECT_EQ(quads(0), 0u) << "most grids are small";
   diced.add(201, 201, [](unsigned x, unsigned y) { return Vec{0.01f*float(x), 0.01f*float(y), -1}; });
   EXPECT_EQ(quads(0), 400u + 400 + 40000);
 }
 
-// More than 46,341 vertices on a side: products of two such numbers do not fit into 32 bits.
-TEST(GridSurfaces, LongSidesHaveTheirHits)
+// More than 46,341 vertices per side: products of two such numbers do not fit into 32 bits.
+TEST(GridSurfaces, LongSidesAreHit)
 {
-  for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u), std::make_pair(65535u, 2u), std::make_pair(46342u, 18u)}) {
+  for (const auto& [width, height] : {std::make_pair(50000u, 3u), std::make_pair(3u, 50000u),
+                                      std::make_pair(65535u, 2u), std::make_pair(46342u, 18u)}) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
     Device device;
     Diced diced;
@@ -357,7 +376,7 @@ TEST(GridSurfaces, LongSidesHaveTheirHits)
   }
 }
 
-TEST(GridSurfaces, RowsThatAreAllTheSameVerticesAreAnError)
+TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
 {
   Device device;
   Diced diced = dicedSheet(2, 16);
@@ -365,11 +384,12 @@ TEST(GridSurfaces, RowsThatAreAllTheSameVerticesAreAnError)
   for (unsigned i = 0; i < 65535; i++) diced.vertices.push_back({0, 0, 0});
   rtcReleaseGeometry(newGrids(device, diced, RTC_COMPRESSION_VERT));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos) << device.message;
+  EXPECT_NE(device.message.find("grid 4 of 65535 x 65535 vertices has a stride of 0"), std::string::npos)
+    << device.message;
 }
 
-// Rows that overlap make four billion quads of 131,069 vertices; their commit ends when it is told to.
-TEST(GridSurfaces, ACommitOfRowsThatOverlapCanBeCancelled)
+// Overlapping rows make four billion quads of 131,069 vertices; the commit must react to cancellation.
+TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled)
 {
   Device device;
   Diced diced;
@@ -392,7 +412,7 @@ TEST(GridSurfaces, ACommitOfRowsThatOverlapCanBeCancelled)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(GridSurfaces, LetTheirInputGo)
+TEST(GridSurfaces, InputIsReleased)
 {
   Memory memory;
   Device device;
@@ -418,7 +438,7 @@ TEST(GridSurfaces, LetTheirInputGo)
   EXPECT_EQ(intersect(scene, down).ray.tfar, hit.ray.tfar);
   rtcSetGeometryVertexAttributeCount(geometry, 0);
   rtcCommitGeometry(geometry);
-  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "nothing to build of";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "there is no input";
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, diced.vertices);
   setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
   rtcCommitGeometry(geometry);
@@ -428,7 +448,7 @@ TEST(GridSurfaces, LetTheirInputGo)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(GridSurfaces, CommitsTellHowFarTheyAreAndCanBeCancelled)
+TEST(GridSurfaces, CommitsReportProgressAndCanBeCancelled)
 {
   Device device;
   const Diced diced = dicedSheet(60, 8);
@@ -454,10 +474,14 @@ TEST(GridSurfaces, CommitsTellHowFarTheyAreAndCanBeCancelled)
   EXPECT_EQ(statisticsOf(scene).numQuads, diced.quads());
 }
 
-// Bytes of all that the library holds, its tree included, without the application's own vertices.
-TEST(GridSurfaces, TakeFewBytes)
+// All bytes of the library including its tree, without the application's vertices.
+TEST(GridSurfaces, MemoryIsSmall)
 {
-  const struct { unsigned n, quads; double bytes; } sizes[] = {{400, 4, 12}, {100, 8, 6}, {32, 16, 3.5}, {8, 64, 3.5}, {1, 500, 3.5}};
+  const struct
+  {
+    unsigned n, quads;
+    double bytes;
+  } sizes[] = {{400, 4, 12}, {100, 8, 6}, {32, 16, 3.5}, {8, 64, 3.5}, {1, 500, 3.5}};
   for (const auto& s : sizes) {
     Memory memory;
     Device device;
@@ -470,22 +494,25 @@ TEST(GridSurfaces, TakeFewBytes)
     rtcCommitScene(scene);
     const double bytes = double(memory.live - before)/double(diced.quads());
     const RTCCompressionStatistics stats = statisticsOf(scene);
-    const auto aQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
-    std::printf("%u x %u grids of %u x %u quads: %.2f bytes a quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), %.2f more meanwhile\n", s.n, s.n, s.quads,
-                s.quads, bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes), aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
+    const auto perQuad = [&](size_t n) { return double(n)/double(diced.quads()); };
+    std::printf(
+      "%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), "
+      "%.2f more during the build\n",
+      s.n, s.n, s.quads, s.quads, bytes, perQuad(stats.topLevelBytes), perQuad(stats.frameBytes),
+      perQuad(stats.nodeBytes), perQuad(stats.leafBytes), perQuad(size_t(memory.peak - memory.live)));
     EXPECT_LE(bytes, s.bytes) << s.quads << " quads";
   }
 }
 
 // --- point queries ----------------------------------------------------------------------------
 
-TEST(GridSurfaces, PointQueriesFindWhatEmbreeFinds)
+TEST(GridSurfaces, PointQueriesMatchEmbree)
 {
   Device device;
   Random random(105);
   const Diced diced = dicedSheet(6, 9);
   const GridScene embree(device, diced, RTC_COMPRESSION_NONE), scene(device, diced);
-  // The distance to the nearest vertex of a primitive, which shrinks the query.
+  // Distance to the nearest vertex of a primitive, by which the query shrinks.
   struct Found { const Diced* diced; Vec at; unsigned primID = RTC_INVALID_GEOMETRY_ID; size_t calls = 0; };
   const auto nearest = [&](RTCScene in, const Vec& at, float radius) {
     Found found{&diced, at};
@@ -512,7 +539,8 @@ TEST(GridSurfaces, PointQueriesFindWhatEmbreeFinds)
   };
   size_t calls = 0, found = 0;
   for (unsigned i = 0; i < 300; i++) {
-    const Vec at = {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-0.5, 0.5))};
+    const Vec at = {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)),
+                    float(random.uniform(-0.5, 0.5))};
     const float radius = random.chance(0.3) ? INFINITY : float(random.uniform(0, 0.6));
     const auto expected = nearest(embree, at, radius), actual = nearest(scene, at, radius);
     ASSERT_EQ(expected.first, actual.first);
@@ -520,7 +548,7 @@ TEST(GridSurfaces, PointQueriesFindWhatEmbreeFinds)
     found += actual.first >= 0;
   }
   EXPECT_GT(found, 150u);
-  EXPECT_LT(calls, 300u*36/2) << "most grids are too far";
+  EXPECT_LT(calls, 300u*36/2) << "most grids are too far away";
 }
 
 } // namespace

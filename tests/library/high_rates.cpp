@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Edge rates above 256, up to Embree's 4096: cVERT takes them, in strips, and so does cLEAF as exact faces. */
+/* Edge rates above 256, up to Embree's 4096. cVERT supports them in strips, cLEAF as exact faces. */
 
 #include "support/edge_rates.h"
 #include "support/memory.h"
@@ -13,7 +13,7 @@
 namespace cbvh::test {
 namespace {
 
-// Heights over the unit square of quadCage, which stays where it is at its border.
+// Heights over the unit square of quadCage, which does not move at its border.
 float heightAt(float u, float v) { return 0.1f*std::sin(9*u)*std::sin(7*v); }
 
 void lift(const RTCDisplacementFunctionNArguments* args)
@@ -31,14 +31,20 @@ SurfaceSettings settingsOf(RTCCompression compression, Displacement* displacemen
 
 class HighRates : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF),
-                         [](const auto& info) { return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF"); });
+                         [](const auto& info) {
+                           return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF");
+                         });
 
-// What is hit, and its parameters, are those of the function that displaced it: a quad of the longest side is 1/100 wide.
-TEST_P(HighRates, ADisplacedPlaneIsHitWhereItIs)
+// Position and parameters of hits must match the displacement function: a quad of the longest side is 1/100 wide.
+TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
 {
   Device device;
-  for (const std::vector<float>& rates : {std::vector<float>{257, 257, 257, 257}, {1000, 300, 1000, 300}, {100, 4096, 100, 4096}, {4096, 300, 100, 257}}) {
-    SCOPED_TRACE(testing::Message() << "rates " << rates[0] << ", " << rates[1] << ", " << rates[2] << ", " << rates[3]);
+  for (const std::vector<float>& rates : {std::vector<float>{257, 257, 257, 257},
+                                          {1000, 300, 1000, 300},
+                                          {100, 4096, 100, 4096},
+                                          {4096, 300, 100, 257}}) {
+    SCOPED_TRACE(testing::Message() << "rates " << rates[0] << ", " << rates[1] << ", " << rates[2] << ", "
+                                    << rates[3]);
     SurfaceSettings settings = settingsOf(GetParam(), nullptr);
     settings.exactFaces = true;
     settings.edgeRates = rates;
@@ -64,7 +70,7 @@ TEST_P(HighRates, ADisplacedPlaneIsHitWhereItIs)
   }
 }
 
-// Also where strips of a patch follow each other, and where its neighbours have other rates.
+// Also between the strips of a patch, and next to faces with other rates.
 TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
 {
   Device device;
@@ -78,7 +84,7 @@ TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
     Displacement displacement;
     SurfaceSettings settings = settingsOf(RTC_COMPRESSION_VERT, &displacement);
     settings.edgeRates = drawRates(cage, random, draw);
-    // faces of two higher rates would have millions of quads; the sides of an edge may disagree
+    // faces with two higher rates would have millions of quads; both sides of an edge may have different rates
     for (size_t first = 0; first < cage.indices.size(); first += 4) {
       float* rate = settings.edgeRates.data() + first;
       if (std::max(rate[0], rate[2]) > 300 && std::max(rate[1], rate[3]) > 300) rate[1] = rate[3] = 5;
@@ -89,9 +95,9 @@ TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
   }
 }
 
-// Above what stays there are the vertices of a strip, the primitives of the top level, and up to 2 MiB that the BVH's allocator has at
-// hand. All of 4096 x 512 quads at once would take 112 MiB.
-TEST(HighRatesOfCVERT, ATaskTakesLessThan4MiB)
+// Above the result are the vertices of a strip, the primitives of the top level, and up to 2 MiB that the BVH's
+// allocator reserves. All of 4096 x 512 quads at once would take 112 MiB.
+TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB)
 {
   for (float across : {32.0f, 512.0f}) {
     Memory memory;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Interpolation on faces that have no surface: of fewer than 3 or more than 16 corners, at vertices of too many faces,
- * and holes. Embree's patches have no room for the first two: such a face is an error. */
+/* Interpolation on faces without a surface: faces with fewer than 3 or more than 16 corners, faces at vertices with too
+ * many faces, and holes. Embree's patches do not support the first two: interpolation of such a face is an error. */
 
 #include "support/scene.h"
 
@@ -24,7 +24,7 @@ struct Values
 
 const float untouched = 12345;
 
-// P and its derivatives within a face, or within the first sub-patch of one that is no quadrilateral.
+// P and its derivatives in a face, or in the first sub-patch of a face that is not a quadrilateral.
 Values interpolate(RTCGeometry geometry, unsigned face, On on)
 {
   Values out;
@@ -47,7 +47,7 @@ Values interpolate(RTCGeometry geometry, unsigned face, On on)
   return out;
 }
 
-// The same by rtcInterpolateN, in lane 2 of 4. The others are not active.
+// The same with rtcInterpolateN, in lane 2 of 4. The other lanes are inactive.
 Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = true)
 {
   alignas(16) int valid[4] = {0, 0, isActive ? -1 : 0, 0};
@@ -78,7 +78,7 @@ Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = 
   return out;
 }
 
-// Vertices are attribute 0 as well. `others`, in a topology of their own, are attribute 1.
+// Vertices are also attribute 0. `others`, with their own topology, are attribute 1.
 RTCGeometry newGeometry(RTCDevice device, const Cage& cage, const Cage* others,
                         RTCCompression compression = RTC_COMPRESSION_NONE, bool releases = false)
 {
@@ -102,7 +102,7 @@ RTCGeometry newGeometry(RTCDevice device, const Cage& cage, const Cage* others,
   return geometry;
 }
 
-// Of each cage uncompressed, compressed, and compressed with its input released.
+// Tests each cage uncompressed, compressed, and compressed with released input.
 template<typename Check>
 void forEachForm(const Cage& cage, const Cage* others, const Check& check)
 {
@@ -148,7 +148,7 @@ Values expectFinite(Device& device, RTCGeometry geometry, unsigned face, On on)
 const char* const outOfBounds =
   "it, or a face at its vertices, has fewer than 3 or more than 16 vertices, or a vertex has more than 64 faces";
 
-TEST(Interpolation, OfFacesThatPatchesCannotHoldIsAnError)
+TEST(Interpolation, UnsupportedFacesAreErrors)
 {
   const auto fan = [](unsigned quads, unsigned corners) { // around a vertex of the border: quads, and one other face
     Cage cage;
@@ -185,8 +185,8 @@ TEST(Interpolation, OfFacesThatPatchesCannotHoldIsAnError)
   }
 }
 
-// What a surface has none of may be too much for an attribute of it.
-TEST(Interpolation, HasTheLimitsOfEachTopology)
+// A face may be supported in the surface's topology, but not in an attribute's.
+TEST(Interpolation, EachTopologyHasItsOwnLimits)
 {
   const Cage poles = trapezohedronCage(65), single = quadCage();
   Cage loose;
@@ -201,14 +201,14 @@ TEST(Interpolation, HasTheLimitsOfEachTopology)
   });
 }
 
-// Faces of 0, 1 and 2 corners between those of a cube, and at its end.
-TEST(Interpolation, FacesOfFewCornersChangeNothing)
+// Faces with 0, 1 and 2 corners between the faces of a cube, and at its end.
+TEST(Interpolation, DegenerateFacesHaveNoInfluence)
 {
   const Cage cube = cubeCage();
   for (const std::vector<unsigned>& few : {std::vector<unsigned>{0}, {1}, {2}, {1, 1}, {0, 1, 2, 1, 0}}) {
     Cage cage;
     cage.positions = cube.positions;
-    const unsigned own = unsigned(cage.positions.size()); // vertices that only they have, or one of the cube's
+    const unsigned own = unsigned(cage.positions.size()); // separate vertices, or a vertex of the cube
     cage.positions.insert(cage.positions.end(), {{3, 0, 0}, {4, 0, 0}});
     std::vector<unsigned> sound, without;
     const auto addFew = [&](unsigned first) {
@@ -258,8 +258,8 @@ TEST(Interpolation, FacesOfFewCornersChangeNothing)
   }
 }
 
-// A hole is interpolated as a surface of that face alone.
-TEST(Interpolation, OfHolesIsThatOfTheFaceAlone)
+// A hole is interpolated as if its face existed.
+TEST(Interpolation, HolesMatchTheFaceAlone)
 {
   for (const Cage& whole : {cubeCage(), prismCage(3), prismCage(5), sheetCage(3)})
     for (unsigned hole : {0u, 3u}) {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Displacement that gives NaN or infinity at some vertices: the quads around them are
- * left out and counted, an error of the device names them, all else is as without. */
+/* Displacement functions that return NaN or infinity at some vertices. The quads around them are left out and counted,
+ * an error of the device reports them, and everything else is unchanged. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -20,19 +20,31 @@ std::string nameOf(const testing::TestParamInfo<RTCCompression>& info)
 {
   return kindName(info.param);
 }
-INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
+INSTANTIATE_TEST_SUITE_P(Compression, InvalidVertices,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                         RTC_COMPRESSION_VERT),
+                         nameOf);
 
 constexpr int quads = 16;
 
 int lattice(float u) { return int(std::lround(u*quads)); }
 
-TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
+TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
 {
-  RecordProperty("property", "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders of blocks, on the rim");
+  RecordProperty(
+    "property",
+    "quads with a vertex that is NaN or infinite are left out and counted, and no others: inside a block, on borders "
+    "of blocks, on the rim");
   Device device;
-  // vertex (x, y) of the grid is bad; inside a block, on the border of two, on a corner of four, on the rim
-  const std::vector<std::vector<std::array<int, 2>>> sets = {
-    {{6, 6}}, {{4, 6}}, {{8, 8}}, {{0, 5}}, {{0, 0}}, {{3, 3}, {4, 3}, {13, 2}, {16, 16}}, {{7, 9}, {7, 10}, {7, 11}, {8, 12}}};
+  // vertex (x, y) of the grid is invalid: inside a block, on the border of two blocks, on a corner of four blocks, on
+  // the rim
+  const std::vector<std::vector<std::array<int, 2>>> sets = {{{6, 6}},
+                                                             {{4, 6}},
+                                                             {{8, 8}},
+                                                             {{0, 5}},
+                                                             {{0, 0}},
+                                                             {{3, 3}, {4, 3}, {13, 2}, {16, 16}},
+                                                             {{7, 9}, {7, 10}, {7, 11}, {8, 12}}};
   for (size_t set = 0; set < sets.size(); set++)
     for (int frameLevel : {0, 1, 2, 4}) {
       SCOPED_TRACE(testing::Message() << "set " << set << ", frame level " << frameLevel);
@@ -55,15 +67,16 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
       settings.frameLevel = frameLevel;
       const SurfaceScene scene(device, quadCage(), settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-      EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " + std::to_string(invalid) + " quads");
+      EXPECT_EQ(device.message, "geometry 0, face 0: vertices are not finite; left out of 1 face(s): " +
+                                  std::to_string(invalid) + " quads");
       EXPECT_EQ(statisticsOf(scene).numInvalidQuads, invalid);
       RTCBounds bounds;
       rtcGetSceneBounds(scene, &bounds);
       EXPECT_TRUE(std::isfinite(bounds.lower_x) && std::isfinite(bounds.upper_z));
 
       const bool hasVertices = GetParam() == RTC_COMPRESSION_GRID || GetParam() == RTC_COMPRESSION_VERT;
-      // straight down at the first triangle of each quad; quads next to a hole may reach over it, by a leaf's
-      // overlap, and what is next to one may be seen in it only by a thick leaf
+      // Rays straight down at the first triangle of each quad. Quads next to a hole may extend into it by a leaf's
+      // overlap. A thick leaf next to a hole may be visible in it.
       for (int y = 0; y < quads; y++)
         for (int x = 0; x < quads; x++) {
           const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
@@ -71,7 +84,7 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
           const RTCRayHit hit = intersect(scene, ray);
           ASSERT_EQ(occluded(scene, ray), isHit(hit));
           if (!isBadQuad(x, y)) { ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y; }
-          // cGRID and cVERT have vertices: the other triangle of a quad may be seen, as GRID sees it
+          // cGRID and cVERT have vertices: the other triangle of a quad may be visible, as in GRID
           const bool badTriangle = isBad(x, y) || isBad(x+1, y) || isBad(x, y+1);
           if (badTriangle && hasVertices) { ASSERT_FALSE(isHit(hit)) << "quad " << x << ", " << y; }
           if (!isHit(hit)) continue;
@@ -79,7 +92,9 @@ TEST_P(InvalidVertices, LeaveOutTheirQuadsAndNoOthers)
           ASSERT_NEAR(hit.ray.tfar, 1, 0.1f);
           const int i = int(hit.hit.u*quads), j = int(hit.hit.v*quads);
           if (hasVertices) continue;
-          ASSERT_FALSE(isBadQuad(std::min(i, quads-1), std::min(j, quads-1)) && std::fabs(hit.hit.u*quads - i - 0.5f) < 0.49f && std::fabs(hit.hit.v*quads - j - 0.5f) < 0.49f)
+          ASSERT_FALSE(isBadQuad(std::min(i, quads-1), std::min(j, quads-1)) &&
+                       std::fabs(hit.hit.u*quads - i - 0.5f) < 0.49f &&
+                       std::fabs(hit.hit.v*quads - j - 0.5f) < 0.49f)
             << "hit in a quad that is left out";
         }
     }
@@ -92,7 +107,10 @@ TEST_P(InvalidVertices, HolesStayOpen)
   Device device;
   Displacement displacement;
   displacement.amplitude = 0.01f;
-  displacement.poison = [](unsigned, float u, float v) { const int x = lattice(u), y = lattice(v); return x >= 5 && x <= 9 && y >= 5 && y <= 9; };
+  displacement.poison = [](unsigned, float u, float v) {
+    const int x = lattice(u), y = lattice(v);
+    return x >= 5 && x <= 9 && y >= 5 && y <= 9;
+  };
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.rate = quads;
@@ -104,8 +122,8 @@ TEST_P(InvalidVertices, HolesStayOpen)
   EXPECT_TRUE(isHit(intersect(scene, makeRay({2.0f/quads, 7.0f/quads, 1}, {0, 0, -1}))));
 }
 
-// cVOXEL stores patches with holes as cLEAF: the same bytes, frames included.
-TEST(VoxelsWithHoles, AreTheBlocksOfLeaves)
+// cVOXEL stores patches with holes as cLEAF: the same bytes, including frames.
+TEST(VoxelsWithHoles, MatchBlocksOfLeaves)
 {
   Device device;
   Displacement displacement;
@@ -119,14 +137,15 @@ TEST(VoxelsWithHoles, AreTheBlocksOfLeaves)
   for (int i = 0; i < 2; i++) {
     settings.compression = i ? RTC_COMPRESSION_LEAF : RTC_COMPRESSION_VOXEL;
     const SurfaceScene scene(device, quadCage(), settings);
-    for (const embree::cbvh::Block* block : sceneBlocks(scene)) blocks[i].emplace_back((const char*)block, block->layout().bytes);
+    for (const embree::cbvh::Block* block : sceneBlocks(scene))
+      blocks[i].emplace_back((const char*)block, block->layout().bytes);
     std::sort(blocks[i].begin(), blocks[i].end());
   }
   EXPECT_EQ(blocks[0].size(), 4u);
   EXPECT_EQ(blocks[0], blocks[1]);
 }
 
-TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
+TEST_P(InvalidVertices, SceneOfOnlyInvalidVerticesIsEmpty)
 {
   RecordProperty("property", "a scene of nothing but vertices that are not finite is empty, and tracing it ends");
   Device device;
@@ -143,9 +162,9 @@ TEST_P(InvalidVertices, ASceneOfNothingElseIsEmpty)
   EXPECT_FALSE(occluded(scene, makeRay({0, 0, 5}, {0, 0, -1})));
 }
 
-TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
+TEST_P(InvalidVertices, FacesNextToInvalidOnesAreComplete)
 {
-  RecordProperty("property", "faces beside one whose vertices are not finite are whole");
+  RecordProperty("property", "faces next to one whose vertices are not finite are complete");
   Device device;
   Displacement displacement;
   displacement.poison = [](unsigned primID, float, float) { return primID == 2; };
@@ -157,7 +176,7 @@ TEST_P(InvalidVertices, FacesBesideBadOnesAreWhole)
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 16u*16);
   EXPECT_EQ(statisticsOf(scene).numBlocks, GetParam() == RTC_COMPRESSION_VERT ? 5u : 5u*16);
   Random random(71);
-  for (int i = 0; i < 2000; i++) { // from the middle: all but the side towards -y
+  for (int i = 0; i < 2000; i++) { // from the center: all sides except for -y
     Vec d = {float(random.uniform(-1, 1)), float(random.uniform(-0.5, 1)), float(random.uniform(-1, 1))};
     if (d[1] < 0 && std::fabs(d[1]) > 0.5f*std::max(std::fabs(d[0]), std::fabs(d[2]))) continue;
     ASSERT_TRUE(isHit(intersect(scene, makeRay({0, 0, 0}, d))));
@@ -181,7 +200,9 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
     rtcAttachGeometry(scene, geometries[i++] = newSurface(device, cubeCage(), settings));
   }
   std::vector<std::string> messages;
-  rtcSetDeviceErrorFunction(device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); }, &messages);
+  rtcSetDeviceErrorFunction(
+    device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
+    &messages);
   auto commit = [&]() {
     messages.clear();
     rtcCommitScene(scene);
@@ -189,12 +210,13 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   };
   const std::string ofBad = "geometry 1, face 3: vertices are not finite; left out of 3 face(s): 3 quads";
   EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages, (std::vector<std::string>{ofBad, "geometry 2, face 1: vertices are not finite; left out of 1 face(s): 256 quads"}));
+  EXPECT_EQ(messages, (std::vector<std::string>{
+                        ofBad, "geometry 2, face 1: vertices are not finite; left out of 1 face(s): 256 quads"}));
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
 
   EXPECT_EQ(commit(), RTC_ERROR_NONE) << "nothing changed";
   rtcCommitGeometry(geometries[0]);
-  EXPECT_EQ(commit(), RTC_ERROR_NONE) << "only a sound geometry changed";
+  EXPECT_EQ(commit(), RTC_ERROR_NONE) << "only a valid geometry changed";
   EXPECT_EQ(statisticsOf(scene).numInvalidQuads, 259u);
   rtcCommitGeometry(geometries[1]);
   EXPECT_EQ(commit(), RTC_ERROR_INVALID_ARGUMENT);
@@ -202,10 +224,10 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
-// A commit that was cancelled has reported nothing, the next one reports what it would have.
-TEST_P(InvalidVertices, AreReportedOnceAfterACancelledCommit)
+// A canceled commit reports nothing; the next one must report the vertices.
+TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
 {
-  RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was cancelled");
+  RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was canceled");
   Device device("threads=1");
   Displacement bad, sound;
   bad.poison = [](unsigned primID, float u, float v) { return primID == 3 && u == 0 && v == 0; };
@@ -217,7 +239,9 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACancelledCommit)
     addSurface(device, scene, cubeCage(), settings);
   }
   std::vector<std::string> messages;
-  rtcSetDeviceErrorFunction(device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); }, &messages);
+  rtcSetDeviceErrorFunction(
+    device, [](void* list, RTCError, const char* text) { ((std::vector<std::string>*)list)->push_back(text); },
+    &messages);
   double cancelAt = 0.6; // in the second surface
   rtcSetSceneProgressMonitorFunction(scene, [](void* at, double n) { return n < *(double*)at; }, &cancelAt);
   rtcCommitScene(scene);
@@ -226,7 +250,8 @@ TEST_P(InvalidVertices, AreReportedOnceAfterACancelledCommit)
   cancelAt = 2;
   rtcCommitScene(scene);
   EXPECT_EQ(rtcGetDeviceError(device), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(messages, std::vector<std::string>{"geometry 0, face 3: vertices are not finite; left out of 1 face(s): 1 quads"});
+  EXPECT_EQ(messages,
+            std::vector<std::string>{"geometry 0, face 3: vertices are not finite; left out of 1 face(s): 1 quads"});
 }
 
 TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
@@ -240,19 +265,22 @@ TEST_P(InvalidVertices, AreReportedToOneOfTheThreadsThatJoinACommit)
   settings.compression = GetParam();
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings);
-  unsigned told[4] = {};
+  unsigned reported[4] = {};
   std::vector<std::thread> threads;
-  for (unsigned& n : told)
-    threads.emplace_back([&]() { rtcJoinCommitScene(scene); n = rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT; });
+  for (unsigned& n : reported)
+    threads.emplace_back([&]() {
+      rtcJoinCommitScene(scene);
+      n = rtcGetDeviceError(device) == RTC_ERROR_INVALID_ARGUMENT;
+    });
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(told[0] + told[1] + told[2] + told[3], 1u);
+  EXPECT_EQ(reported[0] + reported[1] + reported[2] + reported[3], 1u);
   EXPECT_EQ(device.errors, 1u);
 }
 
-// A needle has no good frame, and GRID, which takes those, takes none with a hole.
-TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
+// A needle has no usable frame, and GRID, which traces such blocks, does not support holes.
+TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
 {
-  RecordProperty("property", "a block without a good frame keeps its finite quads");
+  RecordProperty("property", "a block without a usable frame keeps its finite quads");
   const float width = 1e-5f;
   Cage needle = quadCage();
   for (Vec& p : needle.positions) p[1] *= width;
@@ -272,8 +300,11 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
       for (int x = 0; x < quads; x++) {
         const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
         const RTCRayHit hit = intersect(scene, makeRay({u, v*width, 1}, {0, 0, -1}));
-        if (x == 8 && y == 4) continue; // its first triangle is sound, and may be seen
-        if ((x == 8 || x == 9) && (y == 4 || y == 5)) { EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y; continue; }
+        if (x == 8 && y == 4) continue; // its first triangle is valid and may be visible
+        if ((x == 8 || x == 9) && (y == 4 || y == 5)) {
+          EXPECT_FALSE(isHit(hit)) << "quad " << x << ", " << y;
+          continue;
+        }
         ASSERT_TRUE(isHit(hit)) << "quad " << x << ", " << y;
         EXPECT_NEAR(hit.ray.tfar, 1, 1e-5f);
         EXPECT_NEAR(hit.hit.u, u, 1e-4f) << "quad " << x << ", " << y;
@@ -282,10 +313,10 @@ TEST_P(InvalidVertices, LeaveTheOthersOfABlockWithoutAGoodFrame)
   }
 }
 
-// Coordinates that are finite but huge: an answer or nothing, no crash.
-TEST_P(InvalidVertices, HugeCoordinatesAreTakenOrLeft)
+// Coordinates that are finite but huge are supported or left out, without a crash.
+TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut)
 {
-  RecordProperty("property", "coordinates up to 1e37 are taken or left out: no crash, and hits up to 1e15");
+  RecordProperty("property", "coordinates up to 1e37 are supported or left out: no crash, and hits up to 1e15");
   Device device;
   for (float scale : {1e10f, 1e15f, 1e18f, 1e25f, 1e30f, 1e37f}) {
     Displacement displacement;

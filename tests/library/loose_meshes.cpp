@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes that lie in no grid are stored in mesh blocks, and hits are as Embree's own kernels have them. */
+/* Meshes without grids are stored in mesh blocks, and hits match Embree's own kernels. */
 
 #include "support/closed.h"
 #include "support/filtered_geometry.h"
@@ -13,7 +13,7 @@ namespace cbvh::test {
 namespace {
 
 const double lattice = 0x1p-10;
-const double slack = 1e-3; // of parameters: a triangle is small
+const double slack = 1e-3; // of parameters: triangles are small
 
 class LooseMeshes : public testing::TestWithParam<const char*> {};
 
@@ -25,7 +25,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   const RTCCompressionStatistics stats = statisticsOf(scene);
   ASSERT_GE(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
   ASSERT_GE(stats.numLooseQuads, stats.numQuads/8);
-  ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+  ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   const std::vector<RTCRayHit> rays = raysAt(random, mesh, 1003);
   for (QueryForm form : allQueryForms) {
     SCOPED_TRACE(nameOf(form));
@@ -37,11 +37,11 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   }
 }
 
-TEST_P(LooseMeshes, HitsAreEmbrees)
+TEST_P(LooseMeshes, HitsMatchEmbree)
 {
   for (const char* error : {"", ",cbvh_max_error=0"}) {
     Device device((GetParam() + std::string(error)).c_str());
-    if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+    if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
     Random random(151);
     for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
       SCOPED_TRACE(shape.name + error);
@@ -55,7 +55,7 @@ TEST_P(LooseMeshes, HitsAreEmbrees)
 TEST_P(LooseMeshes, MasksFiltersAndInstances)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(152);
   for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
     SCOPED_TRACE(shape.name);
@@ -81,12 +81,12 @@ TEST_P(LooseMeshes, MasksFiltersAndInstances)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Rays at edges and vertices from inside of a closed surface, at any lattice, whether it is welded or not.
-TEST_P(LooseMeshes, AreClosed)
+// Rays from inside a closed surface at edges and vertices, for any lattice, welded or not.
+TEST_P(LooseMeshes, ClosedSurfacesDoNotLeak)
 {
   for (const char* error : {"", ",cbvh_max_error=0", ",cbvh_max_error=0.002", ",cbvh_max_error=0.05"}) {
     Device device((GetParam() + std::string(error)).c_str());
-    if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+    if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
     Random random(153);
     const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
     const DicedMesh triangles = partlyIrregular(ball, random, true), quads = partlyIrregular(ball, random, false);
@@ -107,7 +107,7 @@ TEST_P(LooseMeshes, AreClosed)
   }
 }
 
-TEST(LooseMeshesOfFewBytes, TakeSixToSevenPerTriangle)
+TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
 {
   Memory memory;
   Device device;
@@ -128,7 +128,7 @@ TEST(LooseMeshesOfFewBytes, TakeSixToSevenPerTriangle)
   std::printf("%.2f bytes per triangle (%.2f tree, %.2f headers, %.2f boxes, %.2f the rest)\n", bytes,
     each(stats.topLevelBytes), each(stats.frameBytes), each(stats.nodeBytes), each(stats.leafBytes));
   EXPECT_LE(each(stats.topLevelBytes + stats.frameBytes + stats.nodeBytes + stats.leafBytes), 6.7);
-  EXPECT_LE(bytes, 7.2); // with what the allocator leaves empty
+  EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 
 } // namespace

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cbvh_max_error=0: the vertices of grids, quads and triangles are stored to the bit, wherever they are. Rays hit the
- * same triangles as in Embree's own kernels, and t, u and v differ by rounding alone; in files, too. vert_surfaces.cpp
+/* cbvh_max_error=0: the vertices of grids, quads and triangles are stored exactly, at any position. Rays hit the same
+ * triangles as in Embree's kernels, and t, u and v differ only by rounding; the same holds for files. vert_surfaces.cpp
  * tests the vertices of cages, moving_meshes.cpp filters, masks and point queries of moving meshes. */
 
 #include "support/diced.h"
@@ -49,40 +49,46 @@ void expectEmbreesHits(const Embree& embree, const Ours& scene, const Rays& rays
   }
 }
 
-TEST_P(Lossless, HitsAreEmbrees)
+TEST_P(Lossless, HitsMatchEmbree)
 {
   Device device(GetParam() + ("," + lossless));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1501);
-  const struct { const char* name; Diced diced; } shapes[] = {
-    {"a grid of 64 quads", dicedSheet(1, 64)}, {"grids of 8 quads", dicedSheet(5, 8)}, {"grids of 33 quads", dicedSheet(2, 33)}, {"a ball", dicedBall(2, 16)}};
+  const struct { const char* name; Diced diced;
+  } shapes[] = {{"a grid of 64 quads", dicedSheet(1, 64)},
+                {"grids of 8 quads", dicedSheet(5, 8)},
+                {"grids of 33 quads", dicedSheet(2, 33)},
+                {"a ball", dicedBall(2, 16)}};
   for (const auto& shape : shapes) {
     SCOPED_TRACE(shape.name);
-    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(GridScene(device, shape.diced, RTC_COMPRESSION_NONE), GridScene(device, shape.diced), raysAt(random, shape.diced, 403)));
+    ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(GridScene(device, shape.diced, RTC_COMPRESSION_NONE),
+                                              GridScene(device, shape.diced), raysAt(random, shape.diced, 403)));
     const DicedMesh quads = meshOf(shape.diced, QuadOrder::Rows, random), triangles = trianglesOf(quads, 1, 2);
     for (const DicedMesh& mesh : {quads, triangles})
-      ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(MeshScene(device, mesh, RTC_COMPRESSION_NONE), MeshScene(device, mesh), raysAt(random, mesh, 403)));
+      ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(MeshScene(device, mesh, RTC_COMPRESSION_NONE), MeshScene(device, mesh),
+                                                raysAt(random, mesh, 403)));
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-Vec withoutSign(const Vec& p) { return {p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f}; } // of zeros
+Vec withoutSign(const Vec& p) { return {p[0] + 0.0f, p[1] + 0.0f, p[2] + 0.0f}; } // -0 becomes 0
 
-// What is handed out of the geometry, but for what is not finite.
+// All finite vertices that the geometry reports.
 std::set<Vec> storedVertices(RTCGeometry geometry)
 {
   std::set<Vec> vertices;
   rtcForEachCompressedPart(geometry, [](void* out, const RTCCompressedPart* part) {
     for (unsigned i = 0; i < part->width*part->height; i++) {
       const float* p = part->vertices + 3*i;
-      if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) ((std::set<Vec>*)out)->insert(withoutSign({p[0], p[1], p[2]}));
+      if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
+        ((std::set<Vec>*)out)->insert(withoutSign({p[0], p[1], p[2]}));
     }
     return true;
   }, &vertices);
   return vertices;
 }
 
-// Of sizes from 1e-30 to 1e12, other ones on each axis, around the origin or far from it, with stray vertices.
+// Sizes from 1e-30 to 1e12, different on each axis, around the origin or far from it, with stray vertices.
 Vec randomPlace(const Vec& p, const double scale[3], const double away[3])
 {
   Vec q;
@@ -90,7 +96,7 @@ Vec randomPlace(const Vec& p, const double scale[3], const double away[3])
   return q;
 }
 
-TEST(LosslessVertices, AreTheApplicationsWhereverTheyAre)
+TEST(LosslessVertices, MatchApplicationAtAnyPosition)
 {
   Device device(lossless);
   Random random(1502);
@@ -104,12 +110,15 @@ TEST(LosslessVertices, AreTheApplicationsWhereverTheyAre)
     }
     Diced diced = round % 4 ? dicedSheet(2, 20) : dicedBall(1, 20);
     for (Vec& p : diced.vertices) p = randomPlace(p, scale, away);
-    if (round % 5 == 0) diced.vertices[random.below(unsigned(diced.vertices.size()))][round % 3] = float(random.magnitude(1e6, 1e17));
+    if (round % 5 == 0)
+      diced.vertices[random.below(unsigned(diced.vertices.size()))][round % 3] = float(random.magnitude(1e6, 1e17));
     std::set<Vec> expected;
     for (const Vec& p : diced.vertices) expected.insert(withoutSign(p));
     const DicedMesh quads = meshOf(diced, QuadOrder::Rows, random);
     const std::pair<const char*, RTCGeometry> geometries[] = {
-      {"grids", newGrids(device, diced, RTC_COMPRESSION_VERT)}, {"quads", newMesh(device, quads, RTC_COMPRESSION_VERT)}, {"triangles", newMesh(device, trianglesOf(quads), RTC_COMPRESSION_VERT)}};
+      {"grids", newGrids(device, diced, RTC_COMPRESSION_VERT)},
+      {"quads", newMesh(device, quads, RTC_COMPRESSION_VERT)},
+      {"triangles", newMesh(device, trianglesOf(quads), RTC_COMPRESSION_VERT)}};
     for (const auto& g : geometries) {
       SCOPED_TRACE(g.first);
       Scene scene(device);
@@ -125,13 +134,16 @@ TEST(LosslessVertices, AreTheApplicationsWhereverTheyAre)
   }
 }
 
-// Where floats do not take that much of it.
+// For vertices that do not need all bits of a float.
 TEST(LosslessVertices, TakeFewerBytesThanEmbree)
 {
   Device device(lossless);
   Random random(1503);
   Diced terrain;
-  terrain.add(257, 257, [&](unsigned x, unsigned y) { return Vec{float(x), float(y), float(100 + 3*std::sin(0.05*x) + 2*std::cos(0.07*y) + 0.01*random.normal())}; });
+  terrain.add(257, 257, [&](unsigned x, unsigned y) {
+    return Vec{float(x), float(y),
+               float(100 + 3*std::sin(0.05*x) + 2*std::cos(0.07*y) + 0.01*random.normal())};
+  });
   const RTCCompressionStatistics stats = statisticsOf(GridScene(device, terrain));
   EXPECT_EQ(stats.numRawBlocks, 0u);
   EXPECT_LT(double(stats.frameBytes + stats.nodeBytes + stats.leafBytes)/double(stats.numQuads), 2.9);
@@ -142,7 +154,7 @@ TEST(LosslessVertices, TakeFewerBytesThanEmbree)
 
 // --- t, u and v, and files -------------------------------------------------------------------------
 
-// Makes the same geometry compressed or for Embree's own kernel.
+// Creates the same geometry compressed or for Embree's kernel.
 struct Source
 {
   std::string name;
@@ -150,7 +162,7 @@ struct Source
   std::function<RTCGeometry(RTCDevice, RTCCompression)> make;
 };
 
-// Turns and bends around a point that may be far from the origin.
+// Rotates and bends around a point that may be far from the origin.
 Vec bentAround(const Vec& p, const Vec& middle, unsigned step)
 {
   const double a = 0.3*step, c = std::cos(a), s = std::sin(a);
@@ -158,7 +170,7 @@ Vec bentAround(const Vec& p, const Vec& middle, unsigned step)
   return {float(middle[0] + c*x - s*y), float(middle[1] + s*x + c*y), float(middle[2] + z + 0.01*step*x*x)};
 }
 
-// Cells of 2 m in coordinates where floats are half a meter apart.
+// Cells of 2 m at coordinates where floats are half a meter apart.
 Diced nationalGrid()
 {
   Diced diced;
@@ -264,7 +276,7 @@ std::vector<RTCRayHit> raysAtStored(Random& random, RTCGeometry geometry, float 
   return rays;
 }
 
-// The largest differences: of t in its ulps, of u and v in ulps of 1.
+// The largest differences: t in its ulps, u and v in ulps of 1.
 struct Differences
 {
   double t = 0, uv = 0;
@@ -301,12 +313,12 @@ void expectWithin(const char* whose, const Found& found, const ExactTriangleHit&
   ASSERT_LE(std::fabs(double(found.v) - exact.v), bound.v) << whose << " v";
 }
 
-/* Compares the hits of both kernels on the same triangle with the exact hit. Rays that lie nearly in the plane are left
- * out: ours clamps t, and first-order bounds do not hold. More rays: CBVH_RANDOM_GEOMETRIES=2000. */
-TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
+/* Compares the hits of both kernels on the same triangle with the exact hit. Excludes rays that are nearly parallel to
+ * the plane: our kernel clamps t, and first-order bounds do not hold. More rays: CBVH_RANDOM_GEOMETRIES=2000. */
+TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
 {
   Device device(GetParam() + ("," + lossless));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1504);
   constexpr double leastCosine = 1e-3;
   const unsigned raysOfSource = unsigned(randomRounds(320));
@@ -326,7 +338,7 @@ TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
     ASSERT_EQ(rays.size(), raysOfSource);
     Differences ofOurs, ofEmbree, between;
     size_t compared = 0, others = 0;
-    std::set<std::array<float, 8>> known; // pairs of hits that another form had
+    std::set<std::array<float, 8>> known; // pairs of hits that another form of query also had
     for (QueryForm form : allQueryForms) {
       SCOPED_TRACE(nameOf(form));
       const std::vector<RTCRayHit> expected = closestHits(embree, rays, form), found = closestHits(ours, rays, form);
@@ -344,14 +356,16 @@ TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
         const ExactTriangleHit exact(rays[i].ray, triangle);
         if (!exact.isMet() || exact.cosine < leastCosine) continue;
         compared++;
-        /* In GRID neighboring faces evaluate their border some ulps apart, and vertices have 13 bits of u and v. Vertices
-         * that move are the same floats in both libraries at all times, except that Embree interpolates grids by another
-         * formula: at most three roundings in either. */
+        /* In GRID neighboring faces evaluate their border with differences of some ulps, and vertices have 13 bits of u
+         * and v. Moving vertices are the same floats in both libraries at all times, except that Embree uses a
+         * different interpolation formula for grids: at most three roundings in either. */
         double vertexError[3];
         for (int k = 0; k < 3; k++) {
           float largest = 0;
           for (const auto& vertex : triangle.vertices) largest = std::max(largest, std::fabs(vertex[k]));
-          vertexError[k] = source.isCage ? stats.maxBorderGap : source.isGrids && source.moves ? 6*unitRoundoff*largest : 0;
+          vertexError[k] = source.isCage ? stats.maxBorderGap
+                           : source.isGrids && source.moves ? 6*unitRoundoff*largest
+                                                            : 0;
         }
         const HitError bound = exact.embreesBound(vertexError, source.isCage ? 0x1p-13 : 0);
         ASSERT_NO_FATAL_FAILURE(expectWithin("our", f, exact, exact.oursBound()));
@@ -372,12 +386,12 @@ TEST_P(Lossless, HitsDifferFromEmbreesByRoundingAlone)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-/* Hits are the same to the bit as before saving, and geometrically Embree's own. Between time steps Embree interpolates
- * grids by another formula than cages, quads and triangles. */
+/* Hits must be bit-identical to those before saving, and geometrically match Embree's. Embree's interpolation between
+ * time steps differs between grids and other geometries. */
 TEST_P(Lossless, FilesHaveTheSameHits)
 {
   Device device(GetParam() + ("," + lossless));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(1505);
   for (const Source& source : allSources(random)) {
     SCOPED_TRACE(source.name);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes of quads and of triangles that are compressed: grids are found in them, and hits are as Embree's own kernels
- * have them, whatever order the quads come in. */
+/* Compressed meshes of quads and triangles: the library finds grids in them, and hits match Embree's own kernels, in
+ * any order of the quads. */
 
 #include "support/closed.h"
 #include "support/irregular_mesh.h"
@@ -21,7 +21,7 @@ namespace cbvh::test {
 namespace {
 
 const double lattice = 0x1p-10;
-const double slack = 1e-3; // of parameters: a quad is small, and Embree's floats place a hit on it less well than on a grid
+const double slack = 1e-3; // of parameters: quads are small, and Embree's floats are less accurate than on a grid
 
 class MeshGeometry : public testing::TestWithParam<const char*> {};
 
@@ -33,16 +33,20 @@ struct Shape
   DicedMesh mesh;
 };
 
-// What has vertices on the lattice, and so the same triangles compressed and not.
+// Meshes whose vertices are on the lattice, so that triangles are the same with and without compression.
 std::vector<Shape> shapes(Random& random)
 {
   std::vector<Shape> all;
   for (QuadOrder order : allQuadOrders) {
-    all.push_back({std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
-    all.push_back({std::string("patches of 32 quads a side, ") + nameOf(order), meshOf(dicedSheet(2, 32, lattice), order, random)});
+    all.push_back(
+      {std::string("patches of 8 quads a side, ") + nameOf(order), meshOf(dicedSheet(4, 8, lattice), order, random)});
+    all.push_back(
+      {std::string("patches of 32 quads a side, ") + nameOf(order), meshOf(dicedSheet(2, 32, lattice), order, random)});
   }
-  all.push_back({"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
-  all.push_back({"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
+  all.push_back(
+    {"patches of 11 quads a side, row by row", meshOf(dicedSheet(3, 11, lattice), QuadOrder::Rows, random)});
+  all.push_back(
+    {"one sheet of 100 quads a side, row by row", meshOf(dicedSheet(1, 100, lattice), QuadOrder::Rows, random)});
   DicedMesh ball = meshOf(dicedBall(2, 16), QuadOrder::Recursive, random), earth = globe(60, 40);
   for (DicedMesh* mesh : {&ball, &earth})
     for (Vec& p : mesh->vertices)
@@ -58,7 +62,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   const RTCCompressionStatistics stats = statisticsOf(scene);
   ASSERT_EQ(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
   ASSERT_EQ(stats.numMeshQuads, stats.numQuads);
-  ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+  ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
   const std::vector<RTCRayHit> rays = raysAt(random, mesh, count);
   for (QueryForm form : allQueryForms) {
@@ -71,10 +75,10 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   }
 }
 
-TEST_P(MeshGeometry, HitsAreEmbreesOfQuads)
+TEST_P(MeshGeometry, HitsOfQuadsMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(121);
   for (const Shape& shape : shapes(random)) {
     SCOPED_TRACE(shape.name);
@@ -84,10 +88,10 @@ TEST_P(MeshGeometry, HitsAreEmbreesOfQuads)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(MeshGeometry, HitsAreEmbreesOfTriangles)
+TEST_P(MeshGeometry, HitsOfTrianglesMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(122);
   for (const Shape& shape : shapes(random)) {
     const unsigned first = random.below(3), second = random.below(3);
@@ -98,11 +102,11 @@ TEST_P(MeshGeometry, HitsAreEmbreesOfTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// The triangles of a quad are anywhere in the index buffer, begin at any corner, and share vertices or not.
-TEST_P(MeshGeometry, HitsAreEmbreesOfTrianglesInAnyOrder)
+// The triangles of a quad are anywhere in the index buffer, begin at any corner, and may share vertices or not.
+TEST_P(MeshGeometry, HitsOfTrianglesInAnyOrderMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(136);
   const DicedMesh rows = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
   for (const OrderedMesh& ordered : trianglesInAnyOrder(rows, random)) {
@@ -118,16 +122,17 @@ TEST_P(MeshGeometry, HitsAreEmbreesOfTrianglesInAnyOrder)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Triangles of no pair among those that have one: what is behind them begins with a triangle of an odd number.
-TEST_P(MeshGeometry, HitsAreEmbreesBesideSingleTriangles)
+// Single triangles between pairs: pairs after them begin with an odd number.
+TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(123);
   DicedMesh mesh = trianglesOf(meshOf(dicedSheet(3, 16, lattice), QuadOrder::Rows, random), 1, 2);
   for (unsigned i = 0; i < 9; i++) {
     const unsigned v = unsigned(mesh.vertices.size());
-    for (const Vec& p : {Vec{1.5f, 0, 0}, Vec{1.75f, 0, 0.25f}, Vec{1.5f, 0.25f, 0}}) mesh.vertices.push_back({p[0], p[1] + 0.25f*float(i), p[2]});
+    for (const Vec& p : {Vec{1.5f, 0, 0}, Vec{1.75f, 0, 0.25f}, Vec{1.5f, 0.25f, 0}})
+      mesh.vertices.push_back({p[0], p[1] + 0.25f*float(i), p[2]});
     mesh.triangles.insert(mesh.triangles.begin() + i*73, {v, v + 1, v + 2});
   }
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
@@ -144,7 +149,7 @@ TEST_P(MeshGeometry, HitsAreEmbreesBesideSingleTriangles)
 TEST_P(MeshGeometry, MasksFiltersAndInstances)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(124);
   const DicedMesh sheet = meshOf(dicedSheet(4, 16, lattice), QuadOrder::Recursive, random);
   for (const DicedMesh& mesh : {sheet, trianglesOf(sheet)}) {
@@ -159,7 +164,8 @@ TEST_P(MeshGeometry, MasksFiltersAndInstances)
     for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = i % 5 ? 3 : 1;
     for (QueryForm form : allQueryForms) {
       SCOPED_TRACE(nameOf(form));
-      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form), anyOfEmbree = anyHits(scenes[0], rays, form);
+      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form),
+                                   anyOfEmbree = anyHits(scenes[0], rays, form);
       expectSameHits(expected, closestHits(scenes[1], rays, form), slack);
       expectSameHits(closestHits(tops[0], rays, form), closestHits(tops[1], rays, form), slack);
       size_t hits = 0;
@@ -175,13 +181,15 @@ TEST_P(MeshGeometry, MasksFiltersAndInstances)
 
 // --- closed -----------------------------------------------------------------------------------
 
-TEST(Meshes, AreClosedWhereRegionsMeet)
+TEST(Meshes, AreClosedBetweenRegions)
 {
   Device device;
   Random random(125);
-  Shape balls[] = {
-    {"patches of 4 quads", meshOf(dicedBall(3, 4), QuadOrder::Recursive, random)}, {"patches of 16 quads", meshOf(dicedBall(4, 16), QuadOrder::Rows, random)},
-    {"shuffled", meshOf(dicedBall(3, 12), QuadOrder::Shuffled, random)}, {"quads of very different size", meshOf(dicedBall(8, 5, 3), QuadOrder::Rows, random)}, {"globe", globe(90, 50)}};
+  Shape balls[] = {{"patches of 4 quads", meshOf(dicedBall(3, 4), QuadOrder::Recursive, random)},
+                   {"patches of 16 quads", meshOf(dicedBall(4, 16), QuadOrder::Rows, random)},
+                   {"shuffled", meshOf(dicedBall(3, 12), QuadOrder::Shuffled, random)},
+                   {"quads of very different size", meshOf(dicedBall(8, 5, 3), QuadOrder::Rows, random)},
+                   {"globe", globe(90, 50)}};
   for (const Shape& ball : balls)
     for (const DicedMesh& mesh : {ball.mesh, trianglesOf(ball.mesh, 1, 1)}) {
       SCOPED_TRACE(testing::Message() << ball.name << (mesh.isOfTriangles() ? ", triangles" : ""));
@@ -198,7 +206,7 @@ TEST(Meshes, AreClosedWhereRegionsMeet)
     }
 }
 
-// --- what is found ----------------------------------------------------------------------------
+// --- regular parts ----------------------------------------------------------------------------
 
 TEST(Meshes, RegularPartsAreFoundInAnyOrder)
 {
@@ -214,7 +222,7 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
       EXPECT_EQ(stats.numMeshQuads, quads);
       EXPECT_EQ(stats.numLooseQuads, 0u);
       EXPECT_LE(stats.numBlocks, quads/256 + quads/512) << "blocks are full";
-      // numbers in a pattern take 8 bytes a block; where there is none, as many a quad as their range needs
+      // numbers in a pattern take 8 bytes per block; otherwise each quad needs as many bits as their range
       EXPECT_LE(double(stats.leafBytes)/double(quads), order == QuadOrder::Shuffled ? 5.5 : 3.5);
     }
   }
@@ -224,8 +232,8 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
   EXPECT_LE(statisticsOf(scene).numLooseQuads, 200u) << "at the poles";
 }
 
-// Blocks are full, and numbers take few bytes where they follow a pattern. Where patches of a ball meet that begin at
-// other corners, pairs of triangles that nothing else tells apart from those of a quad may lead on into the next patch.
+// Blocks are full, and numbers in a pattern need few bytes. Where patches of a ball with different first corners
+// meet, pairs of triangles that cannot be distinguished from a quad may continue into the next patch.
 TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
 {
   Device device("cbvh_max_error=0.00043"); // 1/36 of an edge of the sheet
@@ -249,8 +257,8 @@ TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
     }
 }
 
-// A vertex of its own for each quad along some rows of a sheet, as of a mesh that is smooth except at sharp edges.
-TEST(Meshes, SplitEdgesCostNothing)
+// Each quad along some rows of a sheet has its own vertex, as in a mesh that is smooth except at sharp edges.
+TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
 {
   Device device;
   Random random(138);
@@ -273,8 +281,8 @@ TEST(Meshes, SplitEdgesCostNothing)
   }
 }
 
-// Vertices that are together at the first time step only are not one.
-TEST(Meshes, VerticesThatPartAreNotWelded)
+// Vertices that coincide only at the first time step must not be merged.
+TEST(Meshes, VerticesThatSeparateAreNotWelded)
 {
   Device device;
   Random random(139);
@@ -315,7 +323,7 @@ TEST(Meshes, VerticesThatPartAreNotWelded)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Quads that are cut along either diagonal are no grid: a grid has the same one everywhere.
+// Quads with different diagonals do not form a grid, which has the same diagonal everywhere.
 TEST(Meshes, MixedDiagonalsKeepTheirTriangles)
 {
   Device device;
@@ -336,7 +344,7 @@ TEST(Meshes, MixedDiagonalsKeepTheirTriangles)
 }
 
 // A closed mesh has no corner to begin at. The same regions are found, in about the same time.
-TEST(Meshes, ClosedMeshesAreFoundFromAnyQuadOn)
+TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
 {
   Device device;
   Random random(141);
@@ -369,14 +377,15 @@ TEST(Meshes, ClosedMeshesAreFoundFromAnyQuadOn)
   }
 }
 
-// A heap of quads or triangles, in which nothing is regular, and quads that share no vertices become mesh blocks, but not
-// if they move; few primitives, and those that are refitted, are left to Embree.
-TEST(Meshes, IrregularOnesBecomeMeshBlocks)
+// Irregular quads or triangles, and quads that share no vertices, become mesh blocks unless they move. Small meshes
+// and refitted ones are left to Embree.
+TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
 {
   Device device;
   Random random(127);
   DicedMesh heap;
-  for (int i = 0; i < 2000; i++) heap.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
+  for (int i = 0; i < 2000; i++)
+    heap.vertices.push_back({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-1, 1))});
   DicedMesh triangles = heap;
   for (int i = 0; i < 4000; i++) {
     std::array<unsigned, 4> q;
@@ -384,7 +393,7 @@ TEST(Meshes, IrregularOnesBecomeMeshBlocks)
     heap.quads.push_back(q);
     triangles.triangles.push_back({q[0], q[1], q[2]});
   }
-  DicedMesh apart; // no quad shares a vertex with another, nor a position
+  DicedMesh apart; // no quad shares a vertex or a position with another
   const DicedMesh sheet = meshOf(dicedSheet(2, 32), QuadOrder::Rows, random);
   for (const auto& q : sheet.quads) {
     const unsigned v = unsigned(apart.vertices.size());
@@ -417,18 +426,19 @@ TEST(Meshes, IrregularOnesBecomeMeshBlocks)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Of two triangles that make a quad, each is near by itself.
-TEST(Meshes, PointQueriesSeeTheTriangleBesideOneThatIsNotFinite)
+// The triangles of a quad are tested separately.
+TEST(Meshes, PointQueriesFindTheTriangleNextToANonFiniteOne)
 {
   Device device;
   Random random(135);
   DicedMesh mesh = trianglesOf(meshOf(dicedSheet(1, 32, lattice), QuadOrder::Rows, random));
-  const unsigned pair = 500; // its second triangle alone gets a vertex of its own
+  const unsigned pair = 500; // only its second triangle gets its own vertex
   mesh.triangles[2*pair + 1][0] = unsigned(mesh.vertices.size());
   mesh.vertices.push_back({NAN, 0, 0});
   const MeshScene scene(device, mesh);
   ASSERT_EQ(statisticsOf(scene).numMeshQuads, 1024u);
-  const Vec &a = mesh.vertices[mesh.triangles[2*pair][0]], &b = mesh.vertices[mesh.triangles[2*pair][1]], &c = mesh.vertices[mesh.triangles[2*pair][2]];
+  const Vec &a = mesh.vertices[mesh.triangles[2*pair][0]], &b = mesh.vertices[mesh.triangles[2*pair][1]],
+            &c = mesh.vertices[mesh.triangles[2*pair][2]];
   RTCPointQuery query;
   query.x = (a[0] + b[0] + c[0])/3; query.y = (a[1] + b[1] + c[1])/3; query.z = (a[2] + b[2] + c[2])/3;
   query.time = 0;
@@ -444,15 +454,17 @@ TEST(Meshes, PointQueriesSeeTheTriangleBesideOneThatIsNotFinite)
   EXPECT_FALSE(near.count(2*pair + 1));
 }
 
-// Indices that are no vertices, and vertices that are not finite: what has them is not hit, as in Embree, and all else is.
-TEST(Meshes, WhatIsWrongIsLeftOut)
+// Primitives with invalid indices or vertices that are not finite are not hit, as in Embree; all others are.
+TEST(Meshes, InvalidPrimitivesAreLeftOut)
 {
   Device device;
   Random random(128);
   const DicedMesh good = meshOf(dicedSheet(2, 32, lattice), QuadOrder::Rows, random);
   DicedMesh bad = good;
-  for (int i = 0; i < 20; i++) bad.quads[random.below(unsigned(bad.size()))][random.below(4)] = i % 2 ? ~0u : unsigned(bad.vertices.size());
-  for (int i = 0; i < 20; i++) bad.vertices[random.below(unsigned(bad.vertices.size()))][i % 3] = i % 2 ? INFINITY : NAN;
+  for (int i = 0; i < 20; i++)
+    bad.quads[random.below(unsigned(bad.size()))][random.below(4)] = i % 2 ? ~0u : unsigned(bad.vertices.size());
+  for (int i = 0; i < 20; i++)
+    bad.vertices[random.below(unsigned(bad.vertices.size()))][i % 3] = i % 2 ? INFINITY : NAN;
   DicedMesh badTriangles = trianglesOf(bad);
   for (const DicedMesh& mesh : {bad, badTriangles}) {
     const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
@@ -460,12 +472,17 @@ TEST(Meshes, WhatIsWrongIsLeftOut)
     EXPECT_GT(statisticsOf(scene).numMeshQuads, 3900u);
     const std::vector<RTCRayHit> rays = raysAt(random, good, 3000);
     unsigned other = 0;
-    const std::vector<RTCRayHit> expected = closestHits(embree, rays, QueryForm::Single), found = closestHits(scene, rays, QueryForm::Single);
-    const auto isFinite = [&](unsigned v) { return std::isfinite(mesh.vertices[v][0] + mesh.vertices[v][1] + mesh.vertices[v][2]); };
+    const std::vector<RTCRayHit> expected = closestHits(embree, rays, QueryForm::Single),
+                                 found = closestHits(scene, rays, QueryForm::Single);
+    const auto isFinite = [&](unsigned v) {
+      return std::isfinite(mesh.vertices[v][0] + mesh.vertices[v][1] + mesh.vertices[v][2]);
+    };
     for (size_t i = 0; i < rays.size(); i++) {
       if (expected[i].hit.primID == found[i].hit.primID) continue;
-      // Of a quad Embree leaves out both triangles, if a vertex of either is not finite.
-      if (!mesh.isOfTriangles() && isHit(found[i]) && !std::all_of(mesh.quads[found[i].hit.primID].begin(), mesh.quads[found[i].hit.primID].end(), isFinite)) continue;
+      // Embree leaves out both triangles of a quad if a vertex of either is not finite.
+      if (!mesh.isOfTriangles() && isHit(found[i]) &&
+          !std::all_of(mesh.quads[found[i].hit.primID].begin(), mesh.quads[found[i].hit.primID].end(), isFinite))
+        continue;
       other++;
     }
     EXPECT_EQ(other, 0u);
@@ -474,7 +491,7 @@ TEST(Meshes, WhatIsWrongIsLeftOut)
 
 // --- settings ---------------------------------------------------------------------------------
 
-TEST(Meshes, AskForCompressionOrNot)
+TEST(Meshes, CompressionCanBeSelected)
 {
   Random random(129);
   const DicedMesh quads = meshOf(dicedSheet(2, 32), QuadOrder::Recursive, random), triangles = trianglesOf(quads);
@@ -482,7 +499,8 @@ TEST(Meshes, AskForCompressionOrNot)
     const MeshScene scene(device, mesh, compression);
     return statisticsOf(scene).numQuads;
   };
-  Device plain, ofString("subdiv_accel=cbvh"), noQuads("subdiv_accel=cbvh.vert,cbvh_quads=0"), noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
+  Device plain, ofString("subdiv_accel=cbvh"), noQuads("subdiv_accel=cbvh.vert,cbvh_quads=0"),
+    noTriangles("subdiv_accel=cbvh.leaf,cbvh_triangles=0");
   for (const DicedMesh& mesh : {quads, triangles}) {
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_INHERIT), 0u);
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_LEAF), 4096u) << "diced geometry is stored as cVERT";
@@ -490,12 +508,12 @@ TEST(Meshes, AskForCompressionOrNot)
     EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_NONE), 0u);
     EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_INHERIT), mesh.isOfTriangles() ? 4096u : 0u);
     EXPECT_EQ(count(noTriangles, mesh, RTC_COMPRESSION_INHERIT), mesh.isOfTriangles() ? 0u : 4096u);
-    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_VERT), 4096u) << "it asks itself";
+    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_VERT), 4096u) << "the geometry's own setting";
   }
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
 }
 
-TEST(Meshes, AreEditedAndLetTheirInputGo)
+TEST(Meshes, ReleaseInputAfterEdits)
 {
   Device device;
   Random random(130);
@@ -536,7 +554,7 @@ TEST(Meshes, AreEditedAndLetTheirInputGo)
   }
 }
 
-TEST(Meshes, CommitsTellHowFarTheyAre)
+TEST(Meshes, CommitsReportProgress)
 {
   Device device;
   Random random(131);
@@ -558,7 +576,7 @@ TEST(Meshes, CommitsTellHowFarTheyAre)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Meshes, TakeFewBytes)
+TEST(Meshes, MemoryIsSmall)
 {
   Random random(132);
   for (QuadOrder order : allQuadOrders)
@@ -576,16 +594,20 @@ TEST(Meshes, TakeFewBytes)
       rtcCommitScene(scene);
       const double bytes = double(memory.live - empty - inputBytes)/double(quads.size());
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      const auto aQuad = [&](size_t n) { return double(n)/double(quads.size()); };
-      std::printf("%s, %s: %.2f bytes a quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), %.2f more meanwhile\n", asTriangles ? "triangles" : "quads", nameOf(order),
-                  bytes, aQuad(stats.topLevelBytes), aQuad(stats.frameBytes), aQuad(stats.nodeBytes), aQuad(stats.leafBytes), aQuad(size_t(memory.peak - memory.live)));
+      const auto perQuad = [&](size_t n) { return double(n)/double(quads.size()); };
+      std::printf(
+        "%s, %s: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), "
+        "%.2f more during the build\n",
+        asTriangles ? "triangles" : "quads", nameOf(order), bytes, perQuad(stats.topLevelBytes),
+        perQuad(stats.frameBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes),
+        perQuad(size_t(memory.peak - memory.live)));
       EXPECT_LE(bytes, order == QuadOrder::Shuffled ? 6.5 : 3.5);
     }
 }
 
-// --- out again --------------------------------------------------------------------------------
+// --- stored triangles -------------------------------------------------------------------------
 
-TEST(Meshes, TrianglesOfHitsComeOut)
+TEST(Meshes, TrianglesOfHitsAreReported)
 {
   Device device;
   Random random(133);
@@ -611,8 +633,9 @@ TEST(Meshes, TrianglesOfHitsComeOut)
           const bool isSecond = r.hit.u + r.hit.v > 1;
           v[0] = q[isSecond ? 2 : 0]; v[1] = q[isSecond ? 3 : 1]; v[2] = q[isSecond ? 1 : 3];
         }
-        for (int c = 0; c < 3; c++) ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
-        // parameters are interpolated to those of the hit
+        for (int c = 0; c < 3; c++)
+          ASSERT_EQ(Vec({t.vertices[c][0], t.vertices[c][1], t.vertices[c][2]}), mesh.vertices[v[c]]);
+        // interpolated parameters match those of the hit
         const bool isFlipped = t.u[0] + t.v[0] > 1;
         ASSERT_EQ(t.u[1], isFlipped ? 0 : 1);
         ASSERT_EQ(t.v[2], isFlipped ? 0 : 1);
@@ -620,12 +643,14 @@ TEST(Meshes, TrianglesOfHitsComeOut)
       RTCCompressedTriangle t;
       EXPECT_FALSE(rtcGetCompressedTriangle(geometry, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
 
-      // all of it
+      // all stored triangles
       std::set<unsigned> met;
       rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
         const unsigned n = part->primitivesPerQuad;
         for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
-          if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) { EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second); }
+          if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
+            EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second);
+          }
         return true;
       }, &met);
       EXPECT_EQ(met.size(), mesh.size());
@@ -635,7 +660,7 @@ TEST(Meshes, TrianglesOfHitsComeOut)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
+TEST(Meshes, PointQueriesMatchEmbree)
 {
   Device device;
   Random random(134);
@@ -646,7 +671,7 @@ TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
     partlyIrregular(quads, random, true)}) {
     const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
     struct Found { const DicedMesh* mesh; Vec at; std::set<unsigned> near; size_t calls = 0; };
-    // primitives with a vertex near enough
+    // primitives with a vertex within the radius
     const auto near = [&](RTCScene in, const Vec& at, float radius) {
       Found found{&mesh, at, {}};
       RTCPointQuery query;
@@ -658,10 +683,12 @@ TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
       rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
         Found& f = *(Found*)args->userPtr;
         f.calls++;
-        const unsigned* v = f.mesh->isOfTriangles() ? f.mesh->triangles[args->primID].data() : f.mesh->quads[args->primID].data();
+        const unsigned* v = f.mesh->isOfTriangles() ? f.mesh->triangles[args->primID].data()
+                                                    : f.mesh->quads[args->primID].data();
         for (int c = 0; c < 3; c++) {
           const Vec& p = f.mesh->vertices[v[c]];
-          if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius) f.near.insert(args->primID);
+          if (std::hypot(p[0] - f.at[0], p[1] - f.at[1], p[2] - f.at[2]) <= args->query->radius)
+            f.near.insert(args->primID);
         }
         return false;
       }, &found);
@@ -669,7 +696,8 @@ TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
     };
     size_t all = 0, calls = 0;
     for (int i = 0; i < 200; i++) {
-      const Vec at = {float(random.uniform(-1.1, 1.1)), float(random.uniform(-1.1, 1.1)), float(random.uniform(-0.3, 0.3))};
+      const Vec at = {float(random.uniform(-1.1, 1.1)), float(random.uniform(-1.1, 1.1)),
+                      float(random.uniform(-0.3, 0.3))};
       const float radius = float(random.uniform(0, 0.4));
       const Found expected = near(embree, at, radius), found = near(scene, at, radius);
       ASSERT_EQ(expected.near, found.near);
@@ -677,7 +705,7 @@ TEST(Meshes, PointQueriesFindWhatEmbreeFinds)
       calls += found.calls;
     }
     EXPECT_GT(all, 1000u);
-    EXPECT_LT(calls, 3*all) << "few that are too far";
+    EXPECT_LT(calls, 3*all) << "too many calls for distant primitives";
   }
 }
 

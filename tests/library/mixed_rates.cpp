@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Neighbouring faces of different edge rates meet: rays from inside at every vertex of
- * every border and between them hit, in every representation. */
+/* Neighboring faces with different edge rates share borders without gaps: rays from inside at every vertex of every
+ * border and between vertices hit, in every representation. */
 
 #include "support/edge_rates.h"
 #include "support/scene_blocks.h"
@@ -19,7 +19,7 @@
 namespace cbvh::test {
 namespace {
 
-// The vertices on the borders of all patches, as GRID has them, in order.
+// Records the vertices on the borders of all patches, in the order of GRID.
 struct BorderRecorder : public VertexRecorder
 {
   typedef std::tuple<unsigned, unsigned, unsigned> Side; // face, sub-patch, side of the patch
@@ -47,7 +47,7 @@ struct BorderRecorder : public VertexRecorder
     }
   }
 
-  // Every vertex of the borders and points between neighbours.
+  // Every vertex of the borders and points between neighbors.
   std::vector<Vec> targets(Random& random, unsigned pointsBetween) const
   {
     std::vector<Vec> out;
@@ -67,9 +67,9 @@ struct BorderRecorder : public VertexRecorder
     return out;
   }
 
-  // Halfway from the borders to those of a finer tessellation: where a face that kept
-  // all its vertices would leave a hole beside one that has this border.
-  std::vector<Vec> targetsBeside(const BorderRecorder& fine) const
+  // Points halfway between the borders and those of a finer tessellation. A face that kept all its vertices would
+  // leave a hole there next to a face with this border.
+  std::vector<Vec> targetsNextTo(const BorderRecorder& fine) const
   {
     std::vector<Vec> out;
     for (const auto& border : borders)
@@ -79,14 +79,15 @@ struct BorderRecorder : public VertexRecorder
         const auto before = std::prev(after);
         const double t = (vertex.first - before->first)/(after->first - before->first);
         Vec p;
-        for (int k = 0; k < 3; k++) p[k] = float(0.5*(vertex.second[k] + before->second[k] + t*(after->second[k] - before->second[k])));
+        for (int k = 0; k < 3; k++)
+          p[k] = float(0.5*(vertex.second[k] + before->second[k] + t*(after->second[k] - before->second[k])));
         out.push_back(p);
       }
     return out;
   }
 };
 
-// Vertices of the patch of a face, as cGRID has them.
+// Vertices of the patch of a face, as stored in cGRID.
 struct PatchVertices
 {
   unsigned quadsX = 0, quadsY = 0;
@@ -102,7 +103,8 @@ struct PatchVertices
       const unsigned size = 1u << block->height(), width = size + 1;
       const float* p = (const float*)block->leaves();
       for (unsigned i = 0; i < width*width; i++) {
-        const unsigned x = embree::cbvh::blockXOf(block->info)*size + i % width, y = embree::cbvh::blockYOf(block->info)*size + i/width;
+        const unsigned x = embree::cbvh::blockXOf(block->info)*size + i % width,
+                       y = embree::cbvh::blockYOf(block->info)*size + i/width;
         vertices[{x, y}] = {p[i], p[width*width + i], p[2*width*width + i]};
       }
     }
@@ -121,7 +123,7 @@ struct PatchVertices
   }
 };
 
-// Whether two evaluations of a vertex are the same, but for what they round.
+// True if two evaluations of a vertex are equal except for rounding.
 bool isSameVertex(const Vec& a, const Vec& b)
 {
   bool same = true;
@@ -129,17 +131,19 @@ bool isSameVertex(const Vec& a, const Vec& b)
   return same;
 }
 
-/* A border whose edge has a rate below the patch's, framed_rays.md's "Edges of a lower rate": its own
- * vertices, each the nearest of the patch; those between on the straight line, evenly, but for 2^-20
- * outward. */
+/* Checks a border whose edge has a lower rate than the patch ("Edges of a lower rate" in framed_rays.md). Each vertex
+ * of the edge is at the nearest vertex of the patch. The vertices between are evenly spaced on the straight line,
+ * shifted outward by at most 2^-20. */
 void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector<Vec>& own)
 {
   const unsigned fine = patch.quadsOf(side), coarse = unsigned(own.size()) - 1;
-  std::vector<unsigned> at; // of own vertices among the patch's
+  std::vector<unsigned> at; // positions of the edge's vertices among those of the patch
   for (unsigned k = 0; k <= coarse; k++) {
-    const unsigned below = (2*k*fine + coarse - 1)/(2*coarse), above = (2*k*fine + coarse)/(2*coarse); // two are as near at a tie
+    // in a tie two vertices are nearest
+    const unsigned below = (2*k*fine + coarse - 1)/(2*coarse), above = (2*k*fine + coarse)/(2*coarse);
     const bool isBelow = isSameVertex(patch.onSide(side, below), own[k]);
-    ASSERT_TRUE(isBelow || isSameVertex(patch.onSide(side, above), own[k])) << "vertex " << k << " of " << coarse << " is none of the patch's";
+    ASSERT_TRUE(isBelow || isSameVertex(patch.onSide(side, above), own[k]))
+      << "vertex " << k << " of " << coarse << " is not a vertex of the patch";
     at.push_back(isBelow ? below : above);
   }
   for (unsigned k = 0; k < coarse; k++)
@@ -158,7 +162,7 @@ void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector
     }
 }
 
-TEST(BordersOfMixedRates, AreThePolylinesOfTheirEdges)
+TEST(BordersOfMixedRates, ArePolylinesOfTheirEdges)
 {
   Device device;
   const Cage cage = cubeCage();
@@ -180,7 +184,8 @@ TEST(BordersOfMixedRates, AreThePolylinesOfTheirEdges)
       const PatchVertices patch(blocks, face);
       for (unsigned side = 0; side < 4; side++) {
         const unsigned rate = unsigned(settings.edgeRates[4*face + side]);
-        SCOPED_TRACE(testing::Message() << "seed " << seed << ", face " << face << ", side " << side << ", rate " << rate << " of " << patch.quadsOf(side));
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", face " << face << ", side " << side << ", rate "
+                                        << rate << " of " << patch.quadsOf(side));
         std::vector<Vec> own;
         for (unsigned k = 0; k <= rate; k++) {
           const auto& border = recorder.borders.at(BorderRecorder::Side(face, 0, side));
@@ -215,7 +220,7 @@ std::vector<RTCRayHit> raysTowards(const std::vector<Vec>& targets, Random& rand
   return rays;
 }
 
-// Point of the surface without displacement. Interpolation reads a float behind the last vertex.
+// Point of the surface without displacement. Interpolation reads one float after the last vertex.
 Vec surfacePoint(RTCScene scene, const Cage& cage, unsigned face, float u, float v)
 {
   const RTCGeometry geometry = rtcGetGeometry(scene, 0);
@@ -225,9 +230,9 @@ Vec surfacePoint(RTCScene scene, const Cage& cage, unsigned face, float u, float
   return p;
 }
 
-/* cVERT evaluates borders by themselves, before any patch: each has the points of the surface, by rtcInterpolate, that its
- * own rate asks for, whatever the rates of the other edges. */
-TEST(BordersOfMixedRates, HaveTheirVerticesInCVert)
+/* cVERT evaluates borders separately, before any patch. Each border consists of points of the surface (rtcInterpolate)
+ * at its own rate, independently of the rates of other edges. */
+TEST(BordersOfMixedRates, CVertEvaluatesBordersAtTheirRates)
 {
   Device device;
   Cage bilinear = cubeCage();
@@ -242,8 +247,9 @@ TEST(BordersOfMixedRates, HaveTheirVerticesInCVert)
       const SurfaceScene scene(device, cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       std::vector<std::vector<std::array<float, 3>>> vertices(cage.faces.size());
-      for (const VertTriangle& t : vertTriangles(scene)) vertices[t.primID].insert(vertices[t.primID].end(), t.vertices.begin(), t.vertices.end());
-      const double most = 0.8661*statisticsOf(scene).maxVertexSpacing + 1e-5; // faces round what they share apart
+      for (const VertTriangle& t : vertTriangles(scene))
+        vertices[t.primID].insert(vertices[t.primID].end(), t.vertices.begin(), t.vertices.end());
+      const double most = 0.8661*statisticsOf(scene).maxVertexSpacing + 1e-5; // faces round shared vertices differently
       size_t missing = 0, compared = 0;
       for (unsigned face = 0; face < cage.faces.size(); face++)
         for (unsigned side = 0; side < 4; side++) {
@@ -261,7 +267,7 @@ TEST(BordersOfMixedRates, HaveTheirVerticesInCVert)
     }
 }
 
-// How far u and v of hits are from where the ray hit: the surface's point there, by rtcInterpolate.
+// Largest distance of u and v of hits from the position of the hit, computed with rtcInterpolate.
 double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTCRayHit>& rays)
 {
   double worst = 0;
@@ -270,7 +276,8 @@ double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTC
     const RTCRayHit found = intersect(scene, ray);
     if (!isHit(found)) continue;
     const Vec p = surfacePoint(scene, cage, found.hit.primID, found.hit.u, found.hit.v);
-    const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z}, dir[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
+    const float org[3] = {ray.ray.org_x, ray.ray.org_y, ray.ray.org_z},
+                dir[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z};
     double d2 = 0;
     for (int k = 0; k < 3; k++) d2 += std::pow(org[k] + double(found.ray.tfar)*dir[k] - p[k], 2);
     worst = std::max(worst, std::sqrt(d2));
@@ -280,9 +287,9 @@ double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTC
   return worst;
 }
 
-/* Where the two sides of an edge ask for other rates, the border that a face has in cVERT is of a lower rate than its own,
- * and so are the parameters there. GRID's are as far from the surface as its triangles are. */
-TEST(BordersOfMixedRates, HitsHaveTheParametersOfTheirPlaces)
+/* If both sides of an edge have different rates, a face in cVERT may have a border of a lower rate than its own, with
+ * the parameters of that border. GRID's parameters are off by the distance of its triangles from the surface. */
+TEST(BordersOfMixedRates, HitsHaveParametersOfTheirPositions)
 {
   Device device;
   for (const auto& cage : closedCages)
@@ -300,7 +307,8 @@ TEST(BordersOfMixedRates, HitsHaveTheParametersOfTheirPlaces)
       const SurfaceScene scene(device, cage.cage, settings);
       ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
-      EXPECT_LE(worstOfParameters(scene, cage.cage, rays), 2*worstOfParameters(grid, cage.cage, rays)) << "of " << rays.size() << " rays";
+      EXPECT_LE(worstOfParameters(scene, cage.cage, rays), 2*worstOfParameters(grid, cage.cage, rays))
+        << "of " << rays.size() << " rays";
     }
 }
 
@@ -315,11 +323,11 @@ unsigned countMisses(RTCScene scene, const std::vector<RTCRayHit>& rays)
   return misses;
 }
 
-/* Rays at the vertices of borders and between them hit, but for what Embree's triangle
- * test, which cGRID has too, lets through: in all not more than GRID. (Where most edges
- * have rate 1 it is more, as GRID has but a few triangles there.) So do rays beside
- * borders, where from an edge of rate 1 to quads of 1/64 the surface rises like a wall. */
-TEST_P(MixedRates, NeighboursMeetAndNothingGoesToGrid)
+/* Rays at the vertices of borders and between them hit, except for rays that pass through because of Embree's triangle
+ * test, which cGRID also uses: not more than in GRID. (If most edges have rate 1 there are more, because GRID has only
+ * a few triangles there.) The same holds for rays next to borders where the surface rises steeply from an edge of rate
+ * 1 to quads of 1/64. */
+TEST_P(MixedRates, NeighborsAreClosedWithoutGridFallback)
 {
   Device device;
   unsigned leaks = 0, gridLeaks = 0;
@@ -350,20 +358,20 @@ TEST_P(MixedRates, NeighboursMeetAndNothingGoesToGrid)
         settings.compression = RTC_COMPRESSION_NONE;
         fine.build(device, fineGrid, cage.cage, settings);
         const std::vector<RTCRayHit> rays = raysTowards(recorder.targets(random, 3), random);
-        const std::vector<RTCRayHit> beside = raysTowards(recorder.targetsBeside(fine), random);
-        const unsigned misses = countMisses(scene, rays), missesBeside = countMisses(scene, beside);
+        const std::vector<RTCRayHit> beside = raysTowards(recorder.targetsNextTo(fine), random);
+        const unsigned misses = countMisses(scene, rays), missesNextTo = countMisses(scene, beside);
         if (GetParam() != RTC_COMPRESSION_GRID) {
           EXPECT_EQ(misses, 0u) << "of " << rays.size();
-          EXPECT_EQ(missesBeside, 0u) << "of " << beside.size();
+          EXPECT_EQ(missesNextTo, 0u) << "of " << beside.size();
         }
-        leaks += misses + missesBeside;
+        leaks += misses + missesNextTo;
         gridLeaks += countMisses(grid, rays) + countMisses(grid, beside);
       }
   EXPECT_LE(leaks, gridLeaks);
 }
 
-// One edge of 300: its two faces are GRID's in kinds with frames, the others are compressed.
-TEST_P(MixedRates, CompressedFacesMeetThoseOfHighRates)
+// One edge of rate 300: in kinds with frames its two faces are left to GRID; the others are compressed.
+TEST_P(MixedRates, CompressedFacesAreClosedNextToHighRates)
 {
   Device device;
   const Cage cage = cubeCage();
@@ -371,7 +379,8 @@ TEST_P(MixedRates, CompressedFacesMeetThoseOfHighRates)
   bool first = true;
   BorderRecorder recorder(cage);
   SurfaceSettings settings;
-  settings.edgeRates = drawRates(cage, random, [&](Random& r) { return std::exchange(first, false) ? 300.0f : float(1 + r.below(40)); });
+  settings.edgeRates = drawRates(
+    cage, random, [&](Random& r) { return std::exchange(first, false) ? 300.0f : float(1 + r.below(40)); });
   settings.compression = RTC_COMPRESSION_NONE;
   Scene grid(device);
   recorder.build(device, grid, cage, settings);

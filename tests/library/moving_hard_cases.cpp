@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces that move and are hard: closed ones let no ray through at any time, and vertices that are not finite at one step, steps in opposite
- * order, surfaces that turn inside out, collapse, or go far away neither crash nor vanish. */
+/* Difficult moving surfaces: closed ones do not leak at any time. Vertices that are not finite at one step, steps in
+ * opposite order, and surfaces that turn inside out, collapse, or move far away neither crash nor disappear. */
 
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
@@ -24,8 +24,9 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
   return settings;
 }
 
-// How many rays from the middle of a closed surface leave it.
-size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime, size_t& rays)
+// Number of rays from the center of a closed surface that leave it.
+size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned times, unsigned raysPerTime,
+                  size_t& rays)
 {
   size_t leaks = 0;
   for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, times, raysPerTime)) {
@@ -35,7 +36,7 @@ size_t countLeaks(Random& random, RTCGeometry geometry, RTCScene scene, unsigned
   return leaks;
 }
 
-TEST(MovingHardCases, ClosedSurfacesLetNoRayThroughAtAnyTime)
+TEST(MovingHardCases, ClosedSurfacesDoNotLeakAtAnyTime)
 {
   Random random(seed);
   size_t rays = 0;
@@ -48,19 +49,21 @@ TEST(MovingHardCases, ClosedSurfacesLetNoRayThroughAtAnyTime)
         Displacement displacement;
         displacement.amplitude = 0.1f;
         SurfaceSettings settings = moving(displacement, timeSteps);
-        for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + (7*i)%23)); // rates and owners differ
+        // rates and owners differ
+        for (size_t i = 0; i < cage.indices.size(); i++) settings.edgeRates.push_back(float(1 + (7*i)%23));
         RTCGeometry geometry = newSurface(device, cage, settings);
         Scene scene(device);
         rtcAttachGeometry(scene, geometry);
         rtcCommitScene(scene);
-        EXPECT_EQ(countLeaks(random, geometry, scene, 12, 400, rays), 0u) << cage.faces.size() << " faces, " << timeSteps << " steps, " << isa;
+        EXPECT_EQ(countLeaks(random, geometry, scene, 12, 400, rays), 0u)
+          << cage.faces.size() << " faces, " << timeSteps << " steps, " << isa;
         rtcReleaseGeometry(geometry);
       }
   }
   EXPECT_GT(rays, 30000u);
 }
 
-// What rays see of a surface, and that nothing is wrong with it.
+// Counts the rays that hit a surface, and checks all hits.
 size_t countHits(RTCScene scene, Random& random, float from = 0, float to = 1)
 {
   size_t hits = 0;
@@ -70,13 +73,14 @@ size_t countHits(RTCScene scene, Random& random, float from = 0, float to = 1)
     EXPECT_EQ(isHit(hit), occluded(scene, ray));
     if (!isHit(hit)) continue;
     hits++;
-    EXPECT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.u) && std::isfinite(hit.hit.v) && std::isfinite(hit.hit.Ng_x));
+    EXPECT_TRUE(std::isfinite(hit.ray.tfar) && std::isfinite(hit.hit.u) && std::isfinite(hit.hit.v) &&
+                std::isfinite(hit.hit.Ng_x));
     EXPECT_TRUE(hit.hit.u >= 0 && hit.hit.u <= 1 && hit.hit.v >= 0 && hit.hit.v <= 1);
   }
   return hits;
 }
 
-TEST(MovingHardCases, AVertexThatIsNotFiniteAtOneStepLeavesOutItsQuadsThere)
+TEST(MovingHardCases, NonFiniteVertexAtOneStepRemovesItsQuadsAroundThatStep)
 {
   Random random(seed + 1);
   for (unsigned bad : {0u, 1u, 3u}) {
@@ -84,24 +88,27 @@ TEST(MovingHardCases, AVertexThatIsNotFiniteAtOneStepLeavesOutItsQuadsThere)
     SurfaceSettings settings;
     settings.compression = RTC_COMPRESSION_VERT;
     settings.timeSteps = 4;
-    settings.motion = [bad](const Vec& p, unsigned i) { return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i); };
+    settings.motion = [bad](const Vec& p, unsigned i) {
+      return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i);
+    };
     const SurfaceScene scene(device, cubeCage(), settings);
     EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
     EXPECT_NE(device.message.find("not finite"), std::string::npos) << device.message;
     EXPECT_GT(statisticsOf(scene).numInvalidQuads, 0u);
-    // the segments that do not have the step are whole
+    // segments without that step are complete
     const float begin = bad == 3 ? 0.0f : bad == 0 ? 0.34f : 0.67f, end = bad == 3 ? 0.66f : 1.0f;
     settings.motion = [](const Vec& p, unsigned i) { return twisted(p, 0.2*i); };
     const SurfaceScene whole(device, cubeCage(), settings);
     for (RTCRayHit ray : raysAt(random, 400)) {
       ray.ray.time = float(random.uniform(begin, end));
-      EXPECT_EQ(isHit(intersect(scene, ray)), isHit(intersect(whole, ray))) << "step " << bad << ", time " << ray.ray.time;
+      EXPECT_EQ(isHit(intersect(scene, ray)), isHit(intersect(whole, ray)))
+        << "step " << bad << ", time " << ray.ray.time;
     }
     EXPECT_GT(countHits(scene, random), 100u);
   }
 }
 
-TEST(MovingHardCases, StepsInOppositeOrderAreTheSameBackwards)
+TEST(MovingHardCases, ReversedStepsMatchReversedTimes)
 {
   Random random(seed + 2);
   Device device;
@@ -121,16 +128,26 @@ TEST(MovingHardCases, StepsInOppositeOrderAreTheSameBackwards)
   EXPECT_LE(others, 3u);
 }
 
-TEST(MovingHardCases, WhatTurnsInsideOutCollapsesOrGoesFarIsTraced)
+TEST(MovingHardCases, InvertedCollapsedAndDistantSurfacesAreTraced)
 {
   Random random(seed + 3);
   const std::function<Vec(const Vec&, unsigned)> motions[] = {
-    [](const Vec& p, unsigned i) { return i ? Vec{-p[0], -p[1], -p[2]} : p; },            // through a point, inside out
-    [](const Vec& p, unsigned i) { return i ? Vec{0.1f, 0.2f, 0.3f} : p; },                // to a point
-    [](const Vec& p, unsigned i) { return i ? p : Vec{0.1f, 0.2f, 0.3f}; },                // from a point
-    [](const Vec& p, unsigned i) { return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p; },         // by 10^5 of its size
-    [](const Vec& p, unsigned i) { return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p; }, // grows by as much
-    [](const Vec& p, unsigned) { return p; },                                              // not at all
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{-p[0], -p[1], -p[2]} : p;
+    },            // through a point, turning inside out
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{0.1f, 0.2f, 0.3f} : p;
+    },                // to a point
+    [](const Vec& p, unsigned i) {
+      return i ? p : Vec{0.1f, 0.2f, 0.3f};
+    },                // from a point
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{p[0] + 2e5f, p[1], p[2]} : p;
+    },         // by 10^5 times its size
+    [](const Vec& p, unsigned i) {
+      return i ? Vec{1e4f*p[0], 1e4f*p[1], 1e4f*p[2]} : p;
+    }, // grows by a factor of 10^4
+    [](const Vec& p, unsigned) { return p; },                                              // no motion
   };
   for (size_t m = 0; m < std::size(motions); m++) {
     SCOPED_TRACE(testing::Message() << "motion " << m);
@@ -144,7 +161,11 @@ TEST(MovingHardCases, WhatTurnsInsideOutCollapsesOrGoesFarIsTraced)
     EXPECT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
     const float to = m == 3 || m == 4 ? 1e-6f : 1.0f;
     EXPECT_GT(countHits(scene, random, m == 2 ? 0.2f : 0, to), m == 1 || m == 2 ? 50u : 100u);
-    const SurfaceScene grid(device, cubeCage(), [&] { SurfaceSettings s = settings; s.compression = RTC_COMPRESSION_NONE; return s; }());
+    const SurfaceScene grid(device, cubeCage(), [&] {
+      SurfaceSettings s = settings;
+      s.compression = RTC_COMPRESSION_NONE;
+      return s;
+    }());
     size_t others = 0, hits = 0;
     for (RTCRayHit ray : raysAt(random, 500)) {
       ray.ray.time = float(random.uniform(0, to));
@@ -156,7 +177,7 @@ TEST(MovingHardCases, WhatTurnsInsideOutCollapsesOrGoesFarIsTraced)
   }
 }
 
-TEST(MovingHardCases, TimesAtStepsAreThoseOfTheSteps)
+TEST(MovingHardCases, TimesOfStepsMatchSteps)
 {
   Random random(seed + 4);
   Device device;
@@ -186,7 +207,8 @@ TEST(MovingHardCases, TimesAtStepsAreThoseOfTheSteps)
 enum class Size { Primitive, Block, Many };
 
 // Surfaces of every type.
-std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end, unsigned timeSteps = 2)
+std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end,
+                                                                unsigned timeSteps = 2)
 {
   std::vector<std::pair<std::string, RTCGeometry>> all;
   const DicedMotion motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.25f*float(step)}; };
@@ -211,8 +233,9 @@ std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device
   return all;
 }
 
-// Time ranges that end before 0, begin after 1, or touch them: such a surface is nowhere, and nothing is read that is not there.
-TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
+// Time ranges that end before 0, begin after 1, or touch these limits: the surface is never visible, and no data is
+// read out of bounds.
+TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
 {
   const float times[] = {-3, -1, -1e-5f, 0, 1e-5f, 0.5f, 0.99995f, 1, 1.00001f, 1.5f, 2};
   size_t commits = 0;
@@ -224,7 +247,8 @@ TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
       for (size_t b = 0; b < std::size(times); b++)
         for (size_t e = b + 1; e < std::size(times); e++)
           for (const auto& [name, geometry] : movingSurfaces(device, size, times[b], times[e])) {
-            SCOPED_TRACE(testing::Message() << name << ", size " << int(size) << ", from " << times[b] << " to " << times[e] << ", " << config);
+            SCOPED_TRACE(testing::Message() << name << ", size " << int(size) << ", from " << times[b] << " to "
+                                            << times[e] << ", " << config);
             Scene scene(device);
             attach(scene, geometry);
             rtcCommitScene(scene);
@@ -240,8 +264,8 @@ TEST(MovingHardCases, TimeRangesOutsideOfThoseOfRaysCommit)
   EXPECT_EQ(commits, 2u*3*55*4);
 }
 
-// Surfaces that are there one after the other. Time is split until there are parts of it without any.
-TEST(MovingHardCases, SurfacesAreHitOnlyWhileTheyAreThere)
+// Consecutive surfaces. The builder splits time until some parts contain no surface.
+TEST(MovingHardCases, SurfacesAreHitOnlyInTheirTimeRange)
 {
   const unsigned parts = 6;
   for (const char* config : {"", "subdiv_accel=cbvh"})
@@ -266,14 +290,15 @@ TEST(MovingHardCases, SurfacesAreHitOnlyWhileTheyAreThere)
         if (!isHit(hit)) continue;
         hits++;
         const auto& [begin, end] = ranges[hit.hit.geomID];
-        ASSERT_TRUE(ray.ray.time >= begin - 1e-4f && ray.ray.time <= end + 1e-4f) << "time " << ray.ray.time << ", geometry " << hit.hit.geomID << ", " << config;
+        ASSERT_TRUE(ray.ray.time >= begin - 1e-4f && ray.ray.time <= end + 1e-4f)
+          << "time " << ray.ray.time << ", geometry " << hit.hit.geomID << ", " << config;
       }
       EXPECT_GT(hits, 50u) << int(size) << ", " << config;
     }
 }
 
-// One of them beside a surface that is there at all times.
-TEST(MovingHardCases, ASurfaceOutsideOfTheTimesOfRaysHidesNoOther)
+// One such surface next to one that exists at all times.
+TEST(MovingHardCases, SurfaceOutsideOfRayTimesDoesNotHideOthers)
 {
   for (const char* config : {"", "subdiv_accel=cbvh"}) {
     Device device(config);
@@ -306,7 +331,7 @@ TEST(MovingHardCases, ASurfaceOutsideOfTheTimesOfRaysHidesNoOther)
   }
 }
 
-// Surfaces without a primitive that can be hit have empty bounds.
+// Surfaces without a primitive that rays can hit have empty bounds.
 TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -320,15 +345,18 @@ TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
     SurfaceSettings settings;
     settings.timeSteps = 2;
     settings.motion = motion;
-    for (RTCGeometry geometry : {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
-                                 newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2), newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
+    for (RTCGeometry geometry :
+         {newSurface(device, cubeCage(), settings), newGrids(device, grids, RTC_COMPRESSION_INHERIT, 0, 2),
+          newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, 2),
+          newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_INHERIT, 0, 2)}) {
       Scene scene(device);
       attach(scene, geometry);
       rtcCommitScene(scene);
       RTCBounds bounds;
       rtcGetSceneBounds(scene, &bounds);
       EXPECT_TRUE(bounds.lower_x > bounds.upper_x && bounds.lower_y > bounds.upper_y && bounds.lower_z > bounds.upper_z)
-        << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to " << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
+        << config << ": " << bounds.lower_x << " to " << bounds.upper_x << ", " << bounds.lower_y << " to "
+        << bounds.upper_y << ", " << bounds.lower_z << " to " << bounds.upper_z;
     }
   }
 }

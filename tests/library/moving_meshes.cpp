@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Grids, quads and triangles that an application diced and that move, compressed: the hits of Embree's own kernels where vertices are on the
- * lattice at all steps, by every query, on every ISA. */
+/* Compressed moving grids, quads and triangles that an application diced match Embree's own kernels if vertices are on
+ * the lattice at all steps, with every query and on every ISA. */
 
 #include "support/diced_mesh.h"
 #include "support/filtered_geometry.h"
@@ -19,14 +19,14 @@ namespace {
 
 constexpr double lattice = 0x1p-10;
 
-// Turns and bends.
+// Rotates and bends.
 Vec bentFreely(const Vec& p, unsigned step)
 {
   const double a = 0.3*step, c = std::cos(a), s = std::sin(a);
   return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1]), float(p[2] + 0.1*step*p[0]*p[0])};
 }
 
-// The same; positions are multiples of the lattice.
+// The same, with positions that are multiples of the lattice.
 Vec bent(const Vec& p, unsigned step)
 {
   Vec q = bentFreely(p, step);
@@ -45,18 +45,23 @@ void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh,
   const RTCCompressionStatistics stats = statisticsOf(scenes[1]);
   ASSERT_GT(stats.numMovingQuads, 0u);
   ASSERT_EQ(stats.numMovingQuads, stats.numQuads);
-  ASSERT_EQ(stats.maxVertexDeviation, 0) << "vertices were on the lattice";
+  ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   ASSERT_EQ(statisticsOf(scenes[0]).numQuads, 0u);
   std::vector<RTCRayHit> rays = raysAt(random, mesh, 400);
   for (RTCRayHit& r : rays) r.ray.time = float(random.uniform());
   for (QueryForm form : allQueryForms) {
     SCOPED_TRACE(nameOf(form));
-    const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), found = closestHits(scenes[1], rays, form), any = anyHits(scenes[1], rays, form);
-    size_t others = 0, hits = 0; // where rays graze edges, floats differ
+    const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form),
+                                 found = closestHits(scenes[1], rays, form), any = anyHits(scenes[1], rays, form);
+    size_t others = 0, hits = 0; // for rays that graze edges, floats differ
     for (size_t i = 0; i < rays.size(); i++) {
       ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
       hits += isHit(expected[i]);
-      if (isHit(expected[i]) != isHit(found[i]) || (isHit(expected[i]) && expected[i].hit.primID != found[i].hit.primID)) { others++; continue; }
+      if (isHit(expected[i]) != isHit(found[i]) ||
+          (isHit(expected[i]) && expected[i].hit.primID != found[i].hit.primID)) {
+        others++;
+        continue;
+      }
       if (!isHit(expected[i])) continue;
       const double grazing = std::max(1.0, 0.1/cosine(expected[i]));
       ASSERT_NEAR(expected[i].ray.tfar, found[i].ray.tfar, 1e-5*expected[i].ray.tfar*grazing) << "ray " << i;
@@ -72,10 +77,10 @@ void expectEmbreesHits(const Device& device, const Make& make, const Mesh& mesh,
 class MovingMeshes : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Isas, MovingMeshes, testing::Values(TEST_ISAS), nameOfIsa);
 
-TEST_P(MovingMeshes, HitsAreEmbrees)
+TEST_P(MovingMeshes, HitsMatchEmbree)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(3141);
   for (unsigned timeSteps : {2u, 4u}) {
     for (unsigned quads : {4u, 16u, 33u}) {
@@ -89,16 +94,18 @@ TEST_P(MovingMeshes, HitsAreEmbrees)
       DicedMesh mesh = meshOf(dicedSheet(2, 16, lattice), order, random);
       mesh.motion = bent;
       ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, mesh, random, timeSteps));
-      if (order != QuadOrder::Shuffled) { ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, trianglesOf(mesh, 1, 2), random, timeSteps)); }
+      if (order != QuadOrder::Shuffled) {
+        ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, trianglesOf(mesh, 1, 2), random, timeSteps));
+      }
     }
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST_P(MovingMeshes, WithoutLossHitsAreEmbrees)
+TEST_P(MovingMeshes, LosslessHitsMatchEmbree)
 {
   Device device(GetParam() + std::string(",cbvh_max_error=0"));
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(3142);
   for (unsigned timeSteps : {2u, 5u}) {
     SCOPED_TRACE(testing::Message() << timeSteps << " steps");
@@ -113,7 +120,7 @@ TEST_P(MovingMeshes, WithoutLossHitsAreEmbrees)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Behind filters, and in an instance that moves itself.
+// With filters, and in a moving instance.
 template<typename Make, typename Mesh>
 void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Random& random)
 {
@@ -121,7 +128,8 @@ void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Ra
   for (int i = 0; i < 2; i++) {
     RTCGeometry geometry = make(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, 3);
     rtcSetGeometryMask(geometry, 2);
-    attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
+    attachFiltered(device, geometry, scenes[i], tops[i],
+                   {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
   }
   ASSERT_GT(statisticsOf(scenes[1]).numMovingQuads, 0u);
   std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
@@ -134,13 +142,16 @@ void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Ra
     size_t hits = 0;
     for (int top = 0; top < 2; top++) {
       Scene* const of = top ? tops : scenes;
-      const std::vector<RTCRayHit> expected = closestHits(of[0], rays, form), found = closestHits(of[1], rays, form), any = anyHits(of[1], rays, form);
-      size_t others = 0; // where rays graze edges, floats differ
+      const std::vector<RTCRayHit> expected = closestHits(of[0], rays, form), found = closestHits(of[1], rays, form),
+                                   any = anyHits(of[1], rays, form);
+      size_t others = 0; // for rays that graze edges, floats differ
       for (size_t i = 0; i < rays.size(); i++) {
         ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
         hits += isHit(found[i]);
-        others += isHit(expected[i]) != isHit(found[i]) || (isHit(expected[i]) && (expected[i].hit.primID != found[i].hit.primID ||
-          std::fabs(expected[i].ray.tfar - found[i].ray.tfar) > 1e-5*expected[i].ray.tfar*std::max(1.0, 0.1/cosine(expected[i]))));
+        others += isHit(expected[i]) != isHit(found[i]) ||
+                  (isHit(expected[i]) && (expected[i].hit.primID != found[i].hit.primID ||
+                                          std::fabs(expected[i].ray.tfar - found[i].ray.tfar) >
+                                            1e-5*expected[i].ray.tfar*std::max(1.0, 0.1/cosine(expected[i]))));
       }
       ASSERT_LE(others, 2u);
     }
@@ -152,7 +163,7 @@ void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Ra
 TEST_P(MovingMeshes, MasksFiltersAndInstances)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(3144);
   Diced grids = dicedSheet(4, 16, lattice);
   grids.motion = bent;
@@ -179,7 +190,7 @@ std::vector<unsigned> verticesOf(const Diced& diced, unsigned primID)
   return vertices;
 }
 
-// The vertex that is nearest at a time, found among the primitives that a query is told of.
+// Finds the nearest vertex at a time among the primitives that a query reports.
 template<typename Mesh>
 struct NearestVertex
 {
@@ -199,7 +210,8 @@ struct NearestVertex
   {
     NearestVertex& self = *(NearestVertex*)args->userPtr;
     const float p[3] = {args->query->x, args->query->y, args->query->z};
-    for (unsigned v : verticesOf(self.mesh, args->primID)) self.distance = std::min(self.distance, self.distanceTo(v, p));
+    for (unsigned v : verticesOf(self.mesh, args->primID))
+      self.distance = std::min(self.distance, self.distanceTo(v, p));
     if (self.distance >= args->query->radius) return false;
     args->query->radius = float(self.distance);
     return true;
@@ -215,19 +227,20 @@ void expectPointQueries(const Device& device, const Make& make, const Mesh& mesh
   ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
   for (int i = 0; i < 100; i++) {
     NearestVertex<Mesh> nearest = {mesh, float(random.uniform())}, all = nearest;
-    RTCPointQuery query = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-0.5, 0.5)), nearest.time, 1e9f};
+    RTCPointQuery query = {float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), float(random.uniform(-0.5, 0.5)),
+                           nearest.time, 1e9f};
     const float p[3] = {query.x, query.y, query.z};
     for (unsigned v = 0; v < mesh.vertices.size(); v++) all.distance = std::min(all.distance, all.distanceTo(v, p));
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(scene, &query, &context, NearestVertex<Mesh>::visit, &nearest);
-    // a quad is nearer than its vertices by less than its diagonal
+    // the distance to a quad is less than the distance to its vertices, by at most its diagonal
     ASSERT_NEAR(nearest.distance, all.distance, 0.1);
     ASSERT_GE(nearest.distance, all.distance);
   }
 }
 
-TEST(MovingMeshesInTime, PointQueriesSeeThemWhereTheyAre)
+TEST(MovingMeshesInTime, PointQueriesFindPositionsAtTheirTime)
 {
   Random random(3143);
   Device device;
@@ -241,13 +254,15 @@ TEST(MovingMeshesInTime, PointQueriesSeeThemWhereTheyAre)
   ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newMesh, trianglesOf(mesh, 1, 2), random));
 }
 
-// Of a ball of grids with vertices of their own, which move alike, and of meshes that are the same.
-TEST(MovingMeshesInTime, ClosedBallsLetNoRayThrough)
+// A ball of grids whose copies of vertices move equally, and meshes with the same vertices.
+TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
 {
   Random random(3142);
   Device device;
   Diced ball = dicedBall(3, 16, 2);
-  ball.motion = [](const Vec& p, unsigned step) { return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]}; };
+  ball.motion = [](const Vec& p, unsigned step) {
+    return Vec{p[0]*(1 + 0.2f*step), p[1] + 0.1f*step*p[0], p[2] - 0.15f*step*p[1]};
+  };
   std::vector<RTCGeometry> geometries = {newGrids(device, ball, RTC_COMPRESSION_VERT, 0, 3)};
   for (QuadOrder order : allQuadOrders) {
     DicedMesh mesh = meshOf(ball, order, random);
@@ -265,14 +280,15 @@ TEST(MovingMeshesInTime, ClosedBallsLetNoRayThrough)
     rtcCommitScene(scene);
     ASSERT_GT(statisticsOf(scene).numMovingQuads, 0u);
     size_t leaks = 0;
-    for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 1000)) leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+    for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 1000))
+      leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
     EXPECT_EQ(leaks, 0u);
     rtcReleaseGeometry(geometry);
   }
 }
 
-// At a time they are between those of the steps, and hits lie on them.
-TEST(MovingMeshesInTime, TrianglesOfHitsComeOut)
+// Triangles at a time are between those of the steps, and contain the hits.
+TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
 {
   Random random(3145);
   Device device;
@@ -294,23 +310,26 @@ TEST(MovingMeshesInTime, TrianglesOfHitsComeOut)
         if (!isHit(r)) continue;
         hits++;
         RTCCompressedTriangle t;
-        ASSERT_TRUE(rtcGetCompressedTriangleAtTime(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
+        ASSERT_TRUE(
+          rtcGetCompressedTriangleAtTime(geometry, ray.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         std::set<unsigned> corners;
         for (unsigned v : verticesOf(mesh, r.hit.primID)) corners.insert(v);
         for (int c = 0; c < 3; c++) {
-          // one of the primitive's, between its two places
+          // one of the primitive's vertices, between its two positions
           bool isVertex = false;
           for (unsigned v : corners) {
             const Vec a = bent(mesh.vertices[v], 0), b = bent(mesh.vertices[v], 1);
             bool isThis = true;
-            for (int k = 0; k < 3; k++) isThis &= std::fabs((1 - ray.ray.time)*a[k] + ray.ray.time*b[k] - t.vertices[c][k]) < 1e-6f;
+            for (int k = 0; k < 3; k++)
+              isThis &= std::fabs((1 - ray.ray.time)*a[k] + ray.ray.time*b[k] - t.vertices[c][k]) < 1e-6f;
             if (isThis) { isVertex = true; corners.erase(v); break; }
           }
           ASSERT_TRUE(isVertex) << "vertex " << c;
         }
         double height = 0, n = 0;
         for (int k = 0; k < 3; k++) {
-          const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z}, d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+          const float Ng[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, o[3] = {r.ray.org_x, r.ray.org_y, r.ray.org_z},
+                      d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
           height += Ng[k]*(o[k] + double(r.ray.tfar)*d[k] - t.vertices[0][k]);
           n += double(Ng[k])*Ng[k];
         }
@@ -322,8 +341,8 @@ TEST(MovingMeshesInTime, TrianglesOfHitsComeOut)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Two grids that touch at the first step and part afterwards: a ray goes through between them.
-TEST(MovingMeshesInTime, GridsThatPartDoNotStayTogether)
+// Two grids that touch at the first step and separate afterwards: a ray passes between them.
+TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected)
 {
   Device device;
   Diced diced;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Subdivision surfaces that move, compressed: the hits of Embree's own motion blur where vertices are on the lattice, by every query,
- * on every ISA. */
+/* Compressed moving subdivision surfaces match the hits of Embree's motion blur if vertices are on the lattice, with
+ * every query and on every ISA. */
 
 #include "support/filtered_geometry.h"
 #include "support/moving_surface.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr uint32_t seed = 3101;
 
-// Turns about an axis, and goes along another.
+// Rotates about one axis and moves along another.
 Vec turned(const Vec& p, double angle, double way)
 {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -43,7 +43,7 @@ SurfaceSettings moving(Displacement& displacement, unsigned timeSteps)
 class MovingSurfaces : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Isas, MovingSurfaces, testing::Values(TEST_ISAS), nameOfIsa);
 
-TEST_P(MovingSurfaces, HitsAreThoseOfEmbreesMotionBlur)
+TEST_P(MovingSurfaces, HitsMatchEmbreeMotionBlur)
 {
   Random random(seed);
   Device device(GetParam());
@@ -59,14 +59,17 @@ TEST_P(MovingSurfaces, HitsAreThoseOfEmbreesMotionBlur)
       const std::vector<RTCRayHit> rays = timedRays(random, 600);
       for (QueryForm form : allQueryForms) {
         SCOPED_TRACE(testing::Message() << timeSteps << " steps, " << nameOf(form));
-        ASSERT_NO_FATAL_FAILURE(expectSameHits(closestHits(twins.grid, rays, form), closestHits(twins.scene, rays, form), 1e-3));
-        const std::vector<RTCRayHit> expected = anyHits(twins.grid, rays, form), found = anyHits(twins.scene, rays, form);
-        for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(expected[i].ray.tfar < 0, found[i].ray.tfar < 0) << "ray " << i;
+        ASSERT_NO_FATAL_FAILURE(
+          expectSameHits(closestHits(twins.grid, rays, form), closestHits(twins.scene, rays, form), 1e-3));
+        const std::vector<RTCRayHit> expected = anyHits(twins.grid, rays, form),
+                                     found = anyHits(twins.scene, rays, form);
+        for (size_t i = 0; i < rays.size(); i++)
+          ASSERT_EQ(expected[i].ray.tfar < 0, found[i].ray.tfar < 0) << "ray " << i;
       }
     }
 }
 
-// In instances that move themselves, too.
+// Also in moving instances.
 TEST_P(MovingSurfaces, MasksFiltersAndInstances)
 {
   Random random(seed + 4);
@@ -79,7 +82,8 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
     settings.compression = i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
     settings.mask = 2;
     RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-    attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
+    attachFiltered(device, geometry, scenes[i], tops[i],
+                   {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
   }
   std::vector<RTCRayHit> rays = timedRays(random, 600);
   for (RTCRayHit& r : rays) r.ray.mask = random.chance(0.9) ? 2 : 1;
@@ -95,7 +99,7 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// A cage whose displacement moves nothing, so that its surface between two steps is that of the cage between them.
+// A cage without displacement, so that its surface between two steps is the surface of the interpolated cage.
 SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
 {
   SurfaceSettings settings;
@@ -107,7 +111,7 @@ SurfaceSettings smooth(unsigned timeSteps, float begin, float end)
   return settings;
 }
 
-// GRID's surface of the cage as it is at a time.
+// GRID's surface of the cage at a time.
 Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time)
 {
   const float at = (time - settings.begin)/(settings.end - settings.begin)*float(settings.timeSteps - 1);
@@ -121,7 +125,7 @@ Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time)
   return between;
 }
 
-// Hits of which one is another surface's: at silhouettes, where a lattice moves vertices.
+// Number of hits on another part of the surface, which occur at silhouettes because the lattice moves vertices.
 size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack)
 {
   size_t others = 0;
@@ -129,20 +133,23 @@ size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& 
     const RTCRayHit a = intersect(grid, ray), b = intersect(scene, ray);
     if (isHit(a) != isHit(b)) { others++; continue; }
     if (!isHit(a)) continue;
-    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack*std::max(1.0, 0.1/cosine(a)) || a.hit.primID != b.hit.primID) others++;
+    if (std::fabs(a.ray.tfar - b.ray.tfar) > slack*std::max(1.0, 0.1/cosine(a)) || a.hit.primID != b.hit.primID)
+      others++;
   }
   return others;
 }
 
-// Upstream's GRID knows nothing of time ranges, so this is against surfaces that stand still.
-TEST(MovingSurfacesInTime, SurfacesAreWhereTheirStepsSayAndGoneOutsideOfTheirRange)
+// Upstream's GRID does not support time ranges, so this test compares with static surfaces.
+TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange)
 {
   Random random(seed + 1);
   Device device;
   const Cage cage = cubeCage();
-  const SurfaceSettings ranges[] = {smooth(2, 0, 1), smooth(5, 0, 1), smooth(3, 0.25f, 0.75f), smooth(129, 0, 1), smooth(4, -1, 2)};
+  const SurfaceSettings ranges[] = {smooth(2, 0, 1), smooth(5, 0, 1), smooth(3, 0.25f, 0.75f), smooth(129, 0, 1),
+                                    smooth(4, -1, 2)};
   for (const SurfaceSettings& settings : ranges) {
-    SCOPED_TRACE(testing::Message() << settings.timeSteps << " steps from " << settings.begin << " to " << settings.end);
+    SCOPED_TRACE(testing::Message() << settings.timeSteps << " steps from " << settings.begin << " to "
+                                    << settings.end);
     const SurfaceScene scene(device, cage, settings);
     ASSERT_EQ(statisticsOf(scene).numMovingQuads, 6u*256u);
     std::vector<float> times = {0, 0.25f, 0.5f, 0.75f, 1};
@@ -165,12 +172,13 @@ TEST(MovingSurfacesInTime, SurfacesAreWhereTheirStepsSayAndGoneOutsideOfTheirRan
   }
 }
 
-// One scene with surfaces of several numbers of steps and ranges, and of none.
-TEST(MovingSurfacesInTime, SurfacesOfAllSortsLiveInOneScene)
+// One scene with surfaces of several numbers of steps and ranges, and static ones.
+TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene)
 {
   Random random(seed + 2);
   Device device;
-  std::vector<SurfaceSettings> all = {smooth(2, 0, 1), smooth(7, 0.5f, 1), smooth(1, 0, 1), smooth(3, 0, 0.5f), smooth(1, 0, 1)};
+  std::vector<SurfaceSettings> all = {smooth(2, 0, 1), smooth(7, 0.5f, 1), smooth(1, 0, 1), smooth(3, 0, 0.5f),
+                                      smooth(1, 0, 1)};
   all[4].compression = RTC_COMPRESSION_NONE;
   Scene scene(device), motionOnly(device);
   std::vector<std::unique_ptr<SurfaceScene>> alone;
@@ -204,8 +212,8 @@ TEST(MovingSurfacesInTime, SurfacesOfAllSortsLiveInOneScene)
   }
 }
 
-// The second scene finds the boxes of the blocks again.
-TEST(MovingSurfacesInTime, ScenesShareTheBlocksOfAGeometry)
+// The second scene must find the boxes of the existing blocks.
+TEST(MovingSurfacesInTime, ScenesShareBlocksOfAGeometry)
 {
   Random random(seed + 5);
   Device device;
@@ -225,8 +233,8 @@ TEST(MovingSurfacesInTime, ScenesShareTheBlocksOfAGeometry)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// An edit of any part of the motion is traced after the next commit.
-TEST(MovingSurfacesInTime, EditsAreFollowed)
+// Edits of any part of the motion take effect with the next commit.
+TEST(MovingSurfacesInTime, EditsTakeEffect)
 {
   Random random(seed + 3);
   Device device;
@@ -255,7 +263,7 @@ TEST(MovingSurfacesInTime, EditsAreFollowed)
     for (Vec& p : positions) p = settings.motion(p, t);
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, positions);
   };
-  check("as it is");
+  check("original");
   settings.motion = [](const Vec& p, unsigned i) { return i == 1 ? turned(p, -0.4, 0.3) : step(p, i); };
   setStep(1);
   check("one step's vertices");
@@ -275,12 +283,12 @@ TEST(MovingSurfacesInTime, EditsAreFollowed)
   settings.timeSteps = 2;
   rtcSetGeometryTimeStepCount(geometry, 2);
   setStep(1);
-  check("it moves again");
+  check("moving again");
   rtcReleaseGeometry(geometry);
 }
 
-// Some begin or end just beside a step of another, where trees split time.
-TEST_P(MovingSurfaces, OfRangesThatDifferAreSeenTogetherAsAlone)
+// Some ranges begin or end close to a step of another surface, where trees split time.
+TEST_P(MovingSurfaces, DifferentRangesTogetherMatchSeparateScenes)
 {
   Random random(seed + 9);
   Device device(GetParam());
@@ -307,7 +315,8 @@ TEST_P(MovingSurfaces, OfRangesThatDifferAreSeenTogetherAsAlone)
     for (RTCRayHit ray : raysAt(random, 8000)) {
       ray.ray.time = float(random.chance(0.5) ? random.uniform() : random.uniform(0.49995, 0.50005));
       float nearest = INFINITY;
-      for (const auto& one : alone) nearest = std::min(nearest, isHit(intersect(*one, ray)) ? intersect(*one, ray).ray.tfar : INFINITY);
+      for (const auto& one : alone)
+        nearest = std::min(nearest, isHit(intersect(*one, ray)) ? intersect(*one, ray).ray.tfar : INFINITY);
       const RTCRayHit found = intersect(scene, ray);
       ASSERT_EQ(found.ray.tfar, nearest) << "time " << ray.ray.time;
       hits += isHit(found);

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays that start just inside of a closed surface and leave it through the triangle that they start at, nearly along its plane, as
- * a renderer's do that leave a surface with a tiny offset. Judged by all triangles, in double: what has an odd
- * number of them before it is inside, and hits something. */
+/* Rays that start just inside a closed surface and leave it through a nearby triangle at a grazing angle, as rays of a
+ * renderer with a tiny offset. The test intersects all triangles in double precision: a ray with an odd number of
+ * crossings starts inside and must hit. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -15,7 +15,7 @@
 namespace cbvh::test {
 namespace {
 
-// Turned, so that no face is along an axis.
+// Rotated, so that no face is aligned to an axis.
 Cage turned(Cage cage)
 {
   const float c = std::cos(0.7f), s = std::sin(0.7f), d = std::cos(0.4f), e = std::sin(0.4f);
@@ -26,7 +26,7 @@ Cage turned(Cage cage)
   return cage;
 }
 
-// Of a point in the triangle, edges and corners not included.
+// A point inside the triangle, away from edges and corners.
 std::array<double, 3> pointIn(const VertTriangle& t, Random& random)
 {
   double w[3], sum = 0;
@@ -37,7 +37,7 @@ std::array<double, 3> pointIn(const VertTriangle& t, Random& random)
   return p;
 }
 
-// How often a ray goes through the surface after its start; -1 where that is not clear.
+// Number of times that a ray crosses the surface after its start; -1 if that is ambiguous.
 int crossings(const std::vector<VertTriangle>& triangles, const RTCRay& ray)
 {
   int n = 0;
@@ -51,12 +51,16 @@ int crossings(const std::vector<VertTriangle>& triangles, const RTCRay& ray)
   return n;
 }
 
-TEST(NearStarts, WhatStartsBesideATriangleLeavesThroughIt)
+TEST(NearStarts, RaysFromNearATriangleLeaveThroughIt)
 {
   Device device;
-  const struct { const char* name; Cage cage; } solids[] = {{"cube", turned(cubeCage())}, {"prism", turned(prismCage(3))}};
+  const struct
+  {
+    const char* name;
+    Cage cage;
+  } solids[] = {{"cube", turned(cubeCage())}, {"prism", turned(prismCage(3))}};
   for (const auto& solid : solids)
-    for (float maxError : {0.0f, 0.3f}) { // also where the lattice is coarser than the quads
+    for (float maxError : {0.0f, 0.3f}) { // also lattices coarser than the quads
       SurfaceSettings settings;
       settings.compression = RTC_COMPRESSION_VERT;
       settings.rate = maxError > 0 ? 8 : 2;
@@ -71,10 +75,16 @@ TEST(NearStarts, WhatStartsBesideATriangleLeavesThroughIt)
           if (!at.hasArea()) continue;
           const std::array<double, 3> from = pointIn(at, random), to = pointIn(at, random);
           double a[3], b[3], normal[3], length2 = 0;
-          for (int k = 0; k < 3; k++) { a[k] = double(at.vertices[1][k]) - at.vertices[0][k]; b[k] = double(at.vertices[2][k]) - at.vertices[0][k]; }
-          for (int k = 0; k < 3; k++) { normal[k] = a[(k+1) % 3]*b[(k+2) % 3] - a[(k+2) % 3]*b[(k+1) % 3]; length2 += normal[k]*normal[k]; }
+          for (int k = 0; k < 3; k++) {
+            a[k] = double(at.vertices[1][k]) - at.vertices[0][k];
+            b[k] = double(at.vertices[2][k]) - at.vertices[0][k];
+          }
+          for (int k = 0; k < 3; k++) {
+            normal[k] = a[(k+1) % 3]*b[(k+2) % 3] - a[(k+2) % 3]*b[(k+1) % 3];
+            length2 += normal[k]*normal[k];
+          }
           if (!(length2 > 0)) continue;
-          // as far inside as that part of the triangle's size, which is about the square root of its area
+          // distance from the surface relative to the size of the triangle, about the square root of its area
           const double depth = distance*std::pow(length2, 0.25)/std::sqrt(length2);
           Vec org, dir;
           for (int k = 0; k < 3; k++) {
@@ -94,7 +104,7 @@ TEST(NearStarts, WhatStartsBesideATriangleLeavesThroughIt)
           lostByAnyHit += any.tfar >= 0;
         }
       EXPECT_GT(leaving, 10000u) << solid.name;
-      EXPECT_EQ(lost, 0u) << solid.name << ", of " << leaving << ", spacing asked for " << maxError;
+      EXPECT_EQ(lost, 0u) << solid.name << ", of " << leaving << ", requested spacing " << maxError;
       EXPECT_EQ(lostByAnyHit, 0u) << solid.name;
     }
 }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Wherever a commit runs out of memory, it says so, nothing is lost, and the next one succeeds. */
+/* A commit that runs out of memory at any point reports it, loses no data, and the next commit succeeds. */
 
 #include "support/diced_mesh.h"
 
@@ -12,12 +12,12 @@
 namespace cbvh::test {
 namespace {
 
-// Refuses an allocation of those that follow.
+// Refuses one of the following allocations.
 struct Monitor
 {
   std::atomic<ssize_t> live{0};
   std::atomic<long> calls{0}, refused{0}; // counted while commits run
-  long refusedCall = 0;                   // 0: none
+  long refusedCall = 0;                   // 0: no call
   std::atomic<bool> isArmed{false};
 
   static bool function(void* self, ssize_t bytes, bool)
@@ -49,7 +49,8 @@ RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps)
   return newMesh(device, type == 2 ? mesh : trianglesOf(mesh), RTC_COMPRESSION_VERT, 0, timeSteps);
 }
 
-// A geometry is changed and committed, and its scene is; then both again with memory. Allocations of the first commits.
+// Changes and commits a geometry and its scene, then commits both again with enough memory. Returns the number of
+// allocations of the first commits.
 long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags flags)
 {
   Monitor monitor;
@@ -82,7 +83,7 @@ long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags
   return monitor.calls;
 }
 
-TEST(OutOfMemory, NothingIsLostAndTheNextCommitSucceeds)
+TEST(OutOfMemory, NothingIsLostAndNextCommitSucceeds)
 {
   for (int type : {0, 1, 2, 3})
     for (unsigned timeSteps : {1u, 3u})

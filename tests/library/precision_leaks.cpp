@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Rays that start inside a closed surface hit it at every precision of cVERT: by default, with a bound, and lossless.
- * The surfaces are cages, grids, quads and triangles, still and moving. Rays aim at stored vertices and edges, including
- * diagonals, straight on and grazing. Embree's robust kernel traces the stored triangles and decides which points are
- * inside.
+ * The surfaces are cages, grids, quads and triangles, static and moving. Rays aim at stored vertices and edges,
+ * including diagonals, straight on and grazing. Embree's robust kernel traces the stored triangles and decides which
+ * points are inside.
  *
  * CBVH_AIMED_RAYS sets the number of rays for each precision, for example 10000000. */
 
@@ -22,7 +22,7 @@ namespace cbvh::test {
 namespace {
 
 constexpr size_t raysByDefault = 400000;
-constexpr unsigned steps = 3; // in time, of moving surfaces
+constexpr unsigned steps = 3; // time steps of moving surfaces
 
 size_t raysOfPrecision()
 {
@@ -32,7 +32,7 @@ size_t raysOfPrecision()
 
 // --- surfaces ------------------------------------------------------------------------------------
 
-// A closed surface, star-shaped around the origin. edge: length of a quad, about.
+// A closed surface, star-shaped around the origin. edge: approximate length of a quad.
 struct Closed
 {
   std::string name;
@@ -121,7 +121,7 @@ private:
         addTriangle(at(x, y), at(x + 1, y), at(x, y + 1));
         addTriangle(at(x, y + 1), at(x + 1, y), at(x + 1, y + 1));
       }
-    const int dx[] = {1, 0, -1, 0, 1, -1}, dy[] = {0, 1, 0, -1, -1, 1}; // the last two: diagonals
+    const int dx[] = {1, 0, -1, 0, 1, -1}, dy[] = {0, 1, 0, -1, -1, 1}; // the last two are diagonals
     for (unsigned y = 0; y < h; y++)
       for (unsigned x = 0; x < w; x++) {
         const bool onX = x == 0 || x + 1 == w, onY = y == 0 || y + 1 == h;
@@ -181,7 +181,7 @@ private:
   const bool inPackets;
 };
 
-// True if normals of hits point outwards, as countLeaks expects: a ray from the middle hits the back of the surface.
+// True if normals of hits point outwards, as countLeaks expects: a ray from the center hits the back of the surface.
 bool pointsOutwards(RTCScene scene)
 {
   const RTCRayHit r = intersect(scene, makeRay({0, 0, 0}, {0.3f, 0.7f, 0.2f}));
@@ -214,7 +214,7 @@ void expectNoLeaks(double partOfEdge)
     ASSERT_EQ(statisticsOf(scene).maxVertexDeviation == 0, partOfEdge == 0);
     ASSERT_TRUE(pointsOutwards(scene));
     for (const bool inPackets : {false, true}) {
-      SCOPED_TRACE(inPackets ? "in packets" : "ray by ray");
+      SCOPED_TRACE(inPackets ? "packets" : "single rays");
       const float time = surface.moves ? float(random.uniform()) : 0;
       const StoredAt stored(geometry, time);
       Scene judge(device, RTC_SCENE_FLAG_ROBUST);

@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Grid geometry of random sizes, strides and vertices, most of it wrong somewhere: what is right is compressed and traced, what is wrong
- * is named. Memory is of exactly the size that the API asks for, so that sanitizers see what is read beside it.
+/* Grid geometry with random sizes, strides and vertices, mostly invalid. Valid grids are compressed and traced; errors
+ * are reported. Memory has exactly the size that the API requires, so that sanitizers detect reads out of bounds.
  *
- *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for longer */
+ *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for a longer run */
 
 #include "support/query_forms.h"
 #include "support/random_rounds.h"
@@ -18,17 +18,19 @@ namespace {
 struct RandomGrids
 {
   size_t numVertices, vertexStride, numGrids, gridStride;
-  std::unique_ptr<char[]> vertices, grids; // of vertices with the 4 bytes behind the last that Embree may read
+  std::unique_ptr<char[]> vertices, grids; // vertices include the 4 bytes after the last one, which Embree may read
 
   explicit RandomGrids(Random& random)
-    : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)), vertexStride(12 + 4*random.below(3)),
-      numGrids(random.chance(0.05) ? 0 : 1 + random.below(12)), gridStride(12 + 4*random.below(2)), vertices(new char[numVertices*vertexStride + 4]),
+    : numVertices(random.chance(0.1) ? random.below(4) : 1 + random.below(random.chance(0.2) ? 5000 : 200)),
+      vertexStride(12 + 4*random.below(3)), numGrids(random.chance(0.05) ? 0 : 1 + random.below(12)),
+      gridStride(12 + 4*random.below(2)), vertices(new char[numVertices*vertexStride + 4]),
       grids(new char[numGrids*gridStride + 4])
   {
     const bool isPoisoned = random.chance(0.5);
     const double scale = random.magnitude(1e-6, 1e6);
     for (size_t i = 0; i < numVertices; i++) {
-      float p[3] = {float(scale*(double(i % 16) + 0.3*random.uniform())), float(scale*(double(i / 16) + 0.3*random.uniform())), float(scale*random.normal())};
+      float p[3] = {float(scale*(double(i % 16) + 0.3*random.uniform())),
+                    float(scale*(double(i / 16) + 0.3*random.uniform())), float(scale*random.normal())};
       for (float& x : p) {
         if (random.chance(0.3)) x = std::nearbyint(x);
         if (isPoisoned && random.chance(0.01)) x = oddNumber(random);
@@ -36,7 +38,8 @@ struct RandomGrids
       std::memcpy(&vertices[i*vertexStride], p, sizeof(p));
     }
     for (size_t i = 0; i < numGrids; i++) {
-      RTCGrid grid = {random.below(unsigned(numVertices) + 1), 1 + random.below(40), (unsigned short)random.below(30), (unsigned short)random.below(30)};
+      RTCGrid grid = {random.below(unsigned(numVertices) + 1), 1 + random.below(40), (unsigned short)random.below(30),
+                      (unsigned short)random.below(30)};
       if (random.chance(0.5)) { grid.stride = 16; grid.width = (unsigned short)std::min<unsigned>(grid.width, 16); }
       if (random.chance(0.05)) grid.startVertexID = random.bits();
       if (random.chance(0.05)) grid.stride = random.chance(0.5) ? 0 : random.bits();
@@ -68,7 +71,8 @@ struct RandomGrids
   bool isRight(size_t i) const
   {
     const RTCGrid g = grid(i);
-    return g.width > 1 && g.height > 1 && uint64_t(g.startVertexID) + uint64_t(g.height - 1)*g.stride + g.width - 1 < numVertices;
+    return g.width > 1 && g.height > 1 &&
+           uint64_t(g.startVertexID) + uint64_t(g.height - 1)*g.stride + g.width - 1 < numVertices;
   }
 
 private:
@@ -79,7 +83,7 @@ private:
   }
 };
 
-TEST(RandomGrids, AreTracedOrNamed)
+TEST(RandomGrids, AreTracedOrReported)
 {
   Random random(107);
   const size_t rounds = randomRounds(400);
@@ -90,14 +94,17 @@ TEST(RandomGrids, AreTracedOrNamed)
     const RandomGrids grids(random);
     Scene scene(device);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, grids.vertices.get(), 0, grids.vertexStride, grids.numVertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids.get(), 0, grids.gridStride, grids.numGrids);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, grids.vertices.get(), 0,
+                               grids.vertexStride, grids.numVertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids.get(), 0,
+                               grids.gridStride, grids.numGrids);
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = RTC_COMPRESSION_VERT;
     if (random.chance(0.3)) args.maxError = float(random.magnitude(1e-38, 1e38));
-    const bool releases = random.chance(0.3) || grids.areSmall(); // else they would be left to Embree, which does not name what is wrong
+    // otherwise they would be left to Embree, which does not report errors
+    const bool releases = random.chance(0.3) || grids.areSmall();
     if (releases) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
     rtcSetGeometryCompression(geometry, &args);
     rtcCommitGeometry(geometry);
@@ -124,7 +131,8 @@ TEST(RandomGrids, AreTracedOrNamed)
     if (quads && std::isfinite(bounds.lower_x) && bounds.upper_x - bounds.lower_x < 1e12f)
       for (int i = 0; i < 40; i++) {
         const auto in = [&](float a, float b) { return float(a + random.uniform()*(double(b) - a)); };
-        const Vec at = {in(bounds.lower_x, bounds.upper_x), in(bounds.lower_y, bounds.upper_y), in(bounds.lower_z, bounds.upper_z)};
+        const Vec at = {in(bounds.lower_x, bounds.upper_x), in(bounds.lower_y, bounds.upper_y),
+                        in(bounds.lower_z, bounds.upper_z)};
         Vec direction;
         for (float& d : direction) d = random.chance(0.2) ? 0.0f : float(random.normal());
         rays.push_back(makeRay(at, direction));
@@ -144,7 +152,7 @@ TEST(RandomGrids, AreTracedOrNamed)
       }
     }
   }
-  EXPECT_GT(right, rounds/2); // about one a round
+  EXPECT_GT(right, rounds/2); // about one per round
   EXPECT_GT(named, rounds/4);
   EXPECT_GT(hits, rounds);
 }

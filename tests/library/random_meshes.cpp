@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Meshes of quads and triangles that are regular in part, and wrong somewhere: each primitive that Embree would trace is stored once,
- * with its own vertices. Memory is of exactly the size that the API asks for, so that sanitizers see what is read beside it.
+/* Partly regular meshes of quads and triangles with errors: each primitive that Embree traces must be stored exactly
+ * once, with its own vertices. Memory has exactly the size that the API requires, so that sanitizers detect reads out
+ * of bounds.
  *
- *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for longer */
+ *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for a longer run */
 
 #include "support/diced_mesh.h"
 #include "support/random_rounds.h"
@@ -18,61 +19,70 @@
 namespace cbvh::test {
 namespace {
 
-// Sheets that are welded to each other or not, cut, turned, twisted and shuffled.
+// Sheets that may be welded, cut, rotated, twisted and shuffled.
 DicedMesh randomMesh(Random& random)
 {
   DicedMesh mesh;
   const double scale = random.magnitude(1e-4, 1e4);
   for (unsigned sheet = 0, sheets = 1 + random.below(5); sheet < sheets; sheet++) {
-    const unsigned w = 1 + random.below(random.chance(0.2) ? 150 : 40), h = 1 + random.below(40), first = unsigned(mesh.vertices.size());
+    const unsigned w = 1 + random.below(random.chance(0.2) ? 150 : 40), h = 1 + random.below(40),
+                   first = unsigned(mesh.vertices.size());
     const bool isRing = random.chance(0.2), isTurned = random.chance(0.3);
     const auto vertex = [&](unsigned x, unsigned y) { return first + y*(w + 1) + (isRing ? x % w : x); };
     for (unsigned y = 0; y <= h; y++)
       for (unsigned x = 0; x <= w; x++)
-        mesh.vertices.push_back({float(scale*(x + 0.2*random.uniform())), float(scale*(y + 0.2*random.uniform())), float(scale*(50.0*sheet + 0.3*random.normal()))});
+        mesh.vertices.push_back({float(scale*(x + 0.2*random.uniform())),
+                                 float(scale*(y + 0.2*random.uniform())),
+                                 float(scale*(50.0*sheet + 0.3*random.normal()))});
     for (unsigned y = 0; y < h; y++)
       for (unsigned x = 0; x < w; x++) {
         std::array<unsigned, 4> q = {vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)};
         std::rotate(q.begin(), q.begin() + (isTurned ? 1 : random.chance(0.01) ? random.below(4) : 0), q.end());
         if (random.chance(0.005)) std::swap(q[1], q[3]);
         if (random.chance(0.005)) q[random.below(4)] = random.below(unsigned(mesh.vertices.size()));
-        if (random.chance(0.002)) q[random.below(4)] = random.chance(0.5) ? random.bits() : unsigned(mesh.vertices.size());
+        if (random.chance(0.002))
+          q[random.below(4)] = random.chance(0.5) ? random.bits() : unsigned(mesh.vertices.size());
         if (!random.chance(0.01)) mesh.quads.push_back(q);
-        if (random.chance(0.003)) mesh.quads.push_back(q); // twice
+        if (random.chance(0.003)) mesh.quads.push_back(q); // a duplicate
       }
   }
   const auto shuffle = [&](auto& faces) {
     const size_t swaps = random.chance(0.5) ? 0 : random.chance(0.5) ? 10 : faces.size();
-    for (size_t i = 0; i < swaps && faces.size() > 1; i++) std::swap(faces[random.below(unsigned(faces.size()))], faces[random.below(unsigned(faces.size()))]);
+    for (size_t i = 0; i < swaps && faces.size() > 1; i++)
+      std::swap(faces[random.below(unsigned(faces.size()))], faces[random.below(unsigned(faces.size()))]);
   };
   shuffle(mesh.quads);
   if (random.chance(0.5)) {
     mesh = trianglesOf(mesh, random.below(3), random.below(3));
-    for (unsigned i = random.below(5); i > 0; i--) mesh.triangles.erase(mesh.triangles.begin() + random.below(unsigned(mesh.triangles.size())));
+    for (unsigned i = random.below(5); i > 0; i--)
+      mesh.triangles.erase(mesh.triangles.begin() + random.below(unsigned(mesh.triangles.size())));
     if (random.chance(0.2)) shuffle(mesh.triangles);
     if (random.chance(0.2)) mesh = halvesApart(mesh);
     if (random.chance(0.2)) mesh = withShuffledFaces(mesh, random);
     if (random.chance(0.2)) mesh = withTurnedTriangles(mesh, random);
   }
   if (random.chance(0.3))
-    for (unsigned i = random.below(10); i > 0; i--) mesh.vertices[random.below(unsigned(mesh.vertices.size()))][random.below(3)] = random.chance(0.5) ? NAN : INFINITY;
+    for (unsigned i = random.below(10); i > 0; i--)
+      mesh.vertices[random.below(unsigned(mesh.vertices.size()))][random.below(3)] = random.chance(0.5) ? NAN
+                                                                                                        : INFINITY;
   return mesh;
 }
 
-// A buffer of a stride, with the 4 bytes behind its last vertex that Embree may read.
+// A buffer with a stride, including the 4 bytes after its last vertex, which Embree may read.
 struct Strided
 {
   size_t stride;
   std::unique_ptr<char[]> bytes;
 
   template<typename Item>
-  Strided(Random& random, const std::vector<Item>& items) : stride(sizeof(Item) + 4*random.below(3)), bytes(new char[items.size()*stride + 4])
+  Strided(Random& random, const std::vector<Item>& items)
+    : stride(sizeof(Item) + 4*random.below(3)), bytes(new char[items.size()*stride + 4])
   {
     for (size_t i = 0; i < items.size(); i++) std::memcpy(&bytes[i*stride], &items[i], sizeof(Item));
   }
 };
 
-TEST(RandomMeshes, StoreEachPrimitiveOnce)
+TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
 {
   Random random(141);
   const size_t rounds = randomRounds(150);
@@ -82,10 +92,15 @@ TEST(RandomMeshes, StoreEachPrimitiveOnce)
     Device device("threads=2");
     const DicedMesh mesh = randomMesh(random);
     if (mesh.size() == 0) continue;
-    const Strided vertices(random, mesh.vertices), indices = mesh.isOfTriangles() ? Strided(random, mesh.triangles) : Strided(random, mesh.quads);
-    RTCGeometry geometry = rtcNewGeometry(device, mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.bytes.get(), 0, vertices.stride, mesh.vertices.size());
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, mesh.isOfTriangles() ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, indices.bytes.get(), 0, indices.stride, mesh.size());
+    const Strided vertices(random, mesh.vertices),
+      indices = mesh.isOfTriangles() ? Strided(random, mesh.triangles) : Strided(random, mesh.quads);
+    RTCGeometry geometry = rtcNewGeometry(device,
+                                          mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.bytes.get(), 0,
+                               vertices.stride, mesh.vertices.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                               mesh.isOfTriangles() ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, indices.bytes.get(), 0,
+                               indices.stride, mesh.size());
     commitAs(geometry, RTC_COMPRESSION_VERT, random.chance(0.3) ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : 0);
     Scene scene(device);
     attach(scene, geometry);
@@ -93,33 +108,45 @@ TEST(RandomMeshes, StoreEachPrimitiveOnce)
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     for (int i = 0; i < 20; i++) intersect(scene, rayAt(random, meshOf(dicedSheet(1, 4), QuadOrder::Rows, random)));
     const RTCCompressionStatistics stats = statisticsOf(scene);
-    if (stats.numQuads == 0) continue; // better left to Embree
+    if (stats.numQuads == 0) continue; // left to Embree because that needs less memory
 
     const unsigned corners = mesh.isOfTriangles() ? 3 : 4;
-    const auto indexOf = [&](size_t i) { return mesh.isOfTriangles() ? mesh.triangles[i].data() : mesh.quads[i].data(); };
-    const auto isValid = [&](const unsigned* v) { return std::all_of(v, v + corners, [&](unsigned k) { return k < mesh.vertices.size(); }); };
-    const auto isFinite = [&](unsigned k) { return std::isfinite(mesh.vertices[k][0] + mesh.vertices[k][1] + mesh.vertices[k][2]); };
-    // the triangle at u = v, which mesh blocks leave out if it has no area
+    const auto indexOf = [&](size_t i) {
+      return mesh.isOfTriangles() ? mesh.triangles[i].data() : mesh.quads[i].data();
+    };
+    const auto isValid = [&](const unsigned* v) {
+      return std::all_of(v, v + corners, [&](unsigned k) { return k < mesh.vertices.size(); });
+    };
+    const auto isFinite = [&](unsigned k) {
+      return std::isfinite(mesh.vertices[k][0] + mesh.vertices[k][1] + mesh.vertices[k][2]);
+    };
+    // the triangle with u = v, which mesh blocks leave out if it has no area
     const unsigned halves[2][3] = {{0, 1, corners == 3 ? 2u : 3u}, {2, 3, 1}};
     const auto hasArea = [&](const unsigned* v, float u) {
       const unsigned* half = halves[u > 0.5f];
       double e[2][3];
       for (int k = 0; k < 3; k++)
         for (int i = 0; i < 2; i++) e[i][k] = double(mesh.vertices[v[half[i + 1]]][k]) - mesh.vertices[v[half[0]]][k];
-      return e[0][0]*e[1][1] != e[0][1]*e[1][0] || e[0][1]*e[1][2] != e[0][2]*e[1][1] || e[0][2]*e[1][0] != e[0][0]*e[1][2];
+      return e[0][0]*e[1][1] != e[0][1]*e[1][0] || e[0][1]*e[1][2] != e[0][2]*e[1][1] ||
+             e[0][2]*e[1][0] != e[0][0]*e[1][2];
     };
     std::set<unsigned> met;
     rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
       const unsigned n = part->primitivesPerQuad;
       for (unsigned i = 0; i < (part->width - 1)*(part->height - 1)*n; i++)
-        if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) { EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second) << "stored twice: " << part->primIDs[i]; }
+        if (n == 1 || i % 2 == 0 || part->primIDs[i] != part->primIDs[i - 1]) {
+          EXPECT_TRUE(((std::set<unsigned>*)userPtr)->insert(part->primIDs[i]).second)
+            << "stored twice: " << part->primIDs[i];
+        }
       return true;
     }, &met);
     size_t there = 0;
     for (size_t i = 0; i < mesh.size(); i++) {
       const unsigned* v = indexOf(i);
       const bool mayBeLeftOut = !isValid(v) || !std::all_of(v, v + corners, isFinite);
-      if (!mayBeLeftOut && (hasArea(v, 0.3f) || (corners == 4 && hasArea(v, 0.8f)))) { ASSERT_TRUE(met.count(unsigned(i))) << i; }
+      if (!mayBeLeftOut && (hasArea(v, 0.3f) || (corners == 4 && hasArea(v, 0.8f)))) {
+        ASSERT_TRUE(met.count(unsigned(i))) << i;
+      }
       if (!isValid(v)) { ASSERT_FALSE(met.count(unsigned(i))) << i; }
       if (mayBeLeftOut) continue;
       there++;
@@ -129,7 +156,8 @@ TEST(RandomMeshes, StoreEachPrimitiveOnce)
         ASSERT_TRUE(rtcGetCompressedTriangle(geometry, unsigned(i), u, u, nullptr, &t));
         for (int c = 0; c < 3; c++) {
           const Vec& p = mesh.vertices[v[halves[u > 0.5f][c]]];
-          for (int k = 0; k < 3; k++) ASSERT_NEAR(t.vertices[c][k], p[k], stats.maxVertexSpacing) << "primitive " << i << ", vertex " << c;
+          for (int k = 0; k < 3; k++)
+            ASSERT_NEAR(t.vertices[c][k], p[k], stats.maxVertexSpacing) << "primitive " << i << ", vertex " << c;
         }
       }
     }
@@ -137,7 +165,8 @@ TEST(RandomMeshes, StoreEachPrimitiveOnce)
     primitives += there;
     loose += stats.numLooseQuads;
   }
-  std::printf("%zu of %zu meshes compressed, %zu primitives in them, %zu quads loose\n", compressed, rounds, primitives, loose);
+  std::printf("%zu of %zu meshes compressed, %zu primitives in them, %zu quads loose\n", compressed, rounds, primitives,
+              loose);
   EXPECT_GT(compressed, rounds/4);
   EXPECT_GT(loose, 0u);
 }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Buffers that a geometry releases when it is compressed, where a setting asks for it, and those that stay. */
+/* Buffers that a geometry releases when it is compressed, if a setting requests it, and buffers that stay. */
 
 #include "support/diced_mesh.h"
 #include "support/environment.h"
@@ -14,7 +14,7 @@
 namespace cbvh::test {
 namespace {
 
-// Programs that cannot be changed: their buffers go when they commit a geometry, and what they ask of them then is an error.
+// Programs that cannot be changed: commits of geometries release their buffers, and later accesses are errors.
 TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
 {
   for (bool byEnvironment : {true, false}) {
@@ -34,7 +34,8 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
       {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, mesh); }},
       {RTC_BUFFER_TYPE_INDEX, [&] { return newMesh(device, trianglesOf(mesh)); }}};
     for (const auto& [indices, make] : types) {
-      SCOPED_TRACE(testing::Message() << "buffer type " << indices << (byEnvironment ? ", environment" : ", device string"));
+      SCOPED_TRACE(testing::Message() << "buffer type " << indices
+                                      << (byEnvironment ? ", environment" : ", device string"));
       const ssize_t before = memory.live;
       RTCGeometry geometry = make();
       Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
@@ -47,14 +48,14 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
       EXPECT_LT(double(memory.live - before), 5*double(stats.numQuads));
       const RTCRayHit down = makeRay({0.3f, 0.2f, 5}, {0, 0, -1});
       EXPECT_TRUE(isHit(intersect(scene, down)));
-      // a commit without a change, and of what does not concern the surface
+      // commits without a change, and after changes that do not concern the surface
       rtcCommitGeometry(geometry);
       rtcSetGeometryMask(geometry, 1);
       rtcCommitGeometry(geometry);
       rtcCommitScene(scene);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       EXPECT_TRUE(isHit(intersect(scene, down)));
-      // what needs the buffers
+      // operations that need the buffers
       for (RTCBufferType type : {RTC_BUFFER_TYPE_VERTEX, indices}) {
         EXPECT_EQ(rtcGetGeometryBufferData(geometry, type, 0), nullptr);
         EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
@@ -72,8 +73,8 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
   }
 }
 
-// Without it the statistics have the buffers, each once, and none that the application shares.
-TEST(ReleaseInput, StatisticsHaveTheBuffersThatStay)
+// Without the setting, the statistics count each buffer once, except for buffers that the application shares.
+TEST(ReleaseInput, StatisticsCountRemainingBuffers)
 {
   Memory memory;
   Device device("subdiv_accel=cbvh");
@@ -89,7 +90,8 @@ TEST(ReleaseInput, StatisticsHaveTheBuffersThatStay)
   EXPECT_NEAR(double(statisticsOf(scene).inputBytes), double(bytes), 32) << "Embree pads its buffers";
   std::vector<Vec> vertices = mesh.vertices;
   vertices.push_back({0, 0, 0});
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, sizeof(Vec), mesh.vertices.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, sizeof(Vec),
+                             mesh.vertices.size());
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene);
   EXPECT_NEAR(double(statisticsOf(scene).inputBytes), 16*double(mesh.quads.size()), 16);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What a save does with what lies at its path and next to it: links, devices, files of killed writers, and writers at
- * the same time. */
+/* Effects of a save on existing files at its path and next to it: links, devices, files of killed writers, and
+ * concurrent writers. */
 
 #include "support/child_process.h"
 #include "support/file_calls.h"
@@ -22,7 +22,7 @@ protected:
   ReplacedFiles() : geometry(newOne()) {}
   ~ReplacedFiles() { rtcReleaseGeometry(geometry); }
 
-  // A few blocks.
+  // A geometry with a few blocks.
   RTCGeometry newOne()
   {
     SurfaceSettings settings;
@@ -66,7 +66,7 @@ protected:
   const std::string path = folder/"a.cbvh";
 };
 
-TEST_F(ReplacedFiles, ALinkStaysAndWhatItLeadsToIsReplaced)
+TEST_F(ReplacedFiles, LinkStaysAndItsTargetIsReplaced)
 {
   writeBytes(folder/"target", "old");
   ASSERT_EQ(chmod((folder/"target").c_str(), 0640), 0);
@@ -79,7 +79,7 @@ TEST_F(ReplacedFiles, ALinkStaysAndWhatItLeadsToIsReplaced)
   EXPECT_EQ(names(), (std::vector<std::string>{"a.cbvh", "link", "target"}));
 }
 
-TEST_F(ReplacedFiles, ALinkToNothingStaysAndItsTargetIsMade)
+TEST_F(ReplacedFiles, DanglingLinkStaysAndItsTargetIsCreated)
 {
   ASSERT_EQ(symlink("target", path.c_str()), 0);
   ASSERT_TRUE(save(path)) << device.message;
@@ -91,7 +91,7 @@ TEST_F(ReplacedFiles, ALinkToNothingStaysAndItsTargetIsMade)
   expectError("symbolic links");
 }
 
-TEST_F(ReplacedFiles, WhatIsNoFileIsRefusedAndStays)
+TEST_F(ReplacedFiles, NonRegularFilesAreRejectedAndStay)
 {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   EXPECT_FALSE(save(path));
@@ -103,7 +103,7 @@ TEST_F(ReplacedFiles, WhatIsNoFileIsRefusedAndStays)
   EXPECT_TRUE(S_ISLNK(linkStatus(folder/"link").st_mode) && S_ISCHR(linkStatus("/dev/null").st_mode));
   EXPECT_FALSE(save(folder.path));
   expectError("Is a directory");
-  /* as /dev/stdout with a file behind it, which others go on writing into */
+  /* like /dev/stdout redirected to a file that other processes also write */
   writeBytes(folder/"log", "begin\n");
   const int log = open((folder/"log").c_str(), O_WRONLY | O_APPEND);
   EXPECT_FALSE(save("/dev/fd/" + std::to_string(log)));
@@ -113,10 +113,10 @@ TEST_F(ReplacedFiles, WhatIsNoFileIsRefusedAndStays)
   EXPECT_EQ(names(), (std::vector<std::string>{"a.cbvh", "link", "log"}));
 }
 
-TEST_F(ReplacedFiles, WhatIsNoFileIsNotWaitedFor)
+TEST_F(ReplacedFiles, NonRegularFilesDoNotBlock)
 {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  alarm(20); // a FIFO without a writer would be waited for for ever
+  alarm(20); // opening a FIFO without a writer would block forever
   EXPECT_EQ(rtcLoadCompressedGeometry(device, path.c_str()), nullptr);
   expectError("is a pipe: expected a regular file");
   EXPECT_EQ(rtcOpenCompressedFile(device, path.c_str()), nullptr);
@@ -129,7 +129,7 @@ TEST_F(ReplacedFiles, WhatIsNoFileIsNotWaitedFor)
   alarm(0);
 }
 
-TEST_F(ReplacedFiles, FilesOfKilledWritersAreRemovedAndThoseOfOthersStay)
+TEST_F(ReplacedFiles, OnlyFilesOfKilledWritersAreRemoved)
 {
   const auto beginInChild = [&](const std::string& to) {
     EXPECT_TRUE(WIFSIGNALED(statusOfChild([&] {
@@ -139,14 +139,14 @@ TEST_F(ReplacedFiles, FilesOfKilledWritersAreRemovedAndThoseOfOthersStay)
   };
   beginInChild(path);
   const std::vector<std::string> killed = names();
-  ASSERT_EQ(killed.size(), 1u) << "the writer has no file";
+  ASSERT_EQ(killed.size(), 1u) << "the writer has no temporary file";
   beginInChild(folder/"b.cbvh");
   writeBytes(folder/"a.cbvh.part-1-0", "another program's");
   writeBytes(folder/"a.cbvh.cbvh-part-readme", "another program's");
   RTCCompressedFileWriter alive = rtcNewCompressedFileWriter(device, path.c_str());
   ASSERT_NE(alive, nullptr);
-  EXPECT_NE(access((folder/killed[0]).c_str(), F_OK), 0) << "the killed writer's file is still there";
-  EXPECT_EQ(names().size(), 4u) << "one of the other path, two of other programs, one that is written";
+  EXPECT_NE(access((folder/killed[0]).c_str(), F_OK), 0) << "the killed writer's file still exists";
+  EXPECT_EQ(names().size(), 4u) << "one for the other path, two of other programs, one that is being written";
   ASSERT_TRUE(save(path)) << device.message;
   EXPECT_EQ(names().size(), 5u);
   ASSERT_TRUE(rtcAppendCompressedGeometry(alive, geometry) && rtcCommitCompressedFile(alive)) << device.message;
@@ -155,8 +155,8 @@ TEST_F(ReplacedFiles, FilesOfKilledWritersAreRemovedAndThoseOfOthersStay)
   expectLoadable(path);
 }
 
-// As two containers do in which each writer is process 1.
-TEST_F(ReplacedFiles, ANameThatIsTakenDoesNotStopASave)
+// Two containers can have writers with the same process ID 1.
+TEST_F(ReplacedFiles, ExistingTemporaryNameDoesNotPreventASave)
 {
   const auto take = [&](int process, int count) {
     writeBytes(path + ".part-" + std::to_string(process) + "-" + std::to_string(count), "");
@@ -169,7 +169,7 @@ TEST_F(ReplacedFiles, ANameThatIsTakenDoesNotStopASave)
   EXPECT_EQ(names().size(), before + 1);
 }
 
-TEST_F(ReplacedFiles, NamesAreAsLongAsTheFileSystemTakes)
+TEST_F(ReplacedFiles, NamesUpToTheFileSystemsLimitAreSupported)
 {
   const auto nameOf = [](size_t bytes) { return std::string(bytes, 'n'); };
   for (size_t bytes : {228u, 229u, 245u, 250u, 251u, 255u}) {
@@ -183,7 +183,7 @@ TEST_F(ReplacedFiles, NamesAreAsLongAsTheFileSystemTakes)
     EXPECT_EQ(names().size(), 2u);
     writer = rtcResumeCompressedFileWriter(device, to.c_str(), 1);
     ASSERT_NE(writer, nullptr) << device.message;
-    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u) << "it begins anew";
+    EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 1u) << "the writer starts again";
     ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
     rtcReleaseCompressedFileWriter(writer);
     expectLoadable(to);
@@ -191,9 +191,9 @@ TEST_F(ReplacedFiles, NamesAreAsLongAsTheFileSystemTakes)
     std::remove(to.c_str());
   }
   const std::string tooLong = folder/nameOf(256);
-  EXPECT_EQ(rtcNewCompressedFileWriter(device, tooLong.c_str()), nullptr) << "not only when all is written";
+  EXPECT_EQ(rtcNewCompressedFileWriter(device, tooLong.c_str()), nullptr) << "the error must be reported at creation";
   expectError("File name too long");
-  /* two long names that differ in their last byte do not share a file */
+  /* two long names that differ in their last byte must not share a file */
   RTCCompressedFileWriter writers[2];
   for (int i = 0; i < 2; i++) {
     writers[i] = rtcResumeCompressedFileWriter(device, (folder/(nameOf(254) + std::to_string(i))).c_str(), 1);
@@ -203,7 +203,7 @@ TEST_F(ReplacedFiles, NamesAreAsLongAsTheFileSystemTakes)
   EXPECT_TRUE(names().empty());
 }
 
-TEST_F(ReplacedFiles, ALimitOnFileSizesIsAnErrorAndLeavesNothing)
+TEST_F(ReplacedFiles, FileSizeLimitIsAnErrorAndLeavesNoFile)
 {
   ASSERT_TRUE(save(path));
   const size_t whole = bytesOf(path).size();
@@ -218,13 +218,13 @@ TEST_F(ReplacedFiles, ALimitOnFileSizesIsAnErrorAndLeavesNothing)
       if (save(path)) return 1;
       return device.message.find(path + ": cannot be written: File too large") != std::string::npos ? 0 : 2;
     });
-    EXPECT_EQ(status, 0) << "a signal, if below 128";
+    EXPECT_EQ(status, 0) << "values below 128 are signals";
     EXPECT_TRUE(names().empty());
   }
 }
 
-// A process that has the lock of a part must not lose it before the part has its final name.
-TEST_F(ReplacedFiles, ProcessesThatResumeOnePathCommitWholeFiles)
+// A process that holds the lock of a partial file must not lose it before the file has its final name.
+TEST_F(ReplacedFiles, ConcurrentResumingProcessesCommitCompleteFiles)
 {
   constexpr int processes = 3, rounds = 40;
   std::vector<pid_t> children;
@@ -235,7 +235,7 @@ TEST_F(ReplacedFiles, ProcessesThatResumeOnePathCommitWholeFiles)
     int commits = 0, spoiled = 0;
     for (int tries = 0; commits < rounds && tries < 100000; tries++) {
       RTCCompressedFileWriter writer = rtcResumeCompressedFileWriter(device, path.c_str(), 7);
-      if (!writer) { usleep(200); continue; } // another has it
+      if (!writer) { usleep(200); continue; } // another process holds it
       commits++;
       const bool isNew = rtcGetCompressedFileWriterCount(writer) == 0;
       const bool isWhole = isNew && rtcAppendCompressedGeometry(writer, geometry) && rtcCommitCompressedFile(writer);
@@ -257,7 +257,7 @@ TEST_F(ReplacedFiles, ProcessesThatResumeOnePathCommitWholeFiles)
     if (child <= 0) continue;
     ended++;
     EXPECT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), 0) << "commits that failed, or found a part that was begun";
+    EXPECT_EQ(WEXITSTATUS(status), 0) << "a commit failed, or found an incomplete part";
   }
   EXPECT_EQ(damaged, 0u) << "of " << opened << ": " << device.message;
   EXPECT_GT(opened, 100u);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Faces of any edge rates, resampled to whole blocks: as near to the true surface as
- * GRID's of the same rates, in a fraction of the memory, and anew when rates change. */
+/* Faces of any edge rates, resampled to whole blocks: as close to the true surface as GRID with the same rates, with a
+ * fraction of the memory, and rebuilt when rates change. */
 
 #include "kernels/cbvh/framed/frame_map.h"
 #include "support/edge_rates.h"
@@ -35,8 +35,8 @@ std::vector<RTCRayHit> raysFromAround(Random& random, unsigned count)
   return rays;
 }
 
-// Rates whose multiples GRID has too: vertices are GRID's but on borders to lower rates.
-TEST(ResampledInterior, IsGridsWhereRatesAreMultiplesOfTheBlocks)
+// For rates that GRID resamples to the same multiples, vertices match GRID's except on borders to lower rates.
+TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
 {
   Device device;
   const Cage cage = cubeCage();
@@ -53,11 +53,13 @@ TEST(ResampledInterior, IsGridsWhereRatesAreMultiplesOfTheBlocks)
   for (const RTCRayHit& ray : raysFromAround(random, 20000)) {
     const RTCRayHit a = intersect(twins.grid, ray), b = intersect(twins.scene, ray);
     if (!isHit(a) || !isHit(b) || a.hit.primID != b.hit.primID) continue;
-    // GRID stores parameters in 16 bits, and its fans at borders have those of the edge
-    ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad) << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
+    // GRID stores parameters in 16 bits, and its fans at borders have the parameters of the edge
+    ASSERT_LE(std::hypot(a.hit.u - b.hit.u, a.hit.v - b.hit.v), quad)
+      << a.hit.u << " " << a.hit.v << ", " << b.hit.u << " " << b.hit.v;
     if (std::min({a.hit.u, a.hit.v, 1 - a.hit.u, 1 - a.hit.v}) < quad) { borders++; continue; }
     interior++;
-    ASSERT_NEAR(a.ray.tfar, b.ray.tfar, 1e-5f) << a.hit.u << " " << a.hit.v; // a test compiled twice rounds twice
+    // the same test rounds differently in different compilations
+    ASSERT_NEAR(a.ray.tfar, b.ray.tfar, 1e-5f) << a.hit.u << " " << a.hit.v;
     ASSERT_NEAR(a.hit.u, b.hit.u, 1e-4f);
     ASSERT_NEAR(a.hit.v, b.hit.v, 1e-4f);
   }
@@ -69,21 +71,22 @@ class ResampledFaces : public testing::TestWithParam<RTCCompression> {};
 INSTANTIATE_TEST_SUITE_P(Compression, ResampledFaces,
   testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF), nameOf);
 
-// cVERT has GRID's own vertices at any rates.
+// cVERT has GRID's vertices for any rates.
 class AnyRates : public ResampledFaces {};
 INSTANTIATE_TEST_SUITE_P(Compression, AnyRates,
   testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT), nameOf);
 
-// Whether a ray meets a much finer surface steeply.
+// True if a ray hits a much finer surface at a steep angle.
 bool isSteep(const RTCRayHit& fine)
 {
   const float* N = &fine.hit.Ng_x;
   const float* D = &fine.ray.dir_x;
-  const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0), dd = std::inner_product(D, D + 3, D, 0.0);
+  const double nd = std::inner_product(N, N + 3, D, 0.0), nn = std::inner_product(N, N + 3, N, 0.0),
+               dd = std::inner_product(D, D + 3, D, 0.0);
   return nd*nd >= 0.25*nn*dd;
 }
 
-// Distance of a hit from that surface, across it.
+// Distance of a hit from that surface along its normal.
 double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit)
 {
   const float* N = &fine.hit.Ng_x;
@@ -92,10 +95,9 @@ double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit)
   return std::fabs(hit.ray.tfar - fine.ray.tfar)*std::fabs(nd)/std::sqrt(nn);
 }
 
-/* How far, across the finer surface, the leaf that is hit may be off the quads that it stands for:
- * in cLEAF half its thickness, which is in z of the frame; in a box that is hit where the ray
- * enters it, as in cVOXEL, as far as it reaches. On the border of two leaves the one counts
- * that allows less. */
+/* Largest distance, along the normal of the finer surface, of the hit leaf from the quads that it represents: in cLEAF
+ * half its thickness, measured in z of the frame; in cVOXEL, where rays hit the box when they enter it, its extent. On
+ * the border of two leaves the smaller value counts. */
 double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RTCRayHit& fine, const RTCRayHit& hit)
 {
   using namespace embree::cbvh;
@@ -131,11 +133,10 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
   return least;
 }
 
-/* A finer inside, and borders without GRID's fans of triangles: resampling takes nothing away,
- * which cGRID shows, whose leaves hold its quads. Leaves of the other kinds add to that: quads are
- * spread evenly over where their leaf may be off from them, at none to all of its error, so in the
- * mean over hits half of it. */
-TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGridsButForTheErrorOfLeaves)
+/* Resampling uses finer quads inside and no fans of triangles at borders, so it does not increase the error: cGRID,
+ * whose leaves contain the quads, shows this. Leaves of other kinds add an error: quads are distributed evenly over the
+ * range of their leaf, so its mean over hits is half of the range. */
+TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
 {
   Device device;
   for (const auto& set : rateSets) {
@@ -162,19 +163,21 @@ TEST_P(ResampledFaces, SurfaceIsAsNearToTheTrueOneAsGridsButForTheErrorOfLeaves)
         grids += distanceAcross(f, a);
         ours += distanceAcross(f, b);
         const double error = leafError(blocks, f, b);
-        ASSERT_TRUE(std::isfinite(error)) << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
+        ASSERT_TRUE(std::isfinite(error))
+          << "no leaf has these parameters: face " << b.hit.primID << ", " << b.hit.u << ", " << b.hit.v;
         allowed += 0.5*error;
         count++;
       }
     }
-    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours/count, grids/count, allowed/count);
+    std::printf("%s, mean over %u hits: error %g, reference's %g, leaves may add %g\n", set.name, count, ours/count,
+                grids/count, allowed/count);
     EXPECT_GT(count, 3000u);
     EXPECT_LE(ours/count, (grids + allowed)/count);
   }
 }
 
-// The level of a face is that of its highest rate, whichever edge has it.
-TEST_P(ResampledFaces, EachOfTheFourEdgesDecidesTheBlocks)
+// The level of a face is determined by its highest rate, on any of its edges.
+TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
 {
   Device device;
   for (float rate : {16.0f, 64.0f, 300.0f})
@@ -190,7 +193,7 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDecidesTheBlocks)
         const SurfaceScene scene(device, quadCage(), settings);
         ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
         const RTCCompressionStatistics& s = stats[edge] = statisticsOf(scene);
-        EXPECT_EQ(s.numGridQuads > 0, rate > 256) << "faces of rates above 256 are GRID's";
+        EXPECT_EQ(s.numGridQuads > 0, rate > 256) << "faces with rates above 256 are left to GRID";
         EXPECT_EQ(s.numQuads > 0, rate <= 256);
         EXPECT_EQ(s.numBlocks, stats[0].numBlocks);
         EXPECT_EQ(s.numQuads, stats[0].numQuads);
@@ -199,10 +202,12 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDecidesTheBlocks)
     }
 }
 
-// Small faces: level 6 has 8.6 times less in cLEAF, here most have a fraction of its quads.
-TEST_P(AnyRates, MemoryIsAFractionOfGrids)
+// Small faces: level 6 is 8.6 times smaller in cLEAF; here most faces have a fraction of its quads.
+TEST_P(AnyRates, MemoryIsAFractionOfGrid)
 {
-  const double largestPart = GetParam() == RTC_COMPRESSION_GRID ? 0.65 : GetParam() == RTC_COMPRESSION_VOXEL ? 0.14 : 0.22;
+  const double largestPart = GetParam() == RTC_COMPRESSION_GRID ? 0.65
+                             : GetParam() == RTC_COMPRESSION_VOXEL ? 0.14
+                                                                   : 0.22;
   for (const auto& set : rateSets) {
     SCOPED_TRACE(testing::Message() << "rates " << set.name);
     ssize_t bytes[2];
@@ -227,9 +232,9 @@ TEST_P(AnyRates, MemoryIsAFractionOfGrids)
   }
 }
 
-// A box so flat that its sides have no good frame. Their blocks keep exact vertices, and
-// not GRID's, whose borders are others.
-TEST_P(ResampledFaces, BlocksWithoutAFrameMeetTheOthers)
+// A box so flat that its sides have no usable frame. Blocks of the sides store exact vertices; they cannot be left to
+// GRID, whose borders differ.
+TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
 {
   Device device;
   Random random(67);
@@ -252,8 +257,8 @@ TEST_P(ResampledFaces, BlocksWithoutAFrameMeetTheOthers)
   }
 }
 
-// Other rates and a commit give the scene that they give from the start.
-TEST_P(AnyRates, ChangedRatesAreBuiltAnew)
+// A commit with new rates gives the same scene as these rates from the start.
+TEST_P(AnyRates, ChangedRatesAreRebuilt)
 {
   Device device;
   const Cage cage = prismCage(5);
@@ -269,7 +274,8 @@ TEST_P(AnyRates, ChangedRatesAreBuiltAnew)
   for (int step = 0; step < 4; step++) {
     settings.edgeRates = drawRates(cage, random, rateSets[step].draw);
     RTCGeometry geometry = rtcGetGeometry(changing, id);
-    std::copy(settings.edgeRates.begin(), settings.edgeRates.end(), (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0));
+    std::copy(settings.edgeRates.begin(), settings.edgeRates.end(),
+              (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_LEVEL, 0));
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_LEVEL, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(changing);

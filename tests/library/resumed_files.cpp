@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files that are written in several goes: rtcResumeCompressedFileWriter. */
+/* Files that are written in several parts: rtcResumeCompressedFileWriter. */
 
 #include "support/child_process.h"
 #include "support/file_calls.h"
@@ -20,9 +20,12 @@ class ResumedFiles : public testing::Test
 protected:
   static constexpr unsigned long long key = 0x123456789abcdef0ull;
 
-  RTCCompressedFileWriter resume(unsigned long long of = key) { return rtcResumeCompressedFileWriter(device, path.c_str(), of); }
+  RTCCompressedFileWriter resume(unsigned long long of = key)
+  {
+    return rtcResumeCompressedFileWriter(device, path.c_str(), of);
+  }
 
-  /* Geometry i of those that there are. */
+  /* Appends geometry i of the test's geometries. */
   void append(RTCCompressedFileWriter writer, size_t i)
   {
     RTCGeometry geometry = all[i].make(device);
@@ -35,10 +38,11 @@ protected:
     EXPECT_EQ(resume(of), nullptr);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
     EXPECT_NE(device.message.find(why), std::string::npos) << device.message;
-    EXPECT_NE(device.message.find(part), std::string::npos) << "the file is not named: " << device.message;
+    EXPECT_NE(device.message.find(part), std::string::npos) << "the message does not name the file: " << device.message;
   }
 
-  /* That the file has the first n geometries: rays hit the same in each as in what it was made of, to the bit. */
+  /* Expects that the file contains the first n geometries: hits are bit-identical to those of the original geometries.
+   * */
   void expectWhole(size_t n)
   {
     RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
@@ -55,14 +59,18 @@ protected:
       attach(made, all[i].make(device));
       rtcCommitScene(from);
       rtcCommitScene(made);
-      const std::vector<RTCRayHit> expected = closestHits(made, rays, QueryForm::Single), hits = closestHits(from, rays, QueryForm::Single);
-      for (size_t k = 0; k < rays.size(); k++) ASSERT_TRUE(std::memcmp(&hits[k].ray.tfar, &expected[k].ray.tfar, sizeof(float)) == 0 && hits[k].hit.primID == expected[k].hit.primID &&
-                                                       std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2*sizeof(float)) == 0) << all[i].name << ", ray " << k;
+      const std::vector<RTCRayHit> expected = closestHits(made, rays, QueryForm::Single),
+                                   hits = closestHits(from, rays, QueryForm::Single);
+      for (size_t k = 0; k < rays.size(); k++)
+        ASSERT_TRUE(std::memcmp(&hits[k].ray.tfar, &expected[k].ray.tfar, sizeof(float)) == 0 &&
+                    hits[k].hit.primID == expected[k].hit.primID &&
+                    std::memcmp(&hits[k].hit.u, &expected[k].hit.u, 2*sizeof(float)) == 0)
+          << all[i].name << ", ray " << k;
     }
     rtcReleaseCompressedFile(file);
   }
 
-  /* With the first geometry alone. Returns the bytes that there are then. */
+  /* Writes only the first geometry. Returns the number of bytes. */
   size_t begin()
   {
     RTCCompressedFileWriter writer = resume();
@@ -71,7 +79,7 @@ protected:
     return bytesOf(part).size();
   }
 
-  /* That the first is still there, and the second makes the file whole. */
+  /* Expects that the first geometry still exists, and completes the file with the second. */
   void finish()
   {
     RTCCompressedFileWriter writer = resume();
@@ -90,16 +98,16 @@ protected:
   const std::string path = folder/"all.cbvh", part = path + ".part";
 };
 
-TEST_F(ResumedFiles, AWriterThatIsReleasedIsGoneOnWith)
+TEST_F(ResumedFiles, ReleasedWriterCanBeResumed)
 {
-  for (size_t i = 0; i < all.size(); i++) { // each in a go of its own
+  for (size_t i = 0; i < all.size(); i++) { // each with a new writer
     RTCCompressedFileWriter writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
     EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), i);
     append(writer, i);
     EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), i + 1);
     rtcReleaseCompressedFileWriter(writer);
-    EXPECT_EQ(access(path.c_str(), F_OK), -1) << "it is there before it is whole";
+    EXPECT_EQ(access(path.c_str(), F_OK), -1) << "the file exists before it is complete";
   }
   RTCCompressedFileWriter writer = resume();
   ASSERT_TRUE(rtcCommitCompressedFile(writer)) << device.message;
@@ -108,7 +116,7 @@ TEST_F(ResumedFiles, AWriterThatIsReleasedIsGoneOnWith)
   expectWhole(all.size());
 }
 
-TEST_F(ResumedFiles, InOneGoAFileIsThatOfAPlainWriterButForItsKey)
+TEST_F(ResumedFiles, UninterruptedFileMatchesPlainWriterExceptForKey)
 {
   auto write = [&](RTCCompressedFileWriter writer) {
     ASSERT_NE(writer, nullptr) << device.message;
@@ -122,7 +130,7 @@ TEST_F(ResumedFiles, InOneGoAFileIsThatOfAPlainWriterButForItsKey)
   EXPECT_EQ(resumed == bytesOf(path), true);
 }
 
-TEST_F(ResumedFiles, AKillLosesWhatCameAfterTheLastGo)
+TEST_F(ResumedFiles, KillLosesOnlyDataAfterTheLastFlush)
 {
   begin();
   RTCGeometry second = all[1].make(device);
@@ -140,7 +148,7 @@ TEST_F(ResumedFiles, AKillLosesWhatCameAfterTheLastGo)
   finish();
 }
 
-TEST_F(ResumedFiles, AFullDiskKeepsWhatWasSaved)
+TEST_F(ResumedFiles, FullDiskKeepsSavedData)
 {
   const size_t saved = begin();
   RTCGeometry second = all[1].make(device);
@@ -160,7 +168,7 @@ TEST_F(ResumedFiles, AFullDiskKeepsWhatWasSaved)
   finish();
 }
 
-TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)
+TEST_F(ResumedFiles, ForeignFilesAreRejectedAndUnchanged)
 {
   RTCCompressedFileWriter writer = resume();
   append(writer, 0);
@@ -181,25 +189,25 @@ TEST_F(ResumedFiles, WhatIsNotOursToGoOnWithIsRefusedAndLeft)
   expectAltered(12, "another version");
   expectAltered(16, "another version");
   expectAltered(24, "is damaged");
-  expectAltered(sound.size() - 1, "is damaged"); // of the directory
+  expectAltered(sound.size() - 1, "is damaged"); // in the directory
   for (const std::string& bytes : {sound.substr(0, sound.size() - 1), sound.substr(0, 64)}) {
     writeBytes(part, bytes);
     expectRefused("is damaged");
   }
   writeBytes(part, "mesh");
   expectRefused("not a file of compressed surfaces");
-  /* what was begun, and nothing saved in it, is begun anew */
+  /* a part without saved geometries is started again */
   for (const std::string& bytes : {std::string(), std::string(4096, '\0'), std::string(64, '\0') + "x"}) {
     writeBytes(part, bytes);
     writer = resume();
     ASSERT_NE(writer, nullptr) << device.message;
     EXPECT_EQ(rtcGetCompressedFileWriterCount(writer), 0u);
     rtcReleaseCompressedFileWriter(writer);
-    EXPECT_TRUE(folder.names().empty()) << "of nothing nothing is left";
+    EXPECT_TRUE(folder.names().empty()) << "an empty part must not leave files";
   }
 }
 
-TEST_F(ResumedFiles, NullIsRefused)
+TEST_F(ResumedFiles, NullIsRejected)
 {
   EXPECT_EQ(rtcResumeCompressedFileWriter(device, nullptr, key), nullptr);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* rtcGetSceneBounds holds what can be hit: leaves reach past the vertices, and a renderer
- * clips its rays to the bounds. */
+/* rtcGetSceneBounds contains everything that rays can hit: leaves extend beyond the vertices, and renderers clip rays
+ * to the bounds. */
 
 #include "kernels/cbvh/framed/frame_fit.h"
 #include "support/random.h"
@@ -16,17 +16,18 @@
 namespace cbvh::test {
 namespace {
 
-// How far a point is outside of bounds, at most on one axis.
+// Largest distance of a point from bounds, over the axes.
 float outside(const RTCBounds& b, const Vec& p)
 {
-  return std::max({b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
+  return std::max(
+    {b.lower_x - p[0], p[0] - b.upper_x, b.lower_y - p[1], p[1] - b.upper_y, b.lower_z - p[2], p[2] - b.upper_z});
 }
 
 class SceneBounds : public testing::TestWithParam<RTCCompression> {};
 
-// t, and the point that it gives, round by a few ulps of the distance; a ray is widened by as
-// much (local_ray.h).
-TEST_P(SceneBounds, HoldEveryHit)
+// t and the point computed from it have rounding errors of a few ulps of the distance. The traversal widens rays by
+// the same amount (local_ray.h).
+TEST_P(SceneBounds, ContainEveryHit)
 {
   Device device;
   Random random(61);
@@ -44,7 +45,8 @@ TEST_P(SceneBounds, HoldEveryHit)
         const RTCRayHit hit = intersect(scene, randomRay(random, RayKind::Across, sheet));
         if (!isHit(hit)) continue;
         hits++;
-        const Vec p = {hit.ray.org_x + hit.ray.tfar*hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar*hit.ray.dir_y, hit.ray.org_z + hit.ray.tfar*hit.ray.dir_z};
+        const Vec p = {hit.ray.org_x + hit.ray.tfar*hit.ray.dir_x, hit.ray.org_y + hit.ray.tfar*hit.ray.dir_y,
+                       hit.ray.org_z + hit.ray.tfar*hit.ray.dir_z};
         const float tolerance = 64*std::numeric_limits<float>::epsilon()*(1 + hit.ray.tfar);
         ASSERT_LE(outside(bounds, p), tolerance) << nameOf(shape) << ", height " << height;
         reachesPast += outside(vertices, p) > tolerance;
@@ -52,21 +54,24 @@ TEST_P(SceneBounds, HoldEveryHit)
     }
   EXPECT_GT(hits, 20000u);
   if (GetParam() != RTC_COMPRESSION_GRID) {
-    EXPECT_GT(reachesPast, 0u) << "the bounds of the vertices would have done";
+    EXPECT_GT(reachesPast, 0u) << "no hit is outside of the bounds of the vertices";
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+INSTANTIATE_TEST_SUITE_P(Kinds, SceneBounds,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                         RTC_COMPRESSION_VERT),
                          [](const auto& info) { return kindName(info.param); });
 
-// Of the kinds whose faces round what they share apart; in cVERT they share it.
+// Kinds whose faces round shared vertices differently. In cVERT they share the same vertices.
 class RoundedBounds : public SceneBounds {};
-INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
+INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
                          [](const auto& info) { return kindName(info.param); });
 
-// A neighbouring face may have them that far off, and a ray that it lets pass is to be caught: bounds
-// are rounded outwards, not to the nearest float.
-TEST_P(RoundedBounds, HoldTheVerticesWhereverAFaceRoundsThem)
+// Bounds are rounded outwards, not to the nearest float, so that they contain vertices as rounded by a neighboring
+// face, which must catch rays that pass this face.
+TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace)
 {
   Device device;
   Random random(62);
@@ -82,7 +87,8 @@ TEST_P(RoundedBounds, HoldTheVerticesWhereverAFaceRoundsThem)
     for (const Vec& p : sheet.vertices)
       for (float x : p) coordinate = std::max(coordinate, std::fabs(double(x)));
     const double rounding = embree::cbvh::vertexRounding*coordinate;
-    const float lower[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z}, upper[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
+    const float lower[3] = {bounds.lower_x, bounds.lower_y, bounds.lower_z},
+                upper[3] = {bounds.upper_x, bounds.upper_y, bounds.upper_z};
     for (const Vec& p : sheet.vertices)
       for (int k = 0; k < 3; k++) {
         ASSERT_LE(lower[k], p[k] - rounding) << "sheet " << i << ", axis " << k;

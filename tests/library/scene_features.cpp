@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What surrounds a compressed surface in a scene behaves as for every other geometry:
- * settings a geometry, enabling and attaching, instances, masks, filters, packets and
- * streams. */
+/* Features of scenes work for compressed surfaces as for other geometries: settings per geometry, enabling and
+ * attaching, instances, masks, filters, packets and streams. */
 
 #include "support/filtered_surface.h"
 #include "support/random.h"
@@ -16,7 +15,8 @@
 namespace cbvh::test {
 namespace {
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                   RTC_COMPRESSION_VERT};
 
 class SceneFeatures : public testing::TestWithParam<RTCCompression>
 {
@@ -44,13 +44,14 @@ INSTANTIATE_TEST_SUITE_P(Compression, SceneFeatures, testing::ValuesIn(allKinds)
 
 // --- geometries ----------------------------------------------------------------------------
 
-TEST(MixedScene, EveryGeometryIsTracedWithItsOwnSettings)
+TEST(MixedScene, EveryGeometryUsesItsOwnSettings)
 {
   Device device;
   Scene scene(device);
-  const struct { RTCCompression compression; int frameLevel; float rate; } kinds[] = {
-    {RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_GRID, 1, 16}, {RTC_COMPRESSION_VOXEL, 2, 32}, {RTC_COMPRESSION_LEAF, 0, 8},
-    {RTC_COMPRESSION_LEAF, 3, 8}, {RTC_COMPRESSION_LEAF, 1, 8}, {RTC_COMPRESSION_VOXEL, 1, 8}};
+  const struct { RTCCompression compression; int frameLevel; float rate;
+  } kinds[] = {{RTC_COMPRESSION_NONE, 0, 8}, {RTC_COMPRESSION_GRID, 1, 16}, {RTC_COMPRESSION_VOXEL, 2, 32},
+               {RTC_COMPRESSION_LEAF, 0, 8}, {RTC_COMPRESSION_LEAF, 3, 8}, {RTC_COMPRESSION_LEAF, 1, 8},
+               {RTC_COMPRESSION_VOXEL, 1, 8}};
   constexpr unsigned numKinds = 7, disabled = 5, detached = 6;
   Displacement displacement[numKinds];
   size_t blocks = 0, quads = 0;
@@ -78,7 +79,7 @@ TEST(MixedScene, EveryGeometryIsTracedWithItsOwnSettings)
     Vec o, d;
     for (int k = 0; k < 3; k++) {
       o[k] = displacement[i].offset[k] + (k == 0 ? 0 : float(random.uniform(-0.2, 0.2)));
-      d[k] = k == 0 ? 0 : float(random.uniform(-1, 1)); // stays beside its neighbours
+      d[k] = k == 0 ? 0 : float(random.uniform(-1, 1)); // stays next to its neighbors
     }
     return intersect(scene, makeRay(o, d));
   };
@@ -99,7 +100,7 @@ TEST(MixedScene, EveryGeometryIsTracedWithItsOwnSettings)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(MixedScene, TrianglesBesideCompressedSurfacesAreHit)
+TEST(MixedScene, TrianglesNextToCompressedSurfacesAreHit)
 {
   Device device;
   Scene scene(device);
@@ -122,8 +123,8 @@ TEST(MixedScene, TrianglesBesideCompressedSurfacesAreHit)
 
 // --- instances -------------------------------------------------------------------------------
 
-// Translations by powers of two leave rays as they are, so hits are the same floats.
-TEST_P(SceneFeatures, InstancesReportTheHitsOfTheirScene)
+// Translations by powers of two are exact, so hits are the same floats.
+TEST_P(SceneFeatures, InstancesReportHitsOfTheirScene)
 {
   Scene inner(device), outer(device);
   addSurface(device, inner, cubeCage(), settings());
@@ -141,12 +142,12 @@ TEST_P(SceneFeatures, InstancesReportTheHitsOfTheirScene)
   Random random(62);
   unsigned hits = 0;
   for (RTCRayHit ray : raysAt(random, 2000)) {
-    // origins on a lattice of 2^-10, so that moving them by 16 and back is exact
+    // origins are on a lattice of 2^-10, so that moving them by 16 and back is exact
     for (float* o : {&ray.ray.org_x, &ray.ray.org_y, &ray.ray.org_z}) *o = std::round(*o*1024)/1024;
     const unsigned i = random.below(3);
     RTCRayHit moved = ray;
     moved.ray.org_x += 16.0f*i;
-    moved.ray.tfar = ray.ray.tfar = 1.5f; // not as far as the next instance
+    moved.ray.tfar = ray.ray.tfar = 1.5f; // ends before the next instance
     const RTCRayHit a = intersect(inner, ray), b = intersect(outer, moved);
     ASSERT_EQ(isHit(a), isHit(b));
     ASSERT_EQ(occluded(outer, moved), isHit(b));
@@ -165,7 +166,7 @@ TEST_P(SceneFeatures, InstancesReportTheHitsOfTheirScene)
 
 // --- masks -------------------------------------------------------------------------------------
 
-TEST_P(SceneFeatures, MasksHideGeometryFromRays)
+TEST_P(SceneFeatures, MasksHideGeometry)
 {
   Scene scene(device);
   SurfaceSettings masked = settings();
@@ -193,10 +194,10 @@ struct SeenHit
   float t, u, v, Ng[3];
 };
 
-// What a filter sees and rejects; passed through the ray query context.
+// Hits that a filter sees and rejects; passed through the ray query context.
 struct FilterContext
 {
-  RTCIntersectContext context; // first
+  RTCIntersectContext context; // must be the first member
   std::function<bool(const SeenHit&)> accepts;
   std::vector<SeenHit> seen;
 };
@@ -233,16 +234,17 @@ Filtered traceFiltered(RTCScene scene, const RTCRayHit& ray, const std::function
 
 bool isSame(const SeenHit& a, const SeenHit& b)
 {
-  return a.geomID == b.geomID && a.primID == b.primID && a.t == b.t && a.u == b.u && a.v == b.v && std::equal(a.Ng, a.Ng + 3, b.Ng);
+  return a.geomID == b.geomID && a.primID == b.primID && a.t == b.t && a.u == b.u && a.v == b.v &&
+         std::equal(a.Ng, a.Ng + 3, b.Ng);
 }
 
 bool isSame(const SeenHit& a, const RTCRayHit& b)
 {
-  return a.geomID == b.hit.geomID && a.primID == b.hit.primID && a.t == b.ray.tfar && a.u == b.hit.u && a.v == b.hit.v &&
-    a.Ng[0] == b.hit.Ng_x && a.Ng[1] == b.hit.Ng_y && a.Ng[2] == b.hit.Ng_z;
+  return a.geomID == b.hit.geomID && a.primID == b.hit.primID && a.t == b.ray.tfar && a.u == b.hit.u &&
+         a.v == b.hit.v && a.Ng[0] == b.hit.Ng_x && a.Ng[1] == b.hit.Ng_y && a.Ng[2] == b.hit.Ng_z;
 }
 
-TEST_P(SceneFeatures, FiltersSeeTheHitThatIsReported)
+TEST_P(SceneFeatures, FiltersSeeReportedHit)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -252,12 +254,12 @@ TEST_P(SceneFeatures, FiltersSeeTheHitThatIsReported)
     const Filtered r = traceFiltered(scene, ray, [](const SeenHit&) { return true; });
     ASSERT_EQ(isHit(r.hit), !r.seen.empty());
     ASSERT_EQ(r.occluded, isHit(r.hit));
-    ASSERT_EQ(r.seenByAnyHit.size(), r.occluded ? 1u : 0u) << "any hit ends with the first accepted one";
+    ASSERT_EQ(r.seenByAnyHit.size(), r.occluded ? 1u : 0u) << "any hit must end with the first accepted hit";
     if (!isHit(r.hit)) continue;
     hits++;
     ASSERT_TRUE(isSame(r.seen.back(), r.hit));
     for (const SeenHit& s : r.seen) {
-      ASSERT_GE(s.t, r.hit.ray.tfar) << "accepted hits come nearer";
+      ASSERT_GE(s.t, r.hit.ray.tfar) << "accepted hits must get closer";
       ASSERT_LT(s.primID, 6u);
       ASSERT_TRUE(s.u >= 0 && s.u <= 1 && s.v >= 0 && s.v <= 1);
       ASSERT_GT(std::fabs(s.Ng[0]) + std::fabs(s.Ng[1]) + std::fabs(s.Ng[2]), 0);
@@ -266,8 +268,8 @@ TEST_P(SceneFeatures, FiltersSeeTheHitThatIsReported)
   EXPECT_GT(hits, 300u);
 }
 
-// Any hit asks its filter about the hits that closest hit asks about, in whatever order.
-TEST_P(SceneFeatures, AFilterThatRejectsAllLeavesTheRayAlone)
+// Any hit passes the same hits to its filter as closest hit, in any order.
+TEST_P(SceneFeatures, FilterThatRejectsAllLeavesRayUnchanged)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -281,26 +283,29 @@ TEST_P(SceneFeatures, AFilterThatRejectsAllLeavesTheRayAlone)
     seen += !r.seen.empty();
     ASSERT_EQ(r.seen.size(), r.seenByAnyHit.size());
     for (auto* seen : {&r.seen, &r.seenByAnyHit})
-      std::sort(seen->begin(), seen->end(), [](const SeenHit& a, const SeenHit& b) { return std::tie(a.t, a.primID, a.u, a.v) < std::tie(b.t, b.primID, b.u, b.v); });
+      std::sort(seen->begin(), seen->end(), [](const SeenHit& a, const SeenHit& b) {
+        return std::tie(a.t, a.primID, a.u, a.v) < std::tie(b.t, b.primID, b.u, b.v);
+      });
     for (size_t i = 0; i < r.seen.size(); i++) ASSERT_TRUE(isSame(r.seen[i], r.seenByAnyHit[i])) << "hit " << i;
   }
   EXPECT_GT(seen, 300u);
 }
 
-// A filter that decides by where the hit is: closest hit finds the nearest of all hits
-// along the ray that it accepts, any hit finds one if there is one.
-TEST_P(SceneFeatures, TheNearestAcceptedHitIsFound)
+// A filter that decides by the position of the hit: closest hit finds the nearest accepted hit along the ray; any hit
+// finds one if there is one.
+TEST_P(SceneFeatures, NearestAcceptedHitIsFound)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
   Random random(66);
   unsigned past = 0;
-  // What was hit before changes what is seen of leaves there, inside their boxes: cLEAF draws its
-  // line of heights only to the end of the ray, and a box reaches past the bounds of the vertices
-  // by which the top level culls. A box is about as large as a quad and as thick as a leaf.
+  // Earlier hits affect leaves at the same position: cLEAF considers heights only up to the end of the ray, and boxes
+  // extend beyond the vertex bounds by which the top level culls. A box is about as large as a quad and as thick as a
+  // leaf.
   const float tolerance = GetParam() == RTC_COMPRESSION_GRID ? 1e-5f : 2/16.0f + statisticsOf(scene).maxLeafThickness;
   for (const RTCRayHit& ray : raysAt(random, 2000)) {
-    auto accepts = [](const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; }; // not along borders of quads
+    // not along borders of quads
+    auto accepts = [](const SeenHit& s) { return (int(s.u*5.3f + 0.37f) + int(s.v*5.3f + 0.37f)) % 2 == 0; };
     std::vector<SeenHit> all = traceFiltered(scene, ray, [](const SeenHit&) { return false; }).seen;
     const Filtered r = traceFiltered(scene, ray, accepts);
     auto nearer = [](const SeenHit& a, const SeenHit& b) { return a.t < b.t; };
@@ -313,11 +318,11 @@ TEST_P(SceneFeatures, TheNearestAcceptedHitIsFound)
     ASSERT_LE(std::fabs(r.hit.ray.tfar - nearest->t)*std::hypot(d[0], d[1], d[2]), tolerance);
     past += nearest != all.begin();
   }
-  EXPECT_GT(past, 100u) << "the filter rejected no first hit";
+  EXPECT_GT(past, 100u) << "the filter rejected too few first hits";
 }
 
-// Alternating by count, whatever the order: the second hit that a ray meets.
-TEST_P(SceneFeatures, AFilterMayRejectEveryOtherHit)
+// Rejects every other call in any order: the second hit along a ray is accepted.
+TEST_P(SceneFeatures, FilterMayRejectEveryOtherHit)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
@@ -329,14 +334,14 @@ TEST_P(SceneFeatures, AFilterMayRejectEveryOtherHit)
     ASSERT_EQ(isHit(r.hit), r.seen.size() >= 2);
     if (!isHit(r.hit)) continue;
     hits++;
-    bool known = false; // one of those it accepted
+    bool known = false; // true if the hit is one of the accepted ones
     for (size_t i = 1; i < r.seen.size(); i += 2) known |= isSame(r.seen[i], r.hit);
     ASSERT_TRUE(known);
   }
   EXPECT_GT(hits, 300u);
 }
 
-TEST_P(SceneFeatures, TheContextFilterIsCalled)
+TEST_P(SceneFeatures, ContextFilterIsCalled)
 {
   Scene scene(device, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   addSurface(device, scene, cubeCage(), settings());
@@ -351,8 +356,8 @@ TEST_P(SceneFeatures, TheContextFilterIsCalled)
   EXPECT_FALSE(context.seen.empty());
 }
 
-// What a thread keeps of blocks is overwritten meanwhile: rays go on as if nothing had happened.
-TEST_P(SceneFeatures, AFilterMayTraceRays)
+// The filter function evicts the thread's cached blocks by tracing other rays.
+TEST_P(SceneFeatures, FilterMayTraceRays)
 {
   Scene scene(device);
   SurfaceSettings of = settings();
@@ -384,7 +389,7 @@ TEST_P(SceneFeatures, AFilterMayTraceRays)
   EXPECT_GT(seen, 100u);
 }
 
-TEST(Filters, OfCGridSeeWhatThoseOfGridSee)
+TEST(Filters, CGridFiltersSeeTheSameHitsAsGridFilters)
 {
   Device device;
   Displacement displacement;
@@ -424,10 +429,11 @@ void expectSame(const RTCRayHit& expected, const RTCRayHit& found)
   ASSERT_EQ(found.hit.Ng_z, expected.hit.Ng_z);
 }
 
-// Packets are arrays of N where single rays have one word; every fifth lane is off.
+// Members of packets are arrays of N; every fifth lane is inactive.
 template<unsigned N, typename Packet>
 void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
-                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*), const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any,
+                    void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
+                    const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any,
                     RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
 {
   RTCIntersectContext context;
@@ -441,7 +447,8 @@ void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
     auto pack = [&] {
       for (unsigned k = 0; k < N; k++) {
         valid[k] = (first + k) % 5 ? -1 : 0;
-        for (unsigned w = 0; w < sizeof(Packet)/4/N; w++) std::memcpy(&lanes[w*N + k], (const float*)&rays[first + k] + w, 4);
+        for (unsigned w = 0; w < sizeof(Packet)/4/N; w++)
+          std::memcpy(&lanes[w*N + k], (const float*)&rays[first + k] + w, 4);
       }
     };
     auto unpack = [&](unsigned k) {
@@ -464,14 +471,20 @@ void comparePackets(RTCScene scene, const std::vector<RTCRayHit>& rays,
 void compareAllPackets(RTCScene scene, const std::vector<RTCRayHit>& rays)
 {
   for (RTCIntersectContextFlags flags : {RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, RTC_INTERSECT_CONTEXT_FLAG_COHERENT}) {
-    comparePackets<4, RTCRayHit4>(scene, rays, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); }, flags);
-    comparePackets<8, RTCRayHit8>(scene, rays, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); }, flags);
-    comparePackets<16, RTCRayHit16>(scene, rays, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); }, flags);
+    comparePackets<4, RTCRayHit4>(
+      scene, rays, rtcIntersect4,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); }, flags);
+    comparePackets<8, RTCRayHit8>(
+      scene, rays, rtcIntersect8,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); }, flags);
+    comparePackets<16, RTCRayHit16>(
+      scene, rays, rtcIntersect16,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); }, flags);
   }
 }
 
-// A picture's rays in order, seen closely so that many meet the same block; some look back, from the other
-// side; some begin behind the surface, end before it, have no range, or see no geometry.
+// Rays of a picture in order, close enough that many rays intersect the same block. Some look back from the other
+// side; some begin after the surface, end before it, have no range, or do not see the geometry.
 std::vector<RTCRayHit> pictureRays(Random& random, unsigned side)
 {
   std::vector<RTCRayHit> rays;
@@ -488,7 +501,7 @@ std::vector<RTCRayHit> pictureRays(Random& random, unsigned side)
   return rays;
 }
 
-TEST_P(SceneFeatures, PacketsEqualSingleRays)
+TEST_P(SceneFeatures, PacketsMatchSingleRays)
 {
   for (float rate : {3.0f, 16.0f, 40.0f}) {
     Scene scene(device);
@@ -506,8 +519,8 @@ TEST_P(SceneFeatures, PacketsEqualSingleRays)
   }
 }
 
-// What packets met before must not outlive a change of kind.
-TEST(Packets, FollowTheKindOfWhatTheyTrace)
+// State from earlier packets must not survive a change of kind.
+TEST(Packets, FollowChangesOfKind)
 {
   Device device;
   Scene scene(device, RTC_SCENE_FLAG_DYNAMIC);
@@ -518,21 +531,23 @@ TEST(Packets, FollowTheKindOfWhatTheyTrace)
   RTCGeometry geometry = rtcGetGeometry(scene, 0);
   Random random(72);
   const std::vector<RTCRayHit> rays = pictureRays(random, 32);
-  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression kind : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT, RTC_COMPRESSION_NONE,
+                              RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_VERT}) {
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = kind;
     rtcSetGeometryCompression(geometry, &args);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
-    if (kind != RTC_COMPRESSION_NONE) compareAllPackets(scene, rays); // GRID's are not those of single rays to the bit
+    if (kind != RTC_COMPRESSION_NONE)
+      compareAllPackets(scene, rays); // packets of GRID are not bit-identical to single rays
     ASSERT_FALSE(HasFatalFailure()) << kindName(kind);
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 // All quads are left out, and there is no tree.
-TEST(Packets, OfScenesWithoutBlocks)
+TEST(Packets, ScenesWithoutBlocksAreEmpty)
 {
   Device device;
   Scene scene(device);
@@ -543,15 +558,15 @@ TEST(Packets, OfScenesWithoutBlocks)
   settings.compression = RTC_COMPRESSION_LEAF;
   addSurface(device, scene, cubeCage(), settings);
   rtcCommitScene(scene);
-  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << "quads that are left out are reported";
+  EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << "left out quads must be reported";
   Random random(74);
   const std::vector<RTCRayHit> rays = pictureRays(random, 16);
   for (const RTCRayHit& ray : rays) ASSERT_FALSE(isHit(intersect(scene, ray)));
   compareAllPackets(scene, rays);
 }
 
-// Through vertices and edges of quads, at the same distance on either side of them, and in the surface.
-TEST(Packets, OnEdgesAndInPlanes)
+// Rays through vertices and edges of quads, at the same distance on both sides, and in the plane of the surface.
+TEST(Packets, RaysOnEdgesAndInPlanesMatchSingleRays)
 {
   Device device;
   for (float bend : {0.0f, 0.125f}) {
@@ -576,10 +591,12 @@ TEST(Packets, OnEdgesAndInPlanes)
         const float dy = x/64.0f;
         rays.push_back(makeRay({-2, y/32.0f - 1, -2*bend}, {1, dy, bend}));
       }
-    // through the surface, nearly along it
+    // nearly parallel to the surface
     for (int y = 1; y < 64; y++)
-      for (int x = 1; x < 64; x++) rays.push_back(makeRay({-2, y/32.0f - 1, -2*bend - 1e-7f*(x/32.0f + 1)}, {1, x/640.0f, bend + 1e-7f}));
-    // at edges between groups of 4 x 4 quads, as near as floats come
+      for (int x = 1; x < 64; x++)
+        rays.push_back(
+          makeRay({-2, y/32.0f - 1, -2*bend - 1e-7f*(x/32.0f + 1)}, {1, x/640.0f, bend + 1e-7f}));
+    // at edges between groups of 4 x 4 quads, as close as floats allow
     Random random(98);
     for (int i = 0; i < 2000; i++) {
       const Vec from = {float(random.uniform(-3, 3)), float(random.uniform(-3, 3)), -4};
@@ -596,12 +613,14 @@ TEST(Packets, OnEdgesAndInPlanes)
   }
 }
 
-// As a stream has them where it does not fill its last packet, and as an application may.
+// Inactive rays, as in the last packet of a stream.
 template<unsigned N, typename Packet>
-void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
+void expectLeftAlone(RTCScene scene, const RTCRayHit& active,
+                     void (*closest)(const int*, RTCScene, RTCIntersectContext*, Packet*),
                      const std::function<void(const int*, RTCIntersectContext*, Packet*)>& any)
 {
-  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN(), t = intersect(scene, active).ray.tfar;
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN(),
+              t = intersect(scene, active).ray.tfar;
   const float ranges[4][2] = {{std::nextafter(t, inf), t}, {inf, -inf}, {nan, inf}, {0, nan}}; // tnear, tfar
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -619,11 +638,12 @@ void expectLeftAlone(RTCScene scene, const RTCRayHit& active, void (*closest)(co
     const Packet before = packet;
     if (isAny) any(valid, &context, &packet);
     else closest(valid, scene, &context, &packet);
-    ASSERT_EQ(std::memcmp(&before, &packet, sizeof(packet)), 0) << (isAny ? "any" : "closest") << " hit, packets of " << N;
+    ASSERT_EQ(std::memcmp(&before, &packet, sizeof(packet)), 0)
+      << (isAny ? "any" : "closest") << " hit, packets of " << N;
   }
 }
 
-TEST_P(SceneFeatures, PacketsLeaveRaysAloneThatHaveNoLength)
+TEST_P(SceneFeatures, PacketsIgnoreRaysWithEmptyRange)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
@@ -633,15 +653,21 @@ TEST_P(SceneFeatures, PacketsLeaveRaysAloneThatHaveNoLength)
   for (const RTCRayHit& ray : raysAt(random, 300)) {
     if (!isHit(intersect(scene, ray))) continue;
     rays++;
-    expectLeftAlone<4, RTCRayHit4>(scene, ray, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) { rtcOccluded4(v, scene, c, &p->ray); });
-    expectLeftAlone<8, RTCRayHit8>(scene, ray, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) { rtcOccluded8(v, scene, c, &p->ray); });
-    expectLeftAlone<16, RTCRayHit16>(scene, ray, rtcIntersect16, [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
+    expectLeftAlone<4, RTCRayHit4>(scene, ray, rtcIntersect4, [&](const int* v, RTCIntersectContext* c, RTCRayHit4* p) {
+      rtcOccluded4(v, scene, c, &p->ray);
+    });
+    expectLeftAlone<8, RTCRayHit8>(scene, ray, rtcIntersect8, [&](const int* v, RTCIntersectContext* c, RTCRayHit8* p) {
+      rtcOccluded8(v, scene, c, &p->ray);
+    });
+    expectLeftAlone<16, RTCRayHit16>(
+      scene, ray, rtcIntersect16,
+      [&](const int* v, RTCIntersectContext* c, RTCRayHit16* p) { rtcOccluded16(v, scene, c, &p->ray); });
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(rays, 100u);
 }
 
-TEST_P(SceneFeatures, StreamsEqualSingleRays)
+TEST_P(SceneFeatures, StreamsMatchSingleRays)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
@@ -664,7 +690,7 @@ TEST_P(SceneFeatures, StreamsEqualSingleRays)
       ASSERT_EQ(shadows[i].ray.tfar < 0, isHit(expected[i]));
     }
 
-    // pointers to arrays, one a component
+    // pointers to arrays, one per component
     constexpr unsigned words = sizeof(RTCRayHit)/4;
     for (bool any : {false, true}) {
       std::vector<std::vector<uint32_t>> soa(words, std::vector<uint32_t>(n));
@@ -673,14 +699,26 @@ TEST_P(SceneFeatures, StreamsEqualSingleRays)
       RTCRayHitNp p;
       auto f = [&](size_t offset) { return (float*)soa[offset/4].data(); };
       auto u = [&](size_t offset) { return (unsigned*)soa[offset/4].data(); };
-      p.ray.org_x = f(offsetof(RTCRay, org_x)); p.ray.org_y = f(offsetof(RTCRay, org_y)); p.ray.org_z = f(offsetof(RTCRay, org_z));
-      p.ray.dir_x = f(offsetof(RTCRay, dir_x)); p.ray.dir_y = f(offsetof(RTCRay, dir_y)); p.ray.dir_z = f(offsetof(RTCRay, dir_z));
-      p.ray.tnear = f(offsetof(RTCRay, tnear)); p.ray.tfar = f(offsetof(RTCRay, tfar)); p.ray.time = f(offsetof(RTCRay, time));
-      p.ray.mask = u(offsetof(RTCRay, mask)); p.ray.id = u(offsetof(RTCRay, id)); p.ray.flags = u(offsetof(RTCRay, flags));
+      p.ray.org_x = f(offsetof(RTCRay, org_x));
+      p.ray.org_y = f(offsetof(RTCRay, org_y));
+      p.ray.org_z = f(offsetof(RTCRay, org_z));
+      p.ray.dir_x = f(offsetof(RTCRay, dir_x));
+      p.ray.dir_y = f(offsetof(RTCRay, dir_y));
+      p.ray.dir_z = f(offsetof(RTCRay, dir_z));
+      p.ray.tnear = f(offsetof(RTCRay, tnear));
+      p.ray.tfar = f(offsetof(RTCRay, tfar));
+      p.ray.time = f(offsetof(RTCRay, time));
+      p.ray.mask = u(offsetof(RTCRay, mask));
+      p.ray.id = u(offsetof(RTCRay, id));
+      p.ray.flags = u(offsetof(RTCRay, flags));
       const size_t hit = offsetof(RTCRayHit, hit);
-      p.hit.Ng_x = f(hit + offsetof(RTCHit, Ng_x)); p.hit.Ng_y = f(hit + offsetof(RTCHit, Ng_y)); p.hit.Ng_z = f(hit + offsetof(RTCHit, Ng_z));
+      p.hit.Ng_x = f(hit + offsetof(RTCHit, Ng_x));
+      p.hit.Ng_y = f(hit + offsetof(RTCHit, Ng_y));
+      p.hit.Ng_z = f(hit + offsetof(RTCHit, Ng_z));
       p.hit.u = f(hit + offsetof(RTCHit, u)); p.hit.v = f(hit + offsetof(RTCHit, v));
-      p.hit.primID = u(hit + offsetof(RTCHit, primID)); p.hit.geomID = u(hit + offsetof(RTCHit, geomID)); p.hit.instID[0] = u(hit + offsetof(RTCHit, instID));
+      p.hit.primID = u(hit + offsetof(RTCHit, primID));
+      p.hit.geomID = u(hit + offsetof(RTCHit, geomID));
+      p.hit.instID[0] = u(hit + offsetof(RTCHit, instID));
       if (any) rtcOccludedNp(scene, &context, &p.ray, n);
       else rtcIntersectNp(scene, &context, &p, n);
       for (unsigned i = 0; i < n; i++) {

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays that leave the surface do not meet it again at once. */
+/* Rays that leave the surface do not hit it again immediately. */
 
 #include "support/displaced_sheet.h"
 
@@ -11,10 +11,10 @@
 namespace cbvh::test {
 namespace {
 
-// Rays that leave a hit by an offset of a hundredth of a quad see the sky where GRID's do.
-// Those that do not leave their block through its border within half a bin of a leaf,
-// where the thickness of leaves still counts: at most one in a thousand of all rays.
-TEST(SecondaryRays, RaysFromTheSurfaceDoNotHitItAgain)
+// Rays that leave a hit with an offset of a hundredth of a quad must see the sky if GRID's rays do. Exceptions are
+// rays that leave their block within half a bin of a leaf, where the thickness of leaves matters: at most one in a
+// thousand.
+TEST(SecondaryRays, RaysFromSurfaceDoNotHitItAgain)
 {
   DisplaceFunction waves = [](unsigned, float u, float v, Vec& p) { p[2] = 0.01f*std::sin(9*u + 2*v)*std::cos(11*v); };
   Device stock, device("subdiv_accel=cbvh.leaf");
@@ -44,7 +44,7 @@ TEST(SecondaryRays, RaysFromTheSurfaceDoNotHitItAgain)
   }
   EXPECT_GT(rays, 15000);
   EXPECT_LE(wrong, rays/1000) << wrong << " of " << rays;
-  std::printf("%d of %d rays see what GRID's do not, or the other way round\n", wrong, rays);
+  std::printf("%d of %d rays differ from GRID's\n", wrong, rays);
 }
 
 } // namespace

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Secondary rays from a representation's own hits see what GRID's see from GRID's hits,
- * but for a share. The paper's rule, a hit at the near side of every interval that a ray
- * meets, needs a larger offset for as much. */
+/* Secondary rays from a representation's own hits agree with GRID's rays from GRID's hits, except for a bounded share.
+ * The paper's rule, a hit at the near side of every interval along the ray, needs a larger offset for the same share.
+ * */
 
 #include "measure/self_shadow.h"
 #include "support/near_side.h"
@@ -26,7 +26,7 @@ namespace {
 constexpr int level = 5;
 constexpr ImageSize size = {512, 512};
 
-// A scene, its picture as GRID sees it, and an offset of half a quad.
+// A scene, its picture in GRID, and an offset of half a quad.
 struct Fixture
 {
   Fixture(const std::string& name, std::optional<float> amplitude)
@@ -54,7 +54,7 @@ struct Fixture
     return std::make_unique<BuiltScene>(model, parseRepresentations(representation, 2).front(), settings);
   }
 
-  // The mean length of an edge of a quad.
+  // Mean edge length of a quad.
   float quadWidth() const
   {
     BuildSettings settings;
@@ -70,7 +70,8 @@ struct Fixture
 
   ShadowComparison compare(RTCScene scene, const std::vector<SurfaceHit>& hits) const
   {
-    return compareShadows({grid->tracer(), gridHits}, {EmbreeTracer(scene), hits}, {primary, camera.footprint()}, shadows, threads);
+    return compareShadows({grid->tracer(), gridHits}, {EmbreeTracer(scene), hits}, {primary, camera.footprint()},
+                          shadows, threads);
   }
 
   ShadowComparison compare(const BuiltScene& scene) const
@@ -108,21 +109,22 @@ double share(const ShadowComparison& c) { return double(c.all.sum())/double(c.ra
 class SelfShadow : public testing::Test
 {
 protected:
-  // At most `bound` of the rays of cLEAF-only, as these tests are about leaves, see another thing than GRID's.
+  // Expects that at most `bound` of the rays of cLEAF-only differ from GRID's. exact_faces is off because the tests
+  // are about leaves.
   static void expectAtMost(double bound, const Fixture& f)
   {
     const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf-only"));
     EXPECT_GT(leaf.rays, 100000u);
-    EXPECT_EQ(grid.all.sum(), 0u) << "cGRID has GRID's own triangles";
+    EXPECT_EQ(grid.all.sum(), 0u) << "cGRID has GRID's triangles";
     EXPECT_LE(share(leaf), bound);
   }
 };
 
-TEST_F(SelfShadow, OneInAThousandOfAGentleSurface) { expectAtMost(0.001, Fixture("cube", 0.001f)); }
+TEST_F(SelfShadow, AtMostOneInAThousandOnGentleSurface) { expectAtMost(0.001, Fixture("cube", 0.001f)); }
 
-TEST_F(SelfShadow, OneInAHundredOfFrog) { expectAtMost(0.01, Fixture("frog", std::nullopt)); }
+TEST_F(SelfShadow, AtMostOneInAHundredOnFrog) { expectAtMost(0.01, Fixture("frog", std::nullopt)); }
 
-TEST_F(SelfShadow, AFifthOfTheNearSideRuleAtEmbreesOffset)
+TEST_F(SelfShadow, AtMostAFifthOfNearSideRuleAtEmbreesOffset)
 {
   for (const char* scene : {"knee", "cube"}) {
     SCOPED_TRACE(scene);

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* No ray gets from one side of a displaced sheet to the other: a million rays a
- * representation through random sheets, with GRID as the judge, one by one and as many in coherent packets. And the rays that once did.
- * cbvh_bench --check sheets does the same with more. */
+/* No ray passes through a displaced sheet: a million rays per representation through random sheets, compared with GRID,
+ * as single rays and in coherent packets. Also tests rays that passed in earlier versions. cbvh_bench --check sheets
+ * traces more rays. */
 
 #include "basics/parallel.h"
 #include "measure/sheet_crossings.h"
@@ -18,11 +18,11 @@ namespace {
 
 class CrossedSheets : public testing::TestWithParam<RTCCompression> {};
 
-TEST_P(CrossedSheets, NoRayGetsThroughRandomSheets)
+TEST_P(CrossedSheets, NoRayPassesThroughRandomSheets)
 {
   Device device;
   for (const bool packets : {false, true}) {
-    SCOPED_TRACE(packets ? "in packets" : "ray by ray");
+    SCOPED_TRACE(packets ? "packets" : "single rays");
     SheetSettings settings;
     settings.packets = packets;
     const cbvh::SheetCrossings found = crossSheets(device, GetParam(), settings, threadCount(0));
@@ -40,7 +40,7 @@ struct Known
   Vec org, dir;
 };
 
-// All of them entered their first leaf below its patch, having passed over others.
+// All of them entered their first leaf below its patch, after passing over others.
 const Known known[] = {
   {5, 0, 3, 0, {0.931433916f, 0.64561826f, 0.0570035204f}, {-0.893551171f, -0.448961407f, -0.790583491f}},
   {5, 0, 1, 0, {-0.721437335f, -0.000574890291f, 0.0191232525f}, {-0.998789847f, 0.049181655f, -0.335739315f}},
@@ -48,7 +48,7 @@ const Known known[] = {
   {5, 2, 0.2, 0.3, {0.261337489f, 0.430581003f, 0.00786359143f}, {-0.551255643f, 0.8343364f, -0.0589791946f}},
   {3, 2, 1, 0.3, {0.878058851f, -0.64934516f, 0.132683814f}, {0.14841795f, 0.988924742f, -1.26615787f}}};
 
-TEST_P(CrossedSheets, RaysThatOnceGotThroughDoNot)
+TEST_P(CrossedSheets, RaysOfPastDefectsDoNotPass)
 {
   Device device;
   for (const Known& k : known) {
@@ -66,7 +66,9 @@ TEST_P(CrossedSheets, RaysThatOnceGotThroughDoNot)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets, testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT),
+INSTANTIATE_TEST_SUITE_P(Kinds, CrossedSheets,
+                         testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                         RTC_COMPRESSION_VERT),
                          [](const auto& info) { return kindName(info.param); });
 
 } // namespace

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sources that lack one member each, for source_errors.sh: the compiler must refuse them by the message behind
- * "expected:", and none for another reason. The first class lacks nothing. */
+/* Sources that lack one member each, for source_errors.sh. The compiler must reject each of them with the message after
+ * "expected:", and no other class. The first class is complete. */
 
 #include "sphere_source.h"
 
@@ -69,7 +69,13 @@ namespace embree
     static_assert(isSource<NoWriter>(),"");
 
     // expected: bool Writer::write(size_t primitive, Patch& patch)
-    struct NoWrite : public SphereSource { struct Writer { Writer (const NoWrite&, BlockStore&, cbvh::BuildStatistics&); }; };
+    struct NoWrite : public SphereSource
+    {
+      struct Writer
+      {
+        Writer (const NoWrite&, BlockStore&, cbvh::BuildStatistics&);
+      };
+    };
     static_assert(isSource<NoWrite>(),"");
 
     // expected: a type Patch derived from SurfacePatch
@@ -87,7 +93,11 @@ namespace embree
     static_assert(isSource<With<NoCopy>>(),"");
 
     // expected: PatchVertices& Patch::evaluate(unsigned quadsX, unsigned quadsY, const PatchPart& part, unsigned step)
-    struct NoEvaluate : public SphereSource::Patch { NoEvaluate (const NoEvaluate&, SphereSource::Scratch&); void evaluate (); };
+    struct NoEvaluate : public SphereSource::Patch
+    {
+      NoEvaluate (const NoEvaluate&, SphereSource::Scratch&);
+      void evaluate ();
+    };
     static_assert(isSource<With<NoEvaluate>>(),"");
 
     // expected: Patch::side(int s, unsigned step) const, whose result has a rate
@@ -109,7 +119,11 @@ namespace embree
     static_assert(isSource<With<NoVertex>>(),"");
 
     // expected: int Patch::latticeExponent(unsigned step) const
-    struct NoLattice : public SphereSource::Patch { NoLattice (const NoLattice&, SphereSource::Scratch&); void latticeExponent (unsigned) const; };
+    struct NoLattice : public SphereSource::Patch
+    {
+      NoLattice (const NoLattice&, SphereSource::Scratch&);
+      void latticeExponent (unsigned) const;
+    };
     static_assert(isSource<With<NoLattice>>(),"");
   }
 }

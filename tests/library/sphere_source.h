@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A source of vertices that has no buffers: a unit sphere, as the six faces of a cube whose points are normalized. A
- * short example of what kernels/cbvh/surface/source.h describes. Two faces compute the vertices of their common edge
- * from the same points of the cube, and all of them lie on one lattice, so there is nothing to prepare. */
+/* A source of vertices without buffers: a unit sphere, made of the six faces of a cube whose points are normalized. A
+ * short example for kernels/cbvh/surface/source.h. Two faces compute the vertices of their common edge from the same
+ * points of the cube, and all vertices are on one lattice, so there is nothing to prepare. */
 
 #include "kernels/cbvh/surface/source.h"
 #include "kernels/cbvh/vert/writer.h"
@@ -18,7 +18,7 @@ namespace embree
     class SphereSource
     {
     public:
-      /*! what BuilderOf is constructed with */
+      /*! the constructor argument of BuilderOf */
       struct Mesh : public CompressibleGeometry
       {
         const unsigned quads; //!< along the edges of a face
@@ -73,7 +73,7 @@ namespace embree
         int latticeExponent (unsigned) const { return exponent; }
 
       private:
-        /*! Faces 0 to 2 are at the ends of the axes, 3 to 5 at their beginnings; these are seen from behind. */
+        /*! Faces 0 to 2 are at the positive ends of the axes, 3 to 5 at the negative ends, seen from behind. */
         void evaluate (unsigned x, unsigned y, float p[3]) const
         {
           auto coordinate = [&](unsigned i) { return 2.0*i/quads[0] - 1.0; };

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compressed surfaces out again: the triangle of a hit, and all of a surface. */
+/* Reading the triangles of compressed surfaces: the triangle of a hit, and all triangles. */
 
 #include "support/diced.h"
 #include "support/edge_rates.h"
@@ -20,7 +20,7 @@ namespace {
 
 using Triangle = std::array<Vec, 3>;
 
-// As handed out, part by part.
+// Collects all parts.
 struct AllParts
 {
   std::map<unsigned, std::set<Triangle>> triangles; // by primID
@@ -32,9 +32,15 @@ struct AllParts
   {
     AllParts& all = *(AllParts*)self;
     all.calls++;
-    const auto at = [&](unsigned x, unsigned y) { const float* p = part->vertices + 3*(y*part->width + x); return Vec{p[0], p[1], p[2]}; };
-    const auto isNumber = [](const Vec& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); };
-    for (unsigned i = 0; i < part->width*part->height; i++) EXPECT_TRUE(part->parameters[2*i] >= 0 && part->parameters[2*i + 1] >= 0);
+    const auto at = [&](unsigned x, unsigned y) {
+      const float* p = part->vertices + 3*(y*part->width + x);
+      return Vec{p[0], p[1], p[2]};
+    };
+    const auto isNumber = [](const Vec& p) {
+      return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+    };
+    for (unsigned i = 0; i < part->width*part->height; i++)
+      EXPECT_TRUE(part->parameters[2*i] >= 0 && part->parameters[2*i + 1] >= 0);
     for (unsigned y = 0; y + 1 < part->height; y++)
       for (unsigned x = 0; x + 1 < part->width; x++) {
         const Vec a = at(x, y), b = at(x + 1, y), c = at(x, y + 1), d = at(x + 1, y + 1);
@@ -46,7 +52,7 @@ struct AllParts
   }
 };
 
-// The triangles of hits contain the hits, have their normals and parameters, and are among those that are handed out.
+// The triangles of hits contain the hits, have their normals and parameters, and are among all triangles.
 void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vector<RTCRayHit>& rays)
 {
   const AllParts all(geometry);
@@ -70,7 +76,9 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
       e2[k] = double(t.vertices[2][k]) - t.vertices[0][k];
       s[k] = origin[k] + double(r.ray.tfar)*direction[k] - t.vertices[0][k];
     }
-    const auto cross = [](const double a[3], const double b[3], int k) { return a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3]; };
+    const auto cross = [](const double a[3], const double b[3], int k) {
+      return a[(k+1)%3]*b[(k+2)%3] - a[(k+2)%3]*b[(k+1)%3];
+    };
     for (int k = 0; k < 3; k++) {
       n[k] = cross(e1, e2, k);
       nn += n[k]*n[k];
@@ -81,7 +89,11 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
     ASSERT_GT(gn*gn, 0.9999*nn*gg) << "Ng";
     double w1 = 0, w2 = 0, off = 0;
     for (int k = 0; k < 3; k++) { w1 += cross(s, e2, k)*n[k]/nn; w2 += cross(e1, s, k)*n[k]/nn; off += s[k]*n[k]; }
-    if (std::fabs(dn) < 0.05*std::sqrt(nn)*std::sqrt(double(direction[0])*direction[0] + double(direction[1])*direction[1] + double(direction[2])*direction[2])) continue; // grazes
+    // a grazing ray
+    if (std::fabs(dn) < 0.05*std::sqrt(nn)*
+                          std::sqrt(double(direction[0])*direction[0] + double(direction[1])*direction[1] +
+                                    double(direction[2])*direction[2]))
+      continue;
     ASSERT_GT(std::min({w1, w2, 1 - w1 - w2}), -0.02);
     ASSERT_LT(std::fabs(off)/std::sqrt(nn), 1e-5*std::max(1.0f, r.ray.tfar));
     ASSERT_NEAR(t.u[0] + w1*(t.u[1] - t.u[0]) + w2*(t.u[2] - t.u[0]), r.hit.u, 1e-3);
@@ -90,12 +102,19 @@ void expectTrianglesOfHits(RTCScene scene, RTCGeometry geometry, const std::vect
   EXPECT_GT(hits, rays.size()/4);
 }
 
-TEST(StoredTriangles, OfCagesAreThoseThatRaysHit)
+TEST(StoredTriangles, CagesMatchHitTriangles)
 {
   Device device;
   Random random(111);
   Displacement displacement;
-  const struct { const char* name; Cage cage; } cages[] = {{"cube", cubeCage()}, {"pentagons", prismCage(5)}, {"triangles", prismCage(3)}, {"valence 9", trapezohedronCage(9)}};
+  const struct
+  {
+    const char* name;
+    Cage cage;
+  } cages[] = {{"cube", cubeCage()},
+               {"pentagons", prismCage(5)},
+               {"triangles", prismCage(3)},
+               {"valence 9", trapezohedronCage(9)}};
   for (const auto& c : cages)
     for (int i = 0; i < 4; i++) {
       const bool mixed = i & 1, isGrid = i & 2;
@@ -117,7 +136,7 @@ TEST(StoredTriangles, OfCagesAreThoseThatRaysHit)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(StoredTriangles, OfGridsAreThoseThatRaysHit)
+TEST(StoredTriangles, GridsMatchHitTriangles)
 {
   Device device;
   Random random(112);
@@ -138,7 +157,7 @@ TEST(StoredTriangles, OfGridsAreThoseThatRaysHit)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-TEST(StoredTriangles, ManyThreadsLookThemUp)
+TEST(StoredTriangles, ManyThreadsReadThem)
 {
   Device device;
   Scene scene(device);
@@ -151,20 +170,24 @@ TEST(StoredTriangles, ManyThreadsLookThemUp)
   for (int i = 0; i < 8; i++)
     threads.emplace_back([&] {
       RTCCompressedTriangle t;
-      for (unsigned primID = 0; primID < diced.grids.size(); primID++) found += rtcGetCompressedTriangle(geometry, primID, 0.3f, 0.6f, nullptr, &t);
+      for (unsigned primID = 0; primID < diced.grids.size(); primID++)
+        found += rtcGetCompressedTriangle(geometry, primID, 0.3f, 0.6f, nullptr, &t);
     });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(found, 8*diced.grids.size());
 }
 
-TEST(StoredTriangles, WhatHasNoneIsAnError)
+TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
 {
   Device device;
   RTCCompressedTriangle t;
-  const auto lookUp = [&](RTCGeometry geometry, unsigned primID = 0) { return rtcGetCompressedTriangle(geometry, primID, 0.5f, 0.5f, nullptr, &t); };
+  const auto lookUp = [&](RTCGeometry geometry, unsigned primID = 0) {
+    return rtcGetCompressedTriangle(geometry, primID, 0.5f, 0.5f, nullptr, &t);
+  };
   const Diced diced = dicedSheet(2, 8);
   Scene scene(device);
-  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT), plain = newGrids(device, diced, RTC_COMPRESSION_NONE);
+  RTCGeometry geometry = newGrids(device, diced, RTC_COMPRESSION_VERT),
+              plain = newGrids(device, diced, RTC_COMPRESSION_NONE);
   EXPECT_FALSE(lookUp(geometry));
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << "no scene was committed";
   attach(scene, geometry);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Every level and frame level that can be compressed, against GRID. */
+/* Compares every level and frame level that can be compressed with GRID. */
 
 #include "support/grid_agreement.h"
 
@@ -18,8 +18,10 @@ void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
   const std::vector<RTCRayHit> rays = raysAt(random, 300);
   settings.compression = RTC_COMPRESSION_NONE;
   const SurfaceScene grid(device, cage, settings);
-  for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
-    SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level << ", frame level " << frameLevel);
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+    SCOPED_TRACE(testing::Message() << "compression " << compression << ", level " << level << ", frame level "
+                                    << frameLevel);
     settings.compression = compression;
     settings.frameLevel = frameLevel;
     const SurfaceScene scene(device, cage, settings);
@@ -34,7 +36,7 @@ void compare(Device& device, const Cage& cage, unsigned level, int frameLevel)
   }
 }
 
-TEST(SurfaceLevels, EveryLevelAndFrameLevelIsFoundAsGridFindsIt)
+TEST(SurfaceLevels, EveryLevelAndFrameLevelMatchesGrid)
 {
   Device device;
   Cage cage = sheetCage(1);
@@ -47,7 +49,7 @@ TEST(SurfaceLevels, EveryLevelAndFrameLevelIsFoundAsGridFindsIt)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// A frame level past the level leaves one quad a block.
+// A frame level beyond the level gives one quad per block.
 TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
 {
   Device device;
@@ -64,9 +66,9 @@ TEST(SurfaceLevels, FrameLevelsPastTheLevelAreClamped)
   }
 }
 
-// Which corner is which, in blocks of one quad: cLEAF cuts it into four leaves. The middle planes
-// of those are on a lattice of 1/64, so parameters are off by half of that at most.
-TEST(SurfaceLevels, QuadsThatAreBlocksHaveTheParametersOfTheirFace)
+// Orientation of corners in blocks of one quad: cLEAF splits the quad into four leaves. Their middle planes are
+// multiples of 1/64, so the error of parameters is at most half of that.
+TEST(SurfaceLevels, SingleQuadBlocksHaveParametersOfTheirFace)
 {
   Device device;
   for (RTCCompression compression : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF})

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A source outside of the library becomes blocks: through the builder, with the library's own object files, as
- * the library hides what it does not export. */
+/* A source outside of the library is converted to blocks by the builder. The program contains the library's object
+ * files, because the library does not export the builder. */
 
 #include "sphere_source.h"
 #include "kernels/cbvh/building/surface_builder.h"
@@ -16,7 +16,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! the vertices of all blocks below a node */
+    /*! adds the vertices of all blocks below a node */
     static void addVertices (BVH4::NodeRef ref, std::set<std::tuple<float,float,float>>& vertices)
     {
       if (ref == BVH4::emptyNode) return;
@@ -32,7 +32,7 @@ namespace embree
         vertices.emplace(decoded.vertices[i][0],decoded.vertices[i][1],decoded.vertices[i][2]);
     }
 
-    /*! faces of so many quads along a side: written in one piece, by several tasks, and in strips */
+    /*! faces with this many quads per side: written in one piece, by several tasks, and in strips */
     class SurfaceSource : public ::testing::TestWithParam<unsigned> {};
 
     TEST_P(SurfaceSource,SphereIsClosedAndRound)
@@ -44,7 +44,7 @@ namespace embree
         const std::shared_ptr<const cbvh::SurfaceNumber> number = std::make_shared<cbvh::SurfaceNumber>();
         const CompressionPlan plan(&mesh,*number);
         BuilderOf<SphereSource> builder(&mesh,number,plan);
-        std::atomic<int> primitives{0}; // tasks call progress() at the same time
+        std::atomic<int> primitives{0}; // tasks call progress() concurrently
         const std::shared_ptr<const SurfaceBlocks> blocks = builder.build([&](double n) { primitives += int(n); });
         EXPECT_EQ(primitives,6);
 
@@ -57,13 +57,13 @@ namespace embree
 
         std::set<std::tuple<float,float,float>> vertices;
         for (const PrimRef& part : blocks->parts) addVertices(BVH4::NodeRef(part.ID()),vertices);
-        EXPECT_EQ(vertices.size(),6*quads*quads + 2) << "vertices that faces share are not the same floats";
+        EXPECT_EQ(vertices.size(),6*quads*quads + 2) << "shared vertices of faces differ";
         double farthest = 0;
         for (const auto& v : vertices) {
           const double x = std::get<0>(v), y = std::get<1>(v), z = std::get<2>(v);
           farthest = std::max(farthest,std::fabs(std::sqrt(x*x+y*y+z*z) - 1.0));
         }
-        EXPECT_LE(farthest,0.87*spacing) << "half of the diagonal of a cell of the lattice";
+        EXPECT_LE(farthest,0.87*spacing) << "half the diagonal of a lattice cell";
         EXPECT_GT(farthest,0.0);
       }
       rtcReleaseDevice(handle);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Several threads trace one scene, and commit scenes of one device, at the same time: they
- * get what one thread gets. Under ThreadSanitizer, without a race. */
+/* Several threads trace one scene, and commit scenes of one device, concurrently. The results match those of one
+ * thread, without data races under ThreadSanitizer. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -13,13 +13,14 @@ namespace cbvh::test {
 namespace {
 
 constexpr unsigned threadCount = 4;
-constexpr unsigned surfaceCount = 5; // one of each representation
+constexpr unsigned surfaceCount = 5; // one per representation
 
-// One surface of each representation, side by side.
+// Adds one surface of each representation, side by side.
 void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[surfaceCount])
 {
   int i = 0;
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL,
+                                     RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     SurfaceSettings settings;
     settings.displacement = &displacements[i];
     settings.compression = compression;
@@ -29,7 +30,7 @@ void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[su
   }
 }
 
-// As many rays at each surface, from around all of them.
+// The same number of rays at each surface, from around all of them.
 std::vector<RTCRayHit> makeRays()
 {
   Random random(83);
@@ -51,7 +52,7 @@ std::vector<RTCRayHit> makeRays()
 struct Answers
 {
   std::vector<char> bytes;    // hits and occlusion of all rays
-  unsigned hits[surfaceCount] = {};      // rays that meet each of the surfaces first
+  unsigned hits[surfaceCount] = {};      // rays whose first hit is on each of the surfaces
   unsigned occludedRays = 0;
 };
 
@@ -69,8 +70,8 @@ Answers trace(RTCScene scene, const std::vector<RTCRayHit>& rays)
   return answers;
 }
 
-// Equal answers say nothing where there is nothing to hit: half of the rays at a surface meet
-// it, and as many rays are occluded as hit.
+// Equal results are meaningful only if rays hit: half of the rays at a surface hit it, and the same number is
+// occluded.
 void expectThatRaysMeetEverySurface(const Answers& answers, size_t rays)
 {
   unsigned sum = 0;
@@ -89,7 +90,7 @@ void inThreads(const Work& work)
   for (std::thread& thread : threads) thread.join();
 }
 
-TEST(Threads, TraceOneSceneAlike)
+TEST(Threads, TracingOneSceneMatchesSingleThread)
 {
   Device device;
   Displacement displacements[surfaceCount];
@@ -104,7 +105,7 @@ TEST(Threads, TraceOneSceneAlike)
   for (bool s : same) EXPECT_TRUE(s);
 }
 
-TEST(Threads, CommitScenesOfOneDeviceAtOnce)
+TEST(Threads, CommittingScenesOfOneDeviceConcurrently)
 {
   Device device;
   const std::vector<RTCRayHit> rays = makeRays();

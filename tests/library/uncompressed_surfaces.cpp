@@ -1,16 +1,16 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What is not compressed is left to GRID, and is as in stock Embree. */
+/* Surfaces that are not compressed are left to GRID, with the results of stock Embree. */
 
 #include "support/grid_agreement.h"
 
 namespace cbvh::test {
 namespace {
 
-// The same surface in a scene that compresses and in one that does not; levels of all
-// edges when given.
-void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed, const char* says, unsigned timeSteps = 1)
+// Compares the same surface in scenes with and without compression. edgeRates: levels of all edges, if not empty.
+void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed, const char* says,
+                         unsigned timeSteps = 1)
 {
   Random random(43);
   Displacement displacement;
@@ -48,26 +48,26 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
   }
 }
 
-TEST(UncompressedSurfaces, RatesAbove256EqualStock)
+TEST(UncompressedSurfaces, RatesAbove256MatchStock)
 {
   std::vector<float> rates;
   for (unsigned i = 0; i < 24; i++) rates.push_back(i % 4 == 1 ? 257 : float(1 + (i*7)%12));
   compareUncompressed(4, rates, false, "traced by GRID");
 }
 
-TEST(UncompressedSurfaces, MotionBlurEqualsStock)
+TEST(UncompressedSurfaces, MotionBlurMatchesStock)
 {
   compareUncompressed(8, {}, false, "not compressed: 6 faces that have motion blur, because exact_faces is 0", 2);
 }
 
-// Compressed faces beside others, in one BVH.
-TEST(UncompressedSurfaces, FacesOfTooHighRatesLiveBesideCompressedOnes)
+// Compressed faces and others in one BVH.
+TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)
 {
   Device device;
   Displacement displacement;
   Random random(44);
   std::vector<float> rates(24, 16.0f);
-  for (int i = 0; i < 4; i++) rates[i] = 300; // face 0; its neighbours' edges keep their own
+  for (int i = 0; i < 4; i++) rates[i] = 300; // face 0; the edges of its neighbors keep their rates
   SurfaceSettings settings;
   settings.displacement = &displacement;
   settings.compression = RTC_COMPRESSION_GRID;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Defects of Embree 3.13.5 itself that our patches mend: input that is refused, left out, or clamped, where memory was read or written
- * that does not exist. Nothing here is compressed. */
+/* Defects of Embree 3.13.5 that our patches fix: invalid input is rejected, left out or clamped, where Embree reads or
+ * writes out of bounds. Nothing is compressed here. */
 
 #include "support/diced_mesh.h"
 #include "support/query_forms.h"
@@ -16,13 +16,14 @@
 namespace cbvh::test {
 namespace {
 
-// Floats that end at a page that cannot be read.
+// Floats that end at an unreadable page.
 class BeforeUnreadable
 {
 public:
   explicit BeforeUnreadable(const std::vector<float>& data)
   {
-    const size_t page = size_t(sysconf(_SC_PAGESIZE)), bytes = sizeof(float)*data.size(), used = (bytes + page - 1)/page*page;
+    const size_t page = size_t(sysconf(_SC_PAGESIZE)), bytes = sizeof(float)*data.size(),
+                 used = (bytes + page - 1)/page*page;
     size = used + page;
     memory = (char*)mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     mprotect(memory + used, page, PROT_NONE);
@@ -40,7 +41,7 @@ private:
   size_t size;
 };
 
-TEST(UpstreamFixes, GridsOutsideOfTheirVerticesAndThinOnesHideNoOther)
+TEST(UpstreamFixes, InvalidAndThinGridsHideNoOthers)
 {
   for (unsigned timeSteps : {1u, 2u}) {
     Device device;
@@ -49,8 +50,10 @@ TEST(UpstreamFixes, GridsOutsideOfTheirVerticesAndThinOnesHideNoOther)
     const Scene alone(device), beside(device);
     attach(alone, newGrids(device, diced, RTC_COMPRESSION_NONE, 0, timeSteps));
     rtcCommitScene(alone);
-    const std::vector<RTCGrid> good = diced.grids, bad = {
-      {0, 0x80000000u, 3, 3}, {0, 0x55555556u, 3, 4}, {50, 0xFFFFFFF0u, 3, 3}, {0xFFFFFFFEu, 33, 3, 3}, {0, 33, 0, 5}, {0, 33, 5, 0}, {0, 33, 1, 4}, {0, 33, 4, 1}};
+    const std::vector<RTCGrid> good = diced.grids,
+                               bad = {{0, 0x80000000u, 3, 3}, {0, 0x55555556u, 3, 4}, {50, 0xFFFFFFF0u, 3, 3},
+                                      {0xFFFFFFFEu, 33, 3, 3}, {0, 33, 0, 5}, {0, 33, 5, 0},
+                                      {0, 33, 1, 4}, {0, 33, 4, 1}};
     diced.grids.clear();
     for (const RTCGrid& grid : good) {
       diced.grids.insert(diced.grids.end(), bad.begin(), bad.end());
@@ -70,7 +73,7 @@ TEST(UpstreamFixes, GridsOutsideOfTheirVerticesAndThinOnesHideNoOther)
   }
 }
 
-TEST(UpstreamFixes, GridsOfTooManyVerticesAreErrors)
+TEST(UpstreamFixes, GridsWithTooManyVerticesAreErrors)
 {
   Device device;
   Diced diced;
@@ -81,7 +84,7 @@ TEST(UpstreamFixes, GridsOfTooManyVerticesAreErrors)
 }
 
 // At u = 1 and v = 1, where the last row and column end.
-TEST(UpstreamFixes, InterpolationReadsNothingBehindAGrid)
+TEST(UpstreamFixes, InterpolationDoesNotReadAfterAGrid)
 {
   Device device;
   std::vector<float> positions;
@@ -100,32 +103,35 @@ TEST(UpstreamFixes, InterpolationReadsNothingBehindAGrid)
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       EXPECT_NEAR(P[0], 6*u, 1e-4) << u << ", " << v;
       EXPECT_NEAR(P[1], 8*v, 1e-4) << u << ", " << v;
-      for (const float* d : {dPdu, dPdv}) EXPECT_TRUE(std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]));
+      for (const float* d : {dPdu, dPdv})
+        EXPECT_TRUE(std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]));
     }
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, BuffersThatEndOutsideOfTheirMemoryAreErrors)
+TEST(UpstreamFixes, BuffersThatExceedTheirMemoryAreErrors)
 {
   Device device;
   RTCBuffer buffer = rtcNewBuffer(device, 1200);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const struct { size_t offset, stride, count; bool isValid; } cases[] = {
-    {0, 12, 100, true}, {12, 24, 50, true}, {1188, 12, 1, true}, {0, 0, 100, true}, {0, 12, 101, false}, {0, 12, 1000, false},
-    {5000, 12, 10, false}, {0, size_t(1) << 63, 2, false}, {0, 24, 51, false}, {1200, 12, 1, false}};
+  const struct { size_t offset, stride, count; bool isValid;
+  } cases[] = {{0, 12, 100, true}, {12, 24, 50, true}, {1188, 12, 1, true}, {0, 0, 100, true},
+               {0, 12, 101, false}, {0, 12, 1000, false}, {5000, 12, 10, false}, {0, size_t(1) << 63, 2, false},
+               {0, 24, 51, false}, {1200, 12, 1, false}};
   for (const auto& c : cases) {
     rtcSetGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, buffer, c.offset, c.stride, c.count);
-    EXPECT_EQ(device.takeError(), c.isValid ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT) << c.offset << " + " << c.count << " * " << c.stride;
+    EXPECT_EQ(device.takeError(), c.isValid ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT)
+      << c.offset << " + " << c.count << " * " << c.stride;
   }
   rtcReleaseGeometry(geometry);
   rtcReleaseBuffer(buffer);
-  for (size_t less : {0, 1, 15, 30}) { // the size that is allocated would wrap around to a few bytes
+  for (size_t less : {0, 1, 15, 30}) { // the allocated size would wrap around to a few bytes
     EXPECT_EQ(rtcNewBuffer(device, ~size_t(0) - less), nullptr);
     EXPECT_EQ(device.takeError(), RTC_ERROR_OUT_OF_MEMORY) << less;
   }
 }
 
-TEST(UpstreamFixes, FacesOutsideOfTheirVerticesAreLeftOut)
+TEST(UpstreamFixes, FacesWithInvalidIndicesAreLeftOut)
 {
   for (unsigned timeSteps : {1u, 2u}) {
     const Cage cage = sheetCage(8);
@@ -140,7 +146,8 @@ TEST(UpstreamFixes, FacesOutsideOfTheirVerticesAreLeftOut)
       settings.timeSteps = timeSteps;
       RTCGeometry geometry = newSurface(device, cage, settings);
       for (unsigned t = 0; t < timeSteps; t++)
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, vertices.values, 0, 16, numVertices);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, vertices.values, 0, 16,
+                                   numVertices);
       ((unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0))[1] = index;
       rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
       rtcCommitGeometry(geometry);
@@ -162,13 +169,27 @@ TEST(UpstreamFixes, FacesOutsideOfTheirVerticesAreLeftOut)
 
 TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
 {
-  struct Case { const char* message; std::function<void(Cage&, SurfaceSettings&)> change; } cases[] = {
-    {"face 5 of 5 vertices: the index buffer ends after 24 indices", [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
-    {"face 0 of 4294967295 vertices: the index buffer ends after 24 indices", [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
-    {"there are 23 levels: expected at least 24, one per edge of a face", [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
-    {"there are 1 edge crease weights: expected at least 2, one per edge crease", [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}, {1, 3}}; cage.creaseWeights = {1}; }},
-    {"there are 0 edge crease weights: expected at least 1, one per edge crease", [](Cage& cage, SurfaceSettings&) { cage.creases = {{0, 1}}; }},
-    {"there are 1 vertex crease weights: expected at least 3, one per vertex crease", [](Cage& cage, SurfaceSettings&) { cage.corners = {0, 1, 2}; cage.cornerWeights = {1}; }}};
+  struct Case { const char* message; std::function<void(Cage&, SurfaceSettings&)> change;
+  } cases[] = {
+    {"face 5 of 5 vertices: the index buffer ends after 24 indices",
+     [](Cage& cage, SurfaceSettings&) { cage.faces[5] = 5; }},
+    {"face 0 of 4294967295 vertices: the index buffer ends after 24 indices",
+     [](Cage& cage, SurfaceSettings&) { cage.faces[0] = ~0u; }},
+    {"there are 23 levels: expected at least 24, one per edge of a face",
+     [](Cage&, SurfaceSettings& settings) { settings.edgeRates.assign(23, 4.0f); }},
+    {"there are 1 edge crease weights: expected at least 2, one per edge crease",
+     [](Cage& cage, SurfaceSettings&) {
+       cage.creases = {{0, 1}, {1, 3}};
+       cage.creaseWeights = {1};
+     }},
+    {"there are 0 edge crease weights: expected at least 1, one per edge crease",
+     [](Cage& cage, SurfaceSettings&) {
+       cage.creases = {{0, 1}};
+     }},
+    {"there are 1 vertex crease weights: expected at least 3, one per vertex crease", [](Cage& cage, SurfaceSettings&) {
+       cage.corners = {0, 1, 2};
+       cage.cornerWeights = {1};
+     }}};
   for (const Case& c : cases)
     for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_VERT}) {
       Device device;
@@ -199,18 +220,21 @@ TEST(UpstreamFixes, BuffersShorterThanTheirCageAreErrors)
   rtcReleaseGeometry(geometry);
 }
 
-TEST(UpstreamFixes, AttributesThatDoNotExistAreNotInterpolated)
+TEST(UpstreamFixes, MissingAttributesAreNotInterpolated)
 {
   Device device;
   Random random(1);
   const DicedMesh mesh = meshOf(dicedSheet(1, 8), QuadOrder::Rows, random);
-  for (RTCGeometry geometry : {newSurface(device, cubeCage(), SurfaceSettings()), newGrids(device, dicedSheet(1, 8)), newMesh(device, mesh), newMesh(device, trianglesOf(mesh))}) {
+  for (RTCGeometry geometry : {newSurface(device, cubeCage(), SurfaceSettings()), newGrids(device, dicedSheet(1, 8)),
+                               newMesh(device, mesh), newMesh(device, trianglesOf(mesh))}) {
     float P[3];
     const unsigned primID = 0;
     const float u = 0.25f, v = 0.25f;
     rtcInterpolate0(geometry, primID, u, v, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    for (const auto& [type, slot] : {std::make_pair(RTC_BUFFER_TYPE_VERTEX, 3u), std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0u), std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1000000u)}) {
+    for (const auto& [type, slot] :
+         {std::make_pair(RTC_BUFFER_TYPE_VERTEX, 3u), std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0u),
+          std::make_pair(RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1000000u)}) {
       rtcInterpolate0(geometry, primID, u, v, type, slot, P, 3);
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << type << ", slot " << slot;
       RTCInterpolateNArguments args = {};
@@ -230,8 +254,8 @@ TEST(UpstreamFixes, AttributesThatDoNotExistAreNotInterpolated)
   }
 }
 
-// Scenes within scenes, deeper than an RTCPointQueryContext has room for.
-TEST(UpstreamFixes, PointQueriesEndAtTheDeepestInstanceThatTheirContextHas)
+// Nested scenes that exceed the depth of RTCPointQueryContext.
+TEST(UpstreamFixes, PointQueriesStopAtMaximumInstanceDepth)
 {
   for (unsigned levels : {1u, 2u, 3u}) {
     Device device;
@@ -255,7 +279,13 @@ TEST(UpstreamFixes, PointQueriesEndAtTheDeepestInstanceThatTheirContextHas)
     RTCPointQuery query = {};
     query.radius = 10;
     unsigned calls = 0;
-    rtcPointQuery(scenes.back(), &query, &guarded.context, [](RTCPointQueryFunctionArguments* args) { ++*(unsigned*)args->userPtr; return false; }, &calls);
+    rtcPointQuery(
+      scenes.back(), &query, &guarded.context,
+      [](RTCPointQueryFunctionArguments* args) {
+        ++*(unsigned*)args->userPtr;
+        return false;
+      },
+      &calls);
     for (unsigned char byte : guarded.guard) ASSERT_EQ(byte, 0xAB) << levels << " levels";
     EXPECT_EQ(guarded.context.instStackSize, 0u);
     EXPECT_EQ(calls > 0, levels <= RTC_MAX_INSTANCE_LEVEL_COUNT) << levels << " levels";
@@ -263,12 +293,13 @@ TEST(UpstreamFixes, PointQueriesEndAtTheDeepestInstanceThatTheirContextHas)
   }
 }
 
-// A tree of an application's own, of low quality, of more children and larger leaves than the builder holds.
-TEST(UpstreamFixes, MortonTreesHaveNoMoreChildrenAndPrimitivesThanFit)
+// A low-quality tree of an application, with more children and larger leaves than the builder's arrays.
+TEST(UpstreamFixes, MortonTreesRespectTheirLimits)
 {
   Device device;
   struct Counts { std::mutex mutex; size_t primitives = 0; unsigned children = 0, leaf = 0; };
-  for (const auto& [branching, leaf] : {std::make_pair(2u, 1u), std::make_pair(9u, 4u), std::make_pair(64u, 8u), std::make_pair(4u, 33u), std::make_pair(8u, 1000u)}) {
+  for (const auto& [branching, leaf] : {std::make_pair(2u, 1u), std::make_pair(9u, 4u), std::make_pair(64u, 8u),
+                                        std::make_pair(4u, 33u), std::make_pair(8u, 1000u)}) {
     std::vector<RTCBuildPrimitive> primitives(5000);
     Random random(2);
     for (unsigned i = 0; i < primitives.size(); i++) {
@@ -308,12 +339,13 @@ TEST(UpstreamFixes, MortonTreesHaveNoMoreChildrenAndPrimitivesThanFit)
   }
 }
 
-TEST(UpstreamFixes, TimeRangesOfNoFiniteLengthAreErrors)
+TEST(UpstreamFixes, NonFiniteTimeRangesAreErrors)
 {
   Device device;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
-  for (const auto& [begin, end] : {std::make_pair(0.0f, inf), std::make_pair(-inf, 1.0f), std::make_pair(-3e38f, 3e38f), std::make_pair(nan, 1.0f), std::make_pair(0.0f, nan), std::make_pair(1.0f, 0.0f)}) {
+  for (const auto& [begin, end] : {std::make_pair(0.0f, inf), std::make_pair(-inf, 1.0f), std::make_pair(-3e38f, 3e38f),
+                                   std::make_pair(nan, 1.0f), std::make_pair(0.0f, nan), std::make_pair(1.0f, 0.0f)}) {
     rtcSetGeometryTimeRange(geometry, begin, end);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT) << begin << " to " << end;
   }
@@ -322,7 +354,7 @@ TEST(UpstreamFixes, TimeRangesOfNoFiniteLengthAreErrors)
   rtcReleaseGeometry(geometry);
 }
 
-// Moving cages whose time range reaches past that of rays: boxes were read of other patches, or of none.
+// Moving cages with time ranges beyond those of rays: Embree read boxes of other patches, or out of bounds.
 TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
 {
   const std::pair<float, float> ranges[] = {{0, 1}, {0.25f, 1.5f}, {-1, 2}, {-0.001f, 1}, {0.3f, 0.6f}, {-1, 0.5f}};
@@ -338,7 +370,7 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
       const auto trace = [&](bool hasOthers) {
         Device device("threads=1");
         Scene scene(device), other(device);
-        if (hasOthers) { // memory with other contents
+        if (hasOthers) { // memory with different contents
           SurfaceSettings far = settings;
           far.motion = [](const Vec& p, unsigned step) { return Vec{p[0] - 1000*float(1 + step), p[1] + 500, p[2]}; };
           addSurface(device, other, sheetCage(9), far);
@@ -373,15 +405,15 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
     }
 }
 
-// GCC before 14 stores 16 bits of a mask on the stack and reads back 64. This fills the stack, so that the other 48 bits are
-// not zero by chance.
+// GCC before 14 stores 16 bits of a mask on the stack and reads back 64. Fills the stack, so that the other 48 bits
+// are not zero by chance.
 [[gnu::noinline]] void fillStack()
 {
   volatile unsigned char bytes[1 << 17];
   for (size_t i = 0; i < sizeof(bytes); i++) bytes[i] = 0xFF;
 }
 
-TEST(UpstreamFixes, CoherentOcclusionOfPacketsEnds)
+TEST(UpstreamFixes, CoherentOcclusionOfPacketsTerminates)
 {
   alarm(240);
   Device device;
@@ -389,8 +421,10 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsEnds)
   const DicedMesh mesh = meshOf(dicedSheet(2, 16), QuadOrder::Rows, random);
   for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_COMPACT, RTC_SCENE_FLAG_ROBUST})
     for (int type = 0; type < 4; type++) {
-      RTCGeometry geometry = type == 0 ? newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_NONE) : type == 1 ? newMesh(device, mesh, RTC_COMPRESSION_NONE)
-        : type == 2 ? newGrids(device, dicedSheet(2, 16), RTC_COMPRESSION_NONE) : newSurface(device, cubeCage(), SurfaceSettings());
+      RTCGeometry geometry = type == 0 ? newMesh(device, trianglesOf(mesh), RTC_COMPRESSION_NONE)
+                             : type == 1 ? newMesh(device, mesh, RTC_COMPRESSION_NONE)
+                             : type == 2 ? newGrids(device, dicedSheet(2, 16), RTC_COMPRESSION_NONE)
+                                         : newSurface(device, cubeCage(), SurfaceSettings());
       Scene scene(device, flags), outer(device, flags);
       attach(scene, geometry);
       rtcCommitScene(scene);
@@ -417,7 +451,8 @@ TEST(UpstreamFixes, CoherentOcclusionOfPacketsEnds)
           context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
           fillStack();
           rtcOccluded16(valid, traced, &context, &packet);
-          for (size_t i = 0; i < 16; i++) ASSERT_EQ(packet.tfar[i] < 0, occluded(traced, rays[first + i])) << type << ", flags " << flags;
+          for (size_t i = 0; i < 16; i++)
+            ASSERT_EQ(packet.tfar[i] < 0, occluded(traced, rays[first + i])) << type << ", flags " << flags;
         }
       }
     }
@@ -428,7 +463,8 @@ TEST(UpstreamFixes, DevicesThatStartTheirThreadsDoNotHang)
 {
   alarm(120);
   for (int i = 0; i < 100; i++)
-    for (const char* config : {"start_threads=1", "start_threads=1,threads=1", "start_threads=1,threads=2"}) rtcReleaseDevice(rtcNewDevice(config));
+    for (const char* config : {"start_threads=1", "start_threads=1,threads=1", "start_threads=1,threads=2"})
+      rtcReleaseDevice(rtcNewDevice(config));
   alarm(0);
 }
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces of cVERT: closed by sharing, as near to GRID's as promised, and traced as the
- * scalar decoder has them. */
+/* Surfaces of cVERT: closed because faces share vertices, within the promised distance of GRID's surface, and traced as
+ * the scalar decoder decodes them. */
 
 #include "support/edge_rates.h"
 #include "support/vert_triangles.h"
@@ -18,17 +18,18 @@ namespace {
 
 constexpr double ulp = 0x1p-23;
 
-// Along the face's own normal, which at an extraordinary vertex is not that of its neighbours.
+// Displaces along the face's own normal, which differs from the neighbors' normals at extraordinary vertices.
 struct AlongNormals : public VertexRecorder
 {
-  float amplitude = 0.1f, jump = 0; // jump: heights of faces differ by up to this
+  float amplitude = 0.1f, jump = 0; // jump: largest difference between the heights of faces
   std::vector<Vec> recorded;
 
   static void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args)
   {
     const AlongNormals& d = *static_cast<AlongNormals*>((Displacement*)args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; i++) {
-      const float h = d.amplitude*std::sin(9*args->P_x[i] + 5*args->P_y[i])*std::cos(7*args->P_z[i]) + d.jump*float(args->primID % 3);
+      const float h = d.amplitude*std::sin(9*args->P_x[i] + 5*args->P_y[i])*std::cos(7*args->P_z[i]) +
+                      d.jump*float(args->primID % 3);
       args->P_x[i] += h*args->Ng_x[i];
       args->P_y[i] += h*args->Ng_y[i];
       args->P_z[i] += h*args->Ng_z[i];
@@ -46,7 +47,8 @@ SurfaceSettings vert(float rate = 16)
   return settings;
 }
 
-void commitAlongNormals(RTCDevice device, RTCScene scene, const Cage& cage, const SurfaceSettings& settings, AlongNormals& displacement)
+void commitAlongNormals(RTCDevice device, RTCScene scene, const Cage& cage, const SurfaceSettings& settings,
+                        AlongNormals& displacement)
 {
   RTCGeometry geometry = newSurface(device, cage, settings);
   rtcSetGeometryUserData(geometry, static_cast<Displacement*>(&displacement));
@@ -56,8 +58,8 @@ void commitAlongNormals(RTCDevice device, RTCScene scene, const Cage& cage, cons
   rtcCommitScene(scene);
 }
 
-// Every edge of every triangle is another's, the other way round, to the last bit: then no ray
-// can pass between two of them.
+// Every edge of every triangle must occur in the opposite direction with the same floats. Then no ray can pass
+// between two triangles.
 TEST(VertSurfaces, ClosedSurfacesShareEveryEdge)
 {
   Device device;
@@ -75,7 +77,7 @@ TEST(VertSurfaces, ClosedSurfacesShareEveryEdge)
     }
 }
 
-TEST(VertSurfaces, NeighboursOfOtherRatesShareEveryEdge)
+TEST(VertSurfaces, NeighborsWithDifferentRatesShareEveryEdge)
 {
   Device device;
   for (const auto& cage : closedCages)
@@ -91,8 +93,8 @@ TEST(VertSurfaces, NeighboursOfOtherRatesShareEveryEdge)
     }
 }
 
-// Where the two sides of an edge ask for other rates GRID tears.
-TEST(VertSurfaces, SidesThatDisagreeOnTheRateOfAnEdgeShareIt)
+// GRID has gaps if both sides of an edge have different rates.
+TEST(VertSurfaces, SidesWithDifferentRatesShareEdge)
 {
   Device device;
   for (const auto& cage : closedCages) {
@@ -107,8 +109,8 @@ TEST(VertSurfaces, SidesThatDisagreeOnTheRateOfAnEdgeShareIt)
   }
 }
 
-// Three walls on one edge: each wall's border is the others', so all edges are of two or more.
-TEST(VertSurfaces, FacesOnANonManifoldEdgeShareIt)
+// Three walls at one edge: each wall's border is shared, so all edges belong to two or more triangles.
+TEST(VertSurfaces, FacesOnNonManifoldEdgeShareIt)
 {
   Device device;
   Cage cage;
@@ -116,13 +118,14 @@ TEST(VertSurfaces, FacesOnANonManifoldEdgeShareIt)
   cage.addFace({0, 2, 3, 1});
   cage.addFace({0, 4, 5, 1});
   cage.addFace({0, 6, 7, 1});
-  for (const std::vector<float>& rates : {std::vector<float>(12, 16.0f), std::vector<float>{16,16,16,4, 8,8,8,8, 16,16,16,16}}) {
+  for (const std::vector<float>& rates :
+       {std::vector<float>(12, 16.0f), std::vector<float>{16,16,16,4, 8,8,8,8, 16,16,16,16}}) {
     AlongNormals displacement;
     SurfaceSettings settings = vert();
     settings.edgeRates = rates;
     Scene scene(device);
     commitAlongNormals(device, scene, cage, settings, displacement);
-    // the shared polyline is that of the lowest rate: each of its edges three times
+    // the shared polyline has the lowest rate: each of its edges occurs three times
     std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, int> uses;
     for (const VertTriangle& t : vertTriangles(scene))
       for (int i = 0; t.hasArea() && i < 3; i++) uses[std::minmax(t.vertices[i], t.vertices[(i+1) % 3])]++;
@@ -132,8 +135,8 @@ TEST(VertSurfaces, FacesOnANonManifoldEdgeShareIt)
   }
 }
 
-// GRID tears here, by hundreds of ulps or by a part of the object.
-TEST(VertSurfaces, ExtraordinaryVerticesAlongNormalsAndSeamsAreClosed)
+// GRID has gaps here, of hundreds of ulps or of a part of the object.
+TEST(VertSurfaces, ExtraordinaryVerticesAndSeamsAreClosed)
 {
   Device device;
   for (const auto& cage : closedCages)
@@ -150,9 +153,9 @@ TEST(VertSurfaces, ExtraordinaryVerticesAlongNormalsAndSeamsAreClosed)
     }
 }
 
-// --- the promise -----------------------------------------------------------------------
+// --- promised distance ------------------------------------------------------------------
 
-// Vertices by face and parameters, in 2^-16.
+// Vertices by face and parameters in units of 2^-16.
 typedef std::tuple<unsigned, long, long> VertexKey;
 VertexKey keyOf(unsigned primID, double u, double v) { return {primID, std::lround(u*65536), std::lround(v*65536)}; }
 
@@ -162,7 +165,8 @@ struct EveryVertex : public VertexRecorder
 
   void record(const RTCDisplacementFunctionNArguments& args) override
   {
-    for (unsigned i = 0; i < args.N; i++) vertices[keyOf(args.primID, args.u[i], args.v[i])] = {args.P_x[i], args.P_y[i], args.P_z[i]};
+    for (unsigned i = 0; i < args.N; i++)
+      vertices[keyOf(args.primID, args.u[i], args.v[i])] = {args.P_x[i], args.P_y[i], args.P_z[i]};
   }
 };
 
@@ -173,7 +177,7 @@ double distance(const std::array<float, 3>& a, const Vec& b)
   return std::sqrt(d2);
 }
 
-// The largest distance of a stored vertex from GRID's.
+// The largest distance of a stored vertex from GRID's vertex.
 double largestDeviation(RTCScene scene, const EveryVertex& grid)
 {
   double largest = 0;
@@ -181,7 +185,8 @@ double largestDeviation(RTCScene scene, const EveryVertex& grid)
   for (const VertTriangle& t : vertTriangles(scene))
     for (int c = 0; c < 3; c++) {
       const auto found = grid.vertices.find(keyOf(t.primID, t.u[c], t.v[c]));
-      EXPECT_NE(found, grid.vertices.end()) << "GRID has no vertex at " << t.u[c] << ", " << t.v[c] << " of face " << t.primID;
+      EXPECT_NE(found, grid.vertices.end())
+        << "GRID has no vertex at " << t.u[c] << ", " << t.v[c] << " of face " << t.primID;
       if (found == grid.vertices.end()) return INFINITY;
       largest = std::max(largest, distance(t.vertices[c], found->second));
       compared++;
@@ -190,7 +195,7 @@ double largestDeviation(RTCScene scene, const EveryVertex& grid)
   return largest;
 }
 
-// A cage as GRID has it, with all vertices recorded, and the settings that make cVERT of the same vertices.
+// GRID's surface of a cage, with all vertices recorded, and the settings that give cVERT the same vertices.
 struct Recorded
 {
   EveryVertex grid;
@@ -207,7 +212,7 @@ struct Recorded
   }
 };
 
-TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
+TEST(VertSurfaces, NoVertexIsFartherFromGridThanPromised)
 {
   Device device;
   const double halfDiagonal = std::sqrt(3)/2;
@@ -224,7 +229,7 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
       }
       EXPECT_GT(stats.maxVertexDeviation, 0);
       EXPECT_LE(stats.maxVertexDeviation, halfDiagonal*stats.maxVertexSpacing);
-      // faces evaluate what they share some ulps apart
+      // faces evaluate shared vertices with differences of some ulps
       const double largest = largestDeviation(scene, recorded.grid);
       EXPECT_LE(largest, stats.maxVertexDeviation + stats.maxBorderGap + 1e-6);
       EXPECT_LE(stats.maxBorderGap, 1e-5f);
@@ -233,7 +238,7 @@ TEST(VertSurfaces, NoVertexIsFartherFromGridsThanPromised)
     }
 }
 
-TEST(VertSurfaces, WithoutLossTheyHaveTheVerticesThatGridEvaluates)
+TEST(VertSurfaces, LosslessStoresVerticesThatGridEvaluates)
 {
   Device device("cbvh_max_error=0");
   for (const auto& cage : closedCages) {
@@ -244,14 +249,15 @@ TEST(VertSurfaces, WithoutLossTheyHaveTheVerticesThatGridEvaluates)
     EXPECT_EQ(stats.maxVertexDeviation, 0);
     EXPECT_EQ(stats.maxVertexSpacing, 0);
     EXPECT_EQ(stats.numFlippedQuads, 0u);
-    EXPECT_LE(largestDeviation(scene, recorded.grid), stats.maxBorderGap*1.0001) << "but for borders, which faces evaluate some ulps apart";
+    EXPECT_LE(largestDeviation(scene, recorded.grid), stats.maxBorderGap*1.0001)
+      << "faces evaluate borders with differences of some ulps";
     EXPECT_LE(stats.maxBorderGap, 1e-5f);
     EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
   }
 }
 
-// A border whose edge has a lower rate: each of its vertices is the one that Embree stitches it to.
-TEST(VertSurfaces, BordersOfLowerRatesHaveTheVerticesThatGridStitchesThemTo)
+// On a border whose edge has a lower rate, each vertex must be the one to which Embree stitches it.
+TEST(VertSurfaces, BordersOfLowerRatesHaveStitchedVerticesOfGrid)
 {
   Device device;
   const Cage cage = cubeCage();
@@ -273,34 +279,41 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveTheVerticesThatGridStitchesThemTo)
         for (unsigned side = 0; side < 4; side++) {
           const bool alongU = side % 2 == 0;
           if ((alongU ? t.v[c] : t.u[c]) != (side == 1 || side == 2)) continue;
-          const double rate = settings.edgeRates[4*t.primID + side], quads = std::max(rate, double(settings.edgeRates[4*t.primID + (side + 2) % 4]));
-          const double i = std::round(quads*(alongU ? t.u[c] : t.v[c])), k = i == quads ? rate : std::floor((i + 0.5)*rate/quads);
+          const double rate = settings.edgeRates[4*t.primID + side],
+                       quads = std::max(rate, double(settings.edgeRates[4*t.primID + (side + 2) % 4]));
+          const double i = std::round(quads*(alongU ? t.u[c] : t.v[c])),
+                       k = i == quads ? rate : std::floor((i + 0.5)*rate/quads);
           const auto found = grid.vertices.find(keyOf(t.primID, alongU ? k/rate : t.u[c], alongU ? t.v[c] : k/rate));
           ASSERT_NE(found, grid.vertices.end());
-          ASSERT_LE(distance(t.vertices[c], found->second), bound) << "face " << t.primID << ", side " << side << ", vertex " << i << " of " << quads << " with " << rate;
+          ASSERT_LE(distance(t.vertices[c], found->second), bound)
+            << "face " << t.primID << ", side " << side << ", vertex " << i << " of " << quads << " with " << rate;
           between += rate < quads && i != 0 && i != quads;
         }
   }
   EXPECT_GT(between, 100u);
 }
 
-// How much of its own normal a triangle's has, as the vertices of GRID say: below 0 it is turned over, and 0 of what has no area.
-double likeness(const VertTriangle& t, const EveryVertex& grid)
+// Cosine of a triangle's normal and the normal of GRID's vertices: negative if the triangle is flipped, 0 if it has
+// no area.
+double normalCosine(const VertTriangle& t, const EveryVertex& grid)
 {
   double normals[2][3];
   for (int side = 0; side < 2; side++) {
     double edge[2][3];
     for (int c = 0; c < 2; c++)
       for (int k = 0; k < 3; k++) {
-        const auto at = [&](int i) { return side ? double(t.vertices[i][k]) : double(grid.vertices.at(keyOf(t.primID, t.u[i], t.v[i]))[k]); };
+        const auto at = [&](int i) {
+          return side ? double(t.vertices[i][k]) : double(grid.vertices.at(keyOf(t.primID, t.u[i], t.v[i]))[k]);
+        };
         edge[c][k] = at(c+1) - at(0);
       }
-    for (int k = 0; k < 3; k++) normals[side][k] = edge[0][(k+1)%3]*edge[1][(k+2)%3] - edge[0][(k+2)%3]*edge[1][(k+1)%3];
+    for (int k = 0; k < 3; k++)
+      normals[side][k] = edge[0][(k+1)%3]*edge[1][(k+2)%3] - edge[0][(k+2)%3]*edge[1][(k+1)%3];
   }
   return normals[0][0]*normals[1][0] + normals[0][1]*normals[1][1] + normals[0][2]*normals[1][2];
 }
 
-TEST(VertSurfaces, QuadsThatALatticeTurnsOverAreCounted)
+TEST(VertSurfaces, FlippedQuadsAreCounted)
 {
   Device device;
   size_t flipped = 0;
@@ -315,13 +328,15 @@ TEST(VertSurfaces, QuadsThatALatticeTurnsOverAreCounted)
       grid.build(device, reference, cage.cage, settings);
       settings.displacement = &grid;
       settings.compression = RTC_COMPRESSION_VERT;
-      settings.maxError = 1.5f/rate; // wider than a quad
+      settings.maxError = 1.5f/rate; // larger than a quad
       const SurfaceScene scene(device, cage.cage, settings);
       const std::vector<VertTriangle> triangles = vertTriangles(scene);
-      size_t certain = 0, possible = 0; // the vertices of a face's border are GRID's but for some ulps
-      for (size_t i = 0; i < triangles.size(); i += 2) { // two a quad
-        const double likenesses[2] = {likeness(triangles[i], grid), likeness(triangles[i+1], grid)};
-        const auto isOf = [&](double bound) { return std::any_of(likenesses, likenesses+2, [&](double l) { return l != 0 && l < bound; }); };
+      size_t certain = 0, possible = 0; // the vertices of a face's border match GRID's except for some ulps
+      for (size_t i = 0; i < triangles.size(); i += 2) { // two per quad
+        const double likenesses[2] = {normalCosine(triangles[i], grid), normalCosine(triangles[i+1], grid)};
+        const auto isOf = [&](double bound) {
+          return std::any_of(likenesses, likenesses+2, [&](double l) { return l != 0 && l < bound; });
+        };
         certain += isOf(-1e-9);
         possible += isOf(1e-9);
       }
@@ -359,7 +374,8 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
     const cvert::DecodedBlock decoded(block);
     double nearest = INFINITY;
     for (uint32_t i = 0; i < (decoded.quadsX + 1)*(decoded.quadsY + 1); i++)
-      nearest = std::min(nearest, std::hypot(decoded.vertices[i][0] + 2, decoded.vertices[i][1], decoded.vertices[i][2] - 0.3));
+      nearest = std::min(nearest,
+                         std::hypot(decoded.vertices[i][0] + 2, decoded.vertices[i][1], decoded.vertices[i][2] - 0.3));
     const cvert::VertSpacing spacings = cvert::vertSpacing(block->word, block->corners);
     const float spacing = *std::min_element(spacings.at, spacings.at + 3);
     EXPECT_LE(spacing, 0.5*0.002*nearest);
@@ -371,8 +387,8 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
 
 // --- rays ----------------------------------------------------------------------------
 
-// The library's hit must be that of the decoded triangles, unless the ray is within rounding of
-// an edge, where it may be the other triangle's.
+// The library's hit must be on the decoded triangle, unless the ray is within rounding of an edge, where the other
+// triangle is also valid.
 void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
 {
   const std::vector<VertTriangle> triangles = vertTriangles(scene);
@@ -382,14 +398,17 @@ void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
     ExactHit nearest, candidate;
     bool nearEdge = false;
     for (const VertTriangle& t : triangles)
-      if (meet(ray.ray, t, candidate) && candidate.t >= ray.ray.tnear && candidate.t <= ray.ray.tfar && inside(candidate) >= -rounding) {
+      if (meet(ray.ray, t, candidate) && candidate.t >= ray.ray.tnear && candidate.t <= ray.ray.tfar &&
+          inside(candidate) >= -rounding) {
         if (candidate.t < nearest.t + 1e-5) nearEdge |= inside(candidate) < rounding;
         if (inside(candidate) >= 0 && candidate.t < nearest.t) nearest = candidate;
       }
     const RTCRayHit found = intersect(scene, ray);
     ASSERT_EQ(occluded(scene, ray), isHit(found));
     if (nearEdge) { nearEdges++; continue; }
-    ASSERT_EQ(isHit(found), nearest.triangle != nullptr) << "t " << nearest.t << " found " << found.ray.tfar << " prim " << found.hit.primID << " " << found.hit.u << " " << found.hit.v;
+    ASSERT_EQ(isHit(found), nearest.triangle != nullptr)
+      << "t " << nearest.t << " found " << found.ray.tfar << " prim " << found.hit.primID << " " << found.hit.u << " "
+      << found.hit.v;
     if (!isHit(found)) continue;
     hits++;
     const VertTriangle& t = *nearest.triangle;
@@ -399,7 +418,10 @@ void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
     for (int c = 0; c < 3; c++) { u += nearest.weight[c]*t.u[c]; v += nearest.weight[c]*t.v[c]; }
     ASSERT_NEAR(found.hit.u, u, 1e-4);
     ASSERT_NEAR(found.hit.v, v, 1e-4);
-    for (int k = 0; k < 3; k++) { e[0][k] = double(t.vertices[1][k]) - t.vertices[0][k]; e[1][k] = double(t.vertices[2][k]) - t.vertices[0][k]; }
+    for (int k = 0; k < 3; k++) {
+      e[0][k] = double(t.vertices[1][k]) - t.vertices[0][k];
+      e[1][k] = double(t.vertices[2][k]) - t.vertices[0][k];
+    }
     for (int k = 0; k < 3; k++) n[k] = e[0][(k+1)%3]*e[1][(k+2)%3] - e[0][(k+2)%3]*e[1][(k+1)%3];
     const double length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
     const float ng[3] = {found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z};
@@ -416,10 +438,10 @@ INSTANTIATE_TEST_SUITE_P(Isas, VertRays, testing::Values(TEST_ISAS), [](const au
   return name;
 });
 
-TEST_P(VertRays, HitTheDecodedTriangles)
+TEST_P(VertRays, HitsMatchDecodedTriangles)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Random random(83);
   for (const auto& cage : closedCages)
     for (float rate : {1.0f, 2.0f, 3.0f, 6.0f, 16.0f, 21.0f}) {
@@ -444,11 +466,12 @@ void foldAt4(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-// Triangles of two groups have a fold's edge; at the same distance that of the first group counts, whichever is met first.
-TEST_P(VertRays, OnAFoldTheFirstTriangleIsHit)
+// Triangles of two groups share the edge of a fold. At the same distance the triangle of the first group wins, in any
+// order of traversal.
+TEST_P(VertRays, FirstTriangleWinsOnAFold)
 {
   Device device(GetParam());
-  if (!device) GTEST_SKIP() << "this machine does not run " << GetParam();
+  if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
   Scene scene(device);
   RTCGeometry sheet = newSurface(device, quadCage(16), vert(16));
   rtcSetGeometryDisplacementFunction(sheet, foldAt4);
@@ -457,17 +480,19 @@ TEST_P(VertRays, OnAFoldTheFirstTriangleIsHit)
   rtcCommitScene(scene);
   ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
   for (float slope : {0.0f, 0.25f, -0.25f})
-    for (float y = 0.125f; y < 16; y += 0.125f) { // at vertices, too, around which a group has several triangles
+    for (float y = 0.125f; y < 16; y += 0.125f) { // also at vertices, where a group has several triangles
       RTCRayHit ray = makeRay({4 + 8*slope, y, 8}, {-slope, 0, -1});
       ray = intersect(scene, ray);
       ASSERT_TRUE(isHit(ray)) << y;
       EXPECT_EQ(ray.ray.tfar, 8) << y;
-      EXPECT_GT(ray.hit.Ng_x*ray.hit.Ng_z, 0) << "not the side of x < 4, at y " << y << ", slope " << slope;
+      EXPECT_GT(ray.hit.Ng_x*ray.hit.Ng_z, 0)
+        << "the hit is not on the side of x < 4, at y " << y << ", slope " << slope;
     }
 }
 
-// That rays hit what they hit in a scene that was never built before.
-void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings, const std::vector<RTCRayHit>& rays)
+// Expects the same hits as in a newly created scene.
+void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings,
+                             const std::vector<RTCRayHit>& rays)
 {
   std::vector<RTCRayHit> found;
   for (const RTCRayHit& ray : rays) found.push_back(intersect(scene, ray));
@@ -479,8 +504,8 @@ void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const Surface
   }
 }
 
-// A scene that is built again has other blocks where those were that its threads have decoded.
-TEST(VertCache, IsForgottenWhenASceneIsBuiltAgain)
+// Rebuilding a scene places other blocks at addresses whose blocks the threads have decoded.
+TEST(VertCache, IsInvalidatedWhenASceneIsRebuilt)
 {
   Device device;
   Displacement displacement;
@@ -503,7 +528,8 @@ TEST(VertCache, IsForgottenWhenASceneIsBuiltAgain)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Keeps what a thread sees of another scene while this one is built, and gives its memory to this one.
+// Traces another scene while this one is built, so that a thread caches its blocks, then releases it, so that this
+// scene reuses the memory.
 struct TraceBeforeFirstVertex : public Displacement
 {
   std::function<void()> work;
@@ -516,17 +542,17 @@ struct TraceBeforeFirstVertex : public Displacement
   }
 };
 
-// What a build places where others were may have been decoded after it began.
-TEST(VertCache, IsForgottenThatWasReleasedDuringABuild)
+// Blocks at the same addresses may have been decoded after the build began.
+TEST(VertCache, IsInvalidatedWhenMemoryIsReleasedDuringABuild)
 {
-  Device device("threads=1"); // the one that traces is the one that builds
+  Device device("threads=1"); // the same thread traces and builds
   Displacement other;
   TraceBeforeFirstVertex displacement;
   displacement.amplitude = 0.1f;
   SurfaceSettings settings = vert(32);
   Random random(85);
   const std::vector<RTCRayHit> rays = raysAt(random, 1000);
-  for (int build = 0; build < 12; build++) { // not each gets the very places
+  for (int build = 0; build < 12; build++) { // not every build reuses the same addresses
     settings.displacement = &other;
     std::optional<SurfaceScene> old(std::in_place, device, cubeCage(), settings);
     settings.displacement = &displacement;

@@ -62,9 +62,9 @@ const char* nameOf(Kind kind)
   return kind == Kind::Grids ? "grids" : kind == Kind::Quads ? "quads" : kind == Kind::Triangles ? "triangles" : "cage";
 }
 
-constexpr unsigned patchQuads = 16; // along a side of grids and faces of the cage, if the sheet has as many
+constexpr unsigned patchQuads = 16; // per side of grids and of faces of the cage, if the sheet is large enough
 
-// A sheet as a compressed geometry of a kind, with what is stored of it.
+// A sheet as a compressed geometry of a kind, and access to its stored vertices.
 class Stored
 {
 public:
@@ -169,7 +169,7 @@ private:
     return size_t(y)*sheet.width + x;
   }
 
-  // The sheet's own floats in place of the cage's surface: faces have the same for what they share.
+  // Replaces the surface of the cage by the sheet's floats, so that faces have identical shared vertices.
   static void displace(const RTCDisplacementFunctionNArguments* args)
   {
     const Stored& self = *(const Stored*)args->geometryUserPtr;
@@ -241,7 +241,7 @@ private:
   void set(size_t index, const float* p)
   {
     Vec& vertex = vertices.at(index);
-    EXPECT_TRUE(std::isnan(vertex[0]) || std::equal(p, p + 3, vertex.begin())) << "two places of vertex " << index;
+    EXPECT_TRUE(std::isnan(vertex[0]) || std::equal(p, p + 3, vertex.begin())) << "two positions of vertex " << index;
     std::copy_n(p, 3, vertex.begin());
   }
 
@@ -255,7 +255,7 @@ private:
   std::vector<Vec> vertices;
 };
 
-// --- what is promised -------------------------------------------------------------------------------
+// --- promised bounds -------------------------------------------------------------------------------
 
 // From a magnitude to the next float above it.
 long double floatStep(float magnitude)
@@ -263,18 +263,20 @@ long double floatStep(float magnitude)
   return (long double)std::nextafter(magnitude, INFINITY) - (long double)magnitude;
 }
 
-typedef std::function<bool(unsigned x, unsigned y)> Exempt; // vertices in blocks with an outlier
+typedef std::function<bool(unsigned x, unsigned y)> Exempt; // true for vertices in blocks with an outlier
 
-// Embree, compressed or not, leaves out what has a vertex beyond 1.844e18. A vertex that is a little nearer may be
-// rounded to one beyond.
-constexpr float mostOfEmbree = 1.8e18f;
+// Embree, with or without compression, leaves out primitives with a vertex beyond 1.844e18. Rounding may move a
+// vertex beyond that limit.
+constexpr float largestOfEmbree = 1.8e18f;
 
-// Whether each vertex is in a quad that Embree does not leave out.
+// Marks vertices that belong to a quad that Embree does not leave out.
 std::vector<bool> vertexIsUsed(const Sheet& sheet)
 {
   const unsigned w = sheet.width;
   const auto isValid = [&](size_t i) {
-    for (const auto& vertices : sheet.steps) for (float x : vertices[i]) if (std::fabs(x) > mostOfEmbree) return false;
+    for (const auto& vertices : sheet.steps)
+      for (float x : vertices[i])
+        if (std::fabs(x) > largestOfEmbree) return false;
     return true;
   };
   std::vector<bool> isUsed(sheet.steps[0].size());
@@ -286,9 +288,9 @@ std::vector<bool> vertexIsUsed(const Sheet& sheet)
   return isUsed;
 }
 
-enum class Expected { Bounds, Lattice }; // Lattice: and that it is compressed, and some vertex moves
+enum class Expected { Bounds, Lattice }; // Lattice: additionally, the geometry is compressed and some vertex moves
 
-// Measures all vertices at all steps. spacing: asked for, by maxError or by default.
+// Measures all vertices at all steps. spacing: requested by maxError, or the default.
 void expectBounds(const Sheet& sheet, Kind kind, float spacing, float maxError, Expected expected = Expected::Bounds,
     unsigned quadsOfPatch = patchQuads, const Exempt& isExempt = nullptr)
 {
@@ -362,7 +364,7 @@ TEST_P(VertexBounds, HoldForAllSpacings)
   }
 }
 
-// Without a spacing of the application's it is at most 1/36 of the quads' edges.
+// Without a spacing of the application the default is at most 1/36 of the quads' edges.
 TEST_P(VertexBounds, HoldForTheDefaultSpacing)
 {
   for (unsigned numSteps : {1u, 3u})
@@ -376,7 +378,8 @@ TEST_P(VertexBounds, HoldForTheDefaultSpacing)
           for (int k = 0; k < 3; k++) square += std::pow(double(b[k]) - double(a[k]), 2);
           longest = std::max(longest, std::sqrt(square));
         }
-      const double part = GetParam() == Kind::Cage ? 36 : GetParam() == Kind::Grids ? 512 : 2048; // vertices of an application are stored more exactly
+      // vertices of an application are stored more accurately
+      const double part = GetParam() == Kind::Cage ? 36 : GetParam() == Kind::Grids ? 512 : 2048;
       expectBounds(sheet, GetParam(), float(longest/part), -1, Expected::Lattice);
     }
 }
@@ -408,7 +411,7 @@ TEST_P(VertexBounds, HoldFarFromTheOrigin)
       }
 }
 
-// As on a national grid: easting and northing are far, heights are not.
+// As on a national grid: easting and northing are large, heights are not.
 TEST_P(VertexBounds, HoldOnANationalGrid)
 {
   for (const auto& corner : {std::array<double, 3>{528980, 183526, 40}, std::array<double, 3>{4.5e6, 5.4e6, 300}})
@@ -419,15 +422,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, VertexBounds, testing::ValuesIn(allKinds), nameO
 
 // --- outliers -------------------------------------------------------------------------------------------
 
-// A block has at most 16 x 16 quads: vertices that are further than 16 quads from the outlier, along either side, are
-// in none with it.
+// A block has at most 16 x 16 quads: vertices more than 16 quads away from the outlier, along either side, are in
+// other blocks.
 Exempt nearTo(unsigned x0, unsigned y0)
 {
   const auto areNear = [](unsigned a, unsigned b) { return std::max(a, b) - std::min(a, b) <= 16; };
   return [=](unsigned x, unsigned y) { return areNear(x, x0) && areNear(y, y0); };
 }
 
-// quadsOfPatch: 16 or all, so that the outlier is inside of a block, between blocks, on the border of a patch, and on
+// quadsOfPatch: 16 or all, so that the outlier is inside a block, between blocks, on the border of a patch, and on
 // its corner.
 void expectBoundsNextToOutlier(Kind kind, unsigned side, unsigned quadsOfPatch, unsigned numSteps)
 {

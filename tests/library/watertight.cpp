@@ -1,14 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays that start inside a closed surface hit it: closest and any hit, one by one and in coherent packets, for each
- * representation, whatever the levels, also far from the origin. Most aim where things
- * meet (leak_rays.h), at vertices that the displacement function hands out, so they are
- * on the surface to the last bit.
+/* Rays that start inside a closed surface hit it: closest hit and any hit, as single rays and in coherent packets, for
+ * each representation and any levels, also far from the origin. Most rays aim at common borders (leak_rays.h), at
+ * vertices that the displacement function returns, so they are exactly on the surface.
  *
- * Embree's triangle test lets some of those through, between triangles whose edges it
- * rounds apart: cGRID, which is that test, may miss as many of them as GRID does. No
- * other ray may be missed by any. cVERT moves vertices, but those that lie on its lattice already. (Stock GRID misses 1 to 5 in a hundred of these.) */
+ * Embree's triangle test misses some of those rays between triangles whose edges it rounds differently. cGRID uses this
+ * test, so it may miss as many rays as GRID does. Other representations must not miss any ray. cVERT moves vertices,
+ * except for those that are already on its lattice. (Stock GRID misses 1 to 5 percent of these rays.) */
 
 #include "basics/parallel.h"
 #include "measure/leak_rays.h"
@@ -23,10 +22,10 @@
 namespace cbvh::test {
 namespace {
 
-constexpr size_t raysOfCase = 60000; // more than 10^6 a representation, twice
+constexpr size_t raysOfCase = 60000; // more than 10^6 per representation, twice
 constexpr uint32_t seed = 51;
 
-// Edges of quads, as they are displaced.
+// Edges of quads after displacement.
 struct AimPointRecorder : public VertexRecorder
 {
   const Cage* cage = nullptr;
@@ -39,7 +38,7 @@ struct AimPointRecorder : public VertexRecorder
       if (args.v[i] == args.v[i + 1]) add(args, i);
   }
 
-  // An edge of a quad along u, in one of its directions by turns.
+  // Adds an edge of a quad along u, in alternating directions.
   void add(const RTCDisplacementFunctionNArguments& args, unsigned i)
   {
     const auto at = [&](unsigned k) { return Vec3f{args.P_x[k], args.P_y[k], args.P_z[k]}; };
@@ -51,10 +50,14 @@ struct AimPointRecorder : public VertexRecorder
     const auto local = [&](float u) { return std::lround((isQuad ? u : u - 0.5f - 2*std::floor(0.5f*u))*float(size)); };
     const long x = local(args.u[a]), y = local(args.v[a]);
     const bool onU = x % size == 0, onV = y % size == 0;
-    points[onU && onV ? AtCageVertex : onU || onV ? AtFaceBorder : x % block == 0 || y % block == 0 ? AtBlockBorder : AtVertex].push_back(point);
+    points[onU && onV ? AtCageVertex
+           : onU || onV ? AtFaceBorder
+           : x % block == 0 || y % block == 0 ? AtBlockBorder
+                                              : AtVertex]
+      .push_back(point);
   }
 
-  // In an order that no thread has a part in.
+  // Returns the points in an order that does not depend on threads.
   AimPoints taken()
   {
     const auto key = [](const AimPoint& p) {
@@ -74,8 +77,8 @@ struct Case
   int frameLevel;
   float scale;
   Vec offset;
-  bool mixed;  // the frame level differs from face to face, by an error bound
-  bool coarse; // a quad is a few ulps wide: faces round what they share apart, by a part of a quad
+  bool mixed;  // the frame level differs between faces, because of an error bound
+  bool coarse; // a quad is a few ulps wide: faces round shared vertices by a part of a quad
 };
 
 std::vector<Case> cases()
@@ -96,7 +99,8 @@ std::vector<Case> cases()
   list.push_back({"far", cubeCage(), 5, 2, 1, far, false, true});
   list.push_back({"far and wide", cubeCage(), 4, 1, 1000, far, false, false});
   list.push_back({"tiny", cubeCage(), 4, 1, 1e-6f, origin, false, false});
-  list.push_back({"mixed frame levels", trapezohedronCage(5), 5, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1, origin, true, false});
+  list.push_back(
+    {"mixed frame levels", trapezohedronCage(5), 5, RTC_COMPRESSION_FRAME_LEVEL_AUTO, 1, origin, true, false});
   return list;
 }
 
@@ -108,7 +112,7 @@ protected:
     EXPECT_GT(counts.aimed, raysOfCase/4);
     EXPECT_EQ(counts.sceneLeaks.any, counts.sceneLeaks.closest);
     const bool mayLeak = GetParam() == RTC_COMPRESSION_GRID;
-    // equal but for chance: a vertex that rounds another way moves a leak
+    // equal except for chance: a vertex that rounds differently moves a leak
     const auto allowed = [&](size_t ofGrid) { return mayLeak ? double(ofGrid) + 5*std::sqrt(double(ofGrid)) + 5 : 0; };
     EXPECT_LE(double(counts.sceneLeaks.closest), allowed(counts.gridLeaks.closest));
     EXPECT_LE(double(counts.sceneLeaks.through), allowed(counts.gridLeaks.through));
@@ -127,12 +131,13 @@ TEST_P(Watertight, RaysFromInsideHit)
   Device device;
   size_t rays = 0;
   for (const Case& c : cases()) {
-    SCOPED_TRACE(testing::Message() << c.name << ", level " << c.level << ", frame level " << c.frameLevel << ", seed " << seed);
+    SCOPED_TRACE(testing::Message() << c.name << ", level " << c.level << ", frame level " << c.frameLevel << ", seed "
+                                    << seed);
     AimPointRecorder recorder;
     recorder.scale = c.scale;
     recorder.offset = c.offset;
     recorder.cage = &c.cage;
-    // an eighth of a quad, a multiple of cVERT's spacing: it holds these very vertices, and rays aim at them
+    // an eighth of a quad, a multiple of cVERT's spacing: cVERT stores exactly these vertices, at which rays aim
     if (GetParam() == RTC_COMPRESSION_VERT) recorder.lattice = std::ldexp(1.0f, std::ilogb(c.scale) - 2 - int(c.level));
     recorder.level = c.level;
     recorder.frameLevel = unsigned(std::max(c.frameLevel, 0));
@@ -149,7 +154,7 @@ TEST_P(Watertight, RaysFromInsideHit)
     ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 
     if (c.coarse && GetParam() == RTC_COMPRESSION_VERT) {
-      // GRID is torn by most of a quad here, and cannot say what is inside
+      // gaps of GRID are nearly as large as a quad here, so it cannot decide which points are inside
       EXPECT_EQ(countOpenEdges(vertTriangles(scene)), 0u);
       continue;
     }
@@ -164,7 +169,7 @@ TEST_P(Watertight, RaysFromInsideHit)
     const EmbreeTracer single(scene);
     const PacketTracer packets(scene);
     for (const bool inPackets : {false, true}) {
-      SCOPED_TRACE(inPackets ? "in packets" : "ray by ray");
+      SCOPED_TRACE(inPackets ? "packets" : "single rays");
       const SceneTracer& tracer = inPackets ? (const SceneTracer&)packets : single;
       const LeakCounts counts = countLeaks(grid, tracer, points, leakSettings, threadCount(0));
       rays += counts.rays;

@@ -1,11 +1,11 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The functions that mutate.py breaks, how often, and the tests that have to notice.
+"""The functions that mutate.py breaks, the number of mutants, and the tests that must detect them.
 
-A function is named as scanner.Function.is_called says, wherever below kernels/cvert or kernels/cbvh it is defined. Tests
-are "unit" or "unit Suite.Name:Suite.Other", as test_unit --gtest_filter takes it, those that build fastest first.
-What nothing can notice is explained: a part of the mutant's name (mutate.py --list), and why.
+A function has the name that scanner.Function.is_called accepts, and may be anywhere in kernels/cvert or kernels/cbvh.
+Tests are "unit" or "unit Suite.Name:Suite.Other" as for test_unit --gtest_filter, those that build fastest first.
+Mutants that no test can detect are explained: a part of the mutant's name (mutate.py --list), and the reason.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 @dataclass(frozen=True)
 class Entry:
     name: str
-    most: int  # mutants, spread evenly over the function
+    most: int  # number of mutants, spread evenly over the function
     tests: tuple
     explained: dict = field(default_factory=dict)
 
@@ -37,12 +37,12 @@ FUNCTIONS = (
     # the codec of cVERT
     Entry("cellSlope", 1, BLOCK),
     Entry("cellField", 2, BLOCK),
-    Entry("cellWeight", 2, BLOCK, {"[> => >=] quads": "x is quads then"}),
+    Entry("cellWeight", 2, BLOCK, {"[> => >=] quads": "x equals quads then"}),
     Entry("cellResidual", 3, BLOCK),
     Entry("slopeResidual", 2, BLOCK),
     Entry("cellPrediction", 3, BLOCK),
     Entry("cellBytes", 1, BLOCK),
-    Entry("quadsOfGroup", 2, BLOCK, {"[< => <=] groupQuads": "both are the same then"}),
+    Entry("quadsOfGroup", 2, BLOCK, {"[< => <=] groupQuads": "both are equal then"}),
     Entry("stitchedVertex", 2, BLOCK),
     Entry("vertLayout", 3, BLOCK),
     # its decoder for C++ and shaders
@@ -57,7 +57,7 @@ FUNCTIONS = (
     Entry("CellEncoder::encode", 3, BLOCK),
     Entry("CellEncoder::write", 2, BLOCK),
     Entry("CellEncoder::bitsOf", 2, BLOCK),
-    Entry("CellEncoder::removeSlope", 3, BLOCK, {"[< => <=] - maxSlope": "both are the same then"}),
+    Entry("CellEncoder::removeSlope", 3, BLOCK, {"[< => <=] - maxSlope": "both are equal then"}),
     Entry("BlockVertices::bound", 3, BLOCK),
     Entry("BlockVertices::measure", 2, BLOCK),
     Entry("BlockVertices::place", 2, BLOCK),
@@ -66,7 +66,8 @@ FUNCTIONS = (
     Entry("BlockVertices::setRemainders", 3, BLOCK),
     Entry("BlockVertices::placeWithRemainders", 2, BLOCK),
     Entry("VertEncoder::pack", 5, BLOCK),
-    Entry("BoxEncoder::chooseShear", 2, BLOCK, {"[0 => 1] ) ) return straight": "boxes hold their groups along any slope"}),
+    Entry("BoxEncoder::chooseShear", 2, BLOCK,
+          {"[0 => 1] ) ) return straight": "boxes contain their groups along any slope"}),
     Entry("BoxEncoder::reach", 4, BLOCK),
     Entry("BoxEncoder::writeMargins", 2, BLOCK),
     Entry("VertEncoder::packRaw", 2, BLOCK),
@@ -86,7 +87,7 @@ FUNCTIONS = (
     Entry("SegmentReach", 3, ("moving_hard_cases", "moving_surfaces")),
     Entry("MotionTree", 8, ("moving_surfaces *Range*:*Time*:*Hits*", "moving_hard_cases")),
     # clusters for GPUs
-    Entry("LatticePoints::locate", 3, CLUSTERS, {"shift >= [0 => 1]": "a shift by 0 is the same either way"}),
+    Entry("LatticePoints::locate", 3, CLUSTERS, {"shift >= [0 => 1]": "a shift by 0 has no effect"}),
     Entry("LatticePoints::place", 2, CLUSTERS),
     Entry("putCompressed1", 3, CLUSTERS),
     Entry("QuadTriangles::QuadTriangles", 3, CLUSTERS),
@@ -94,19 +95,20 @@ FUNCTIONS = (
     Entry("Block::controlOf", 3, CLUSTERS),
     Entry("hasRoom", 3, CLUSTERS, {
         "vertices [<= => <] maxVertices": "grids of 64 vertices have more than 64 triangles, or are longer than a part",
-        "triangles [- => +] 1": "no strip of a whole grid takes 1021 to 1024 bits, and 4 bits more are no loss to others",
+        "triangles [- => +] 1": "no strip of a whole grid has 1021 to 1024 bits, and 4 more bits do not affect others",
     }),
     Entry("Tiling::forEachPiece", 2, CLUSTERS),
     # its decoder and triangles
-    Entry("CellFields", 3, DECODING, {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
+    Entry("CellFields", 3, DECODING,
+          {"[1u => 2u] << ( words - 16": "a word more is loaded, in which no field has bits"}),
     Entry("CellDecoder", 4, DECODING),
     Entry("VertDecoder", 7, DECODING),
     Entry("MeshDecoder", 7, MESH_DECODING),
     Entry("trianglesAround", 2, MESH_DECODING, {"y [ [3 => 4] ]": "an element more, which nothing reads"}),
     Entry("setWindows", 2, DECODING),
     Entry("::isInside", 2, TRIANGLES, {
-        "isInside, word": "what is found beside the ray is left out by its own sides",
-        "<= Real ( [0.0f => 1.0f]": "what is found beside the ray is left out by its own sides",
+        "isInside, word": "triangles that miss the ray are rejected by their own sides",
+        "<= Real ( [0.0f => 1.0f]": "triangles that miss the ray are rejected by their own sides",
     }),
     Entry("triangleSides", 2, TRIANGLES + HITS),
     Entry("exactProduct", 4, RULE),
@@ -122,7 +124,8 @@ FUNCTIONS = (
     Entry("lowerPlane", 2, ("node_codec",)),
     Entry("decodeChild", 2, ("node_codec",)),
     Entry("encodeLowerPair", 2, ("node_codec",)),
-    Entry("latticeHeight", 2, ("leaf_codec", "format_tables"), {"[- => +] 32": "a processor shifts 32 bits by the same modulo 32"}),
+    Entry("latticeHeight", 2, ("leaf_codec", "format_tables"),
+          {"[- => +] 32": "a processor shifts 32 bits by the same modulo 32"}),
     Entry("decodeLatticeLeaf", 2, ("leaf_codec",)),
     Entry("crossLeaf", 3, ("hit_rule",)),
     Entry("passBox", 2, ("hit_rule",)),
@@ -130,7 +133,7 @@ FUNCTIONS = (
     Entry("crossPatch", 2, ("crossing",)),
     Entry("GroupDecoder4", 2, ("simd_decoding_avx512", "simd_decoding_sse2")),
     # borders and lattices
-    Entry("claimOf", 2, BORDERS, {"[32 => 33]": "rates are far below 2^30, so the order of claims is the same"}),
+    Entry("claimOf", 2, BORDERS, {"[32 => 33]": "rates are far below 2^30, so the order of claims does not change"}),
     Entry("CageTopology::findOwners", 3, BORDERS),
     Entry("CageTopology::joinEdges", 2, BORDERS),
     Entry("CageTopology::joinNonManifold", 1, BORDERS),
@@ -149,11 +152,11 @@ FUNCTIONS = (
     Entry("LooseTriangles::find", 2, ("loose_meshes",)),
     Entry("MeshEncoder::encodeCluster", 2, ("loose_meshes", "random_meshes")),
     Entry("shareBorder", 3, BORDERS, {
-        "at < part . x0 [|| => &&]": "parts that are written are whole rows",
-        "[- => +] part . x0": "parts that are written are whole rows",
+        "at < part . x0 [|| => &&]": "written parts are whole rows",
+        "[- => +] part . x0": "written parts are whole rows",
     }),
     Entry("spreadBorder", 2, ("mixed_rates BordersOfMixedRates.*:*GRID",)),
-    Entry("::latticeExponent", 2, BLOCK, {"[> => >=] 0 ?": "the exponent of 0 is below all"}),
+    Entry("::latticeExponent", 2, BLOCK, {"[> => >=] 0 ?": "the exponent of 0 is less than all others"}),
     # what a ray hits in cVERT
     Entry("meetPlane", 1, RAYS),
     Entry("normalOf", 1, RAYS),
@@ -165,8 +168,8 @@ FUNCTIONS = (
     Entry("parametersAtLowerEdge", 2, RULE),
     Entry("meetsBounds", 2, RAYS),
     Entry("meetGroupBoxes", 2, RAYS, {
-        "open = [0 => 1]": "the triangles of a group that is not met are not hit",
-        "[without] tNear": "boxes are met then that lie before the ray or behind it, and their triangles are not hit",
+        "open = [0 => 1]": "triangles of a missed group are not hit",
+        "[without] tNear": "boxes before or after the ray are entered, but their triangles are not hit",
     }),
     Entry("CachedVertBlock::vertices", 2, RAYS),
     Entry("ThreadCache", 2, ("vert_surfaces VertCache.*", "threads")),

@@ -2,21 +2,24 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Breaks the functions of a list on purpose, a token at a time, and runs the tests that should notice.
+"""Breaks the functions of a list on purpose, one token at a time, and runs the tests that must detect it.
 
-    tests/mutations/mutate.py                              all that the list asks for
-    tests/mutations/mutate.py --minutes 20                 those that are reached by then
+    tests/mutations/mutate.py                              runs the entire list
+    tests/mutations/mutate.py --minutes 20                 starts no further mutants after 20 minutes
     tests/mutations/mutate.py --only cellWeight CageTopology::
-    tests/mutations/mutate.py --list                       says what there is
-    tests/mutations/mutate.py --check build/dev            finds the functions and tests of the list, breaks nothing
+    tests/mutations/mutate.py --list                       lists the mutants
+    tests/mutations/mutate.py --check build/dev            checks that the functions and tests of the list exist
 
-The list (functions.py) names functions and tests; scanner.py says what can be broken in one. Nothing is changed
-here: the tree is copied to BUILD/source and configured there as `dev`. There each function gets the bodies of all its
-mutants, of which the environment chooses one, so that all are built at once. Without any all tests have to pass.
+The list (functions.py) names functions and tests; scanner.py finds the mutants of a function. The checkout does not
+change: the tree is copied to BUILD/source and configured there as `dev`. In the copy, each function contains the
+bodies
+of all its mutants, and an environment variable selects one of them, so that all are built at once. Without a mutant
+all
+tests must pass.
 
-A mutant is caught if one of its tests fails, and lives if none does; the list explains those that nothing can notice.
-One that does not compile says nothing and counts as neither. The exit status is 0 if all were run and those that live
-are explained, 1 if one survived, 3 if the time did not suffice for all.
+A mutant is caught if one of its tests fails, and lives otherwise; the list explains mutants that no test can detect.
+Mutants that do not compile count as neither. The exit status is 0 if all mutants were run and those that live are
+explained, 1 if one survived, and 3 if time ran out.
 """
 
 import argparse
@@ -39,43 +42,53 @@ sys.path.insert(0, str(HERE))
 import scanner  # noqa: E402
 from functions import FUNCTIONS  # noqa: E402
 
-# a mutated test that runs this much longer than the sound one hangs
+# a test of a mutant that runs this much longer than without the mutant hangs
 PATIENCE = 5
 SHORTEST_LIMIT = 20
 SOUND_LIMIT = 600
-SKIPPED = 77  # the exit status of a program for another ISA
+SKIPPED = 77  # the exit status of a program for a different ISA
 
 
 class Failure(Exception):
-    """Its text is one line for the user."""
+    """An error with a message of one line for the user."""
 
 
 def read_arguments():
     parser = argparse.ArgumentParser(
-        description=__doc__.split("\n")[0], formatter_class=argparse.RawDescriptionHelpFormatter, epilog=__doc__.split("\n", 2)[2]
+        description=__doc__.split("\n")[0],
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog=__doc__.split("\n", 2)[2],
     )
-    parser.add_argument("--build", metavar="DIR", default=str(ROOT / "build/mutations"), help="folder of the copy and of its build")
+    parser.add_argument(
+        "--build", metavar="DIR", default=str(ROOT / "build/mutations"), help="folder of the copy and of its build"
+    )
     parser.add_argument("--list", action="store_true", help="list the mutants, and end")
-    parser.add_argument("--check", metavar="DIR", help="check the list against the code and the tests built in DIR, and end")
+    parser.add_argument(
+        "--check", metavar="DIR", help="check the list against the code and the tests built in DIR, and end"
+    )
     parser.add_argument("--only", nargs="+", metavar="NAME", default=[], help="mutants whose name has NAME in it")
-    parser.add_argument("--minutes", type=float, metavar="N", default=float("inf"), help="begin no mutant after this time")
-    parser.add_argument("--jobs", type=int, metavar="N", default=os.cpu_count(), help="processes at a time (default: one a core)")
+    parser.add_argument(
+        "--minutes", type=float, metavar="N", default=float("inf"), help="start no mutant after this time"
+    )
+    parser.add_argument(
+        "--jobs", type=int, metavar="N", default=os.cpu_count(), help="number of processes (default: number of cores)"
+    )
     parser.add_argument("--json", metavar="FILE", help="write the results")
     return parser.parse_args()
 
 
-# --- the list against the code ------------------------------------------------------------
+# --- the list and the code ----------------------------------------------------------------
 
 
 def read_kernels():
-    """Functions and text of every file: [(file, text, [Function])]."""
+    """Returns functions and text of every file: [(file, text, [Function])]."""
     files = sorted(p for kernels in KERNELS for p in (ROOT / kernels).rglob("*") if p.suffix in (".h", ".cpp"))
     texts = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in files]
     return [(file, text, scanner.functions_of(text)) for file, text in texts]
 
 
 def find(name, kernels):
-    """The one file that defines what is called so, its text and its definitions."""
+    """Returns the only file that defines a function, its text and the definitions."""
     found = [(file, text, [f for f in functions if f.is_called(name)]) for file, text, functions in kernels]
     found = [entry for entry in found if entry[2]]
     if len(found) != 1:
@@ -84,26 +97,26 @@ def find(name, kernels):
 
 
 def spread(items, most):
-    """At most so many, evenly."""
+    """Returns at most this many items, evenly spaced."""
     return items if len(items) <= most else [items[int((i + 0.5) * len(items) / most)] for i in range(most)]
 
 
 @dataclass
 class Try:
-    """A mutant, and what became of it."""
+    """A mutant and its result."""
 
     number: int
     file: str
     function: scanner.Function
     mutant: scanner.Mutant
     tests: tuple
-    why: str  # it lives, or None
+    why: str  # reason why it lives, or None
     verdict: str = "not run"
-    results: dict = field(default_factory=dict)  # how each test ended
+    results: dict = field(default_factory=dict)  # result of each test
 
 
 def tries_of(kernels, options):
-    """Of all the list."""
+    """Returns the mutants of the entire list."""
     tries = []
     for entry in FUNCTIONS:
         file, text, definitions = find(entry.name, kernels)
@@ -115,7 +128,7 @@ def tries_of(kernels, options):
 
 
 def split(test):
-    """Unit and GoogleTest filter of 'unit Suite.Name:Suite.Other'."""
+    """Splits 'unit Suite.Name:Suite.Other' into the unit and the GoogleTest filter."""
     unit, _, patterns = test.partition(" ")
     return unit, patterns or "*"
 
@@ -125,7 +138,7 @@ def program_of(directory, unit):
 
 
 def check(directory):
-    """The list against the code and against the programs in a build directory."""
+    """Checks the list against the code and against the programs in a build directory."""
     faults, kernels = [], read_kernels()
     for entry in FUNCTIONS:
         try:
@@ -138,7 +151,9 @@ def check(directory):
         if not program:
             faults.append(f"{unit}: no such program in {directory}")
             continue
-        answer = subprocess.run([program, "--gtest_list_tests", f"--gtest_filter={patterns}"], capture_output=True, text=True)
+        answer = subprocess.run(
+            [program, "--gtest_list_tests", f"--gtest_filter={patterns}"], capture_output=True, text=True
+        )
         if answer.returncode != SKIPPED and not any(line.startswith("  ") for line in answer.stdout.splitlines()):
             faults.append(f"{unit}: no test is called {patterns}")
     print("\n".join((*faults, f"{len(FUNCTIONS)} functions, {len(faults)} faults of the list")))
@@ -149,18 +164,18 @@ def check(directory):
 
 
 class Copy:
-    """A tree beside the checkout, which may be broken, and its build."""
+    """A copy of the tree next to the checkout that can be modified, and its build."""
 
     def __init__(self, directory, jobs):
         self.source = Path(directory).resolve() / "source"
         self.binary = self.source / "build/dev"
         self.log = Path(directory).resolve() / "build.log"
         self.jobs = jobs
-        # for ccache a file is its text, wherever it is
+        # lets ccache ignore the path of files
         self.environment = dict(os.environ, CCACHE_NOHASHDIR="1")
 
     def update(self, mutated):
-        """Copies what differs, but for files that build_all writes, so that little is built anew."""
+        """Copies modified files, except for files that build_all writes, so that little is rebuilt."""
         mine = {path.relative_to(ROOT) for path in tree(ROOT)}
         for path in tree(self.source):
             if path.relative_to(self.source) not in mine:
@@ -172,7 +187,13 @@ class Copy:
                 shutil.copy(ROOT / name, target)
 
     def configure(self):
-        command = ["cmake", "--preset", "dev", f"-DEMBREE_UPSTREAM_CACHE={ROOT / '.upstream'}", "-DCBVH_EMBREE_TUTORIALS=OFF"]
+        command = [
+            "cmake",
+            "--preset",
+            "dev",
+            f"-DEMBREE_UPSTREAM_CACHE={ROOT / '.upstream'}",
+            "-DCBVH_EMBREE_TUTORIALS=OFF",
+        ]
         command += ["-DEMBREE_GEOMETRY_CURVE=OFF", "-DEMBREE_GEOMETRY_POINT=OFF"]
         if "EMBREE_UPSTREAM_ARCHIVE" in os.environ:
             command.append(f"-DEMBREE_UPSTREAM_ARCHIVE={os.environ['EMBREE_UPSTREAM_ARCHIVE']}")
@@ -180,22 +201,34 @@ class Copy:
             raise Failure(f"the copy cannot be configured, see {self.log}")
 
     def build(self, units):
-        """The log of what fails, or nothing."""
-        return self.call(["cmake", "--build", self.binary, "-j", str(self.jobs), "--target", *(f"test_{unit}" for unit in units), "--", "-k", "0"])
+        """Returns the log if the build fails, otherwise ""."""
+        targets = [f"test_{unit}" for unit in units]
+        return self.call(
+            ["cmake", "--build", self.binary, "-j", str(self.jobs), "--target", *targets, "--", "-k", "0"]
+        )
 
     def call(self, command):
         with open(self.log, "w", encoding="utf-8") as log:
-            code = subprocess.run(command, cwd=self.source, env=self.environment, stdout=log, stderr=subprocess.STDOUT).returncode
+            code = subprocess.run(
+                command, cwd=self.source, env=self.environment, stdout=log, stderr=subprocess.STDOUT
+            ).returncode
         return self.log.read_text(encoding="utf-8") if code else ""
 
     def run(self, test, limit, mutant=0):
-        """How a test ends with a mutant, 'passes' or how it fails; and after how many seconds."""
+        """Returns the result of a test with a mutant, 'passes' or how it fails, and its duration in seconds."""
         unit, patterns = split(test)
         command = [program_of(self.binary, unit), f"--gtest_filter={patterns}", "--gtest_fail_fast", "--gtest_brief=1"]
         environment = dict(os.environ, CBVH_MUTANT=str(mutant))
         start = time.monotonic()
         try:
-            code = subprocess.run(command, cwd=self.binary, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=limit).returncode
+            code = subprocess.run(
+                command,
+                cwd=self.binary,
+                env=environment,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=limit,
+            ).returncode
             ended = "passes" if code in (0, SKIPPED) else "fails" if code > 0 else f"signal {-code}"
         except subprocess.TimeoutExpired:
             ended = "hangs"
@@ -203,7 +236,7 @@ class Copy:
 
 
 def tree(root):
-    """All files of a tree but of what is built."""
+    """Returns all files of a tree except for build products."""
     for directory, folders, files in os.walk(root):
         unwanted = ("build", "output", ".git", ".upstream") if Path(directory) == Path(root) else ("__pycache__",)
         folders[:] = [f for f in folders if f not in unwanted]
@@ -214,7 +247,7 @@ def tree(root):
 
 
 def build_all(copy, tries, kernels):
-    """Builds the tests' programs with all mutants but those that do not compile."""
+    """Builds the test programs with all mutants that compile."""
     units = list(dict.fromkeys(split(test)[0] for t in tries for test in t.tests))
     left = tries
     while True:
@@ -232,7 +265,7 @@ def build_all(copy, tries, kernels):
         log = copy.build(units)
         if not log:
             return left
-        # lines are of the file itself or of the link to it in the build
+        # paths refer to the file itself or to a link in the build
         named = re.findall(r"(kernels/c(?:vert|bvh)/[\w/.]+):(\d+):\d+: (?:fatal )?error:", log)
         bad = {numbers[os.path.normpath(file)].get(int(line)) for file, line in named} - {None}
         if not bad:
@@ -244,7 +277,7 @@ def build_all(copy, tries, kernels):
 
 
 def try_mutant(copy, t, seconds_of, end):
-    """Runs its tests until one fails."""
+    """Runs the tests of a mutant until one fails."""
     if t.verdict == "does not compile" or time.monotonic() > end:
         return t
     t.verdict = "lives" if t.why else "SURVIVED"
@@ -258,7 +291,10 @@ def try_mutant(copy, t, seconds_of, end):
 
 def show(t):
     seen = t.why or "; ".join(f"{test} {ended}" for test, ended in t.results.items())
-    print("| " + " | ".join(cell.replace("|", "\\|") for cell in (t.file, t.mutant.name, seen, t.verdict)) + " |", flush=True)
+    print(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in (t.file, t.mutant.name, seen, t.verdict)) + " |",
+        flush=True,
+    )
 
 
 def run(options):
@@ -279,14 +315,27 @@ def run(options):
         ended, seconds_of[test] = copy.run(test, SOUND_LIMIT)
         if ended != "passes":
             raise Failure(f"without any mutant {test} {ended}")
-    print(f"{len(tries)} mutants, {len(seconds_of)} tests\n\n| file | mutant | tests | verdict |\n|---|---|---|---|", flush=True)
+    print(
+        f"{len(tries)} mutants, {len(seconds_of)} tests\n\n| file | mutant | tests | verdict |\n|---|---|---|---|",
+        flush=True,
+    )
     with ThreadPoolExecutor(options.jobs) as pool:
         for t in pool.map(lambda t: try_mutant(copy, t, seconds_of, start + 60 * options.minutes), tries):
             show(t)
     if options.json:
-        Path(options.json).write_text(json.dumps([{"file": t.file, "mutant": t.mutant.name, "verdict": t.verdict, "tests": t.results} for t in tries], indent=1), encoding="utf-8")
+        Path(options.json).write_text(
+            json.dumps(
+                [{"file": t.file, "mutant": t.mutant.name, "verdict": t.verdict, "tests": t.results} for t in tries],
+                indent=1,
+            ),
+            encoding="utf-8",
+        )
     verdicts = [t.verdict for t in tries]
-    print("\n" + ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts)) + f"; {(time.monotonic() - start) / 60:.0f} minutes")
+    print(
+        "\n"
+        + ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+        + f"; {(time.monotonic() - start) / 60:.0f} minutes"
+    )
     return 1 if "SURVIVED" in verdicts else 3 if "not run" in verdicts else 0
 
 

@@ -1,10 +1,11 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Functions of C++ headers by name, and what can be broken in them.
+"""Finds functions of C++ headers by name, and their mutants.
 
-A scanner of tokens and braces, not a parser: it knows comments, strings, preprocessor lines, templates and
-the scopes of classes and namespaces, which is what the kernels are written in.
+A scanner of tokens and braces, not a parser: it handles comments, strings, preprocessor lines, templates and the
+scopes
+of classes and namespaces, as far as the kernels use them.
 """
 
 import re
@@ -18,9 +19,11 @@ TOKEN = re.compile(
       | (?P<op><<=|>>=|\.\.\.|::|->|\+\+|--|<<|>=|<=|==|!=|&&|\|\||[-+*/%&|^]=|.)""",
     re.VERBOSE | re.DOTALL,
 )
-# words before a parenthesis that do not name a function, as macros do not
+# words before a parenthesis that do not name a function, for example macros
 MACRO = re.compile(r"[A-Z][A-Z0-9_]+$")
-NO_NAMES = {"alignas", "decltype", "noexcept", "sizeof", "__attribute__", "if", "for", "while", "switch", "catch", "return", "float", "void"}
+NO_NAMES = set(
+    "alignas decltype noexcept sizeof __attribute__ if for while switch catch return float void".split()
+)
 
 
 @dataclass(frozen=True)
@@ -33,14 +36,15 @@ class Token:
 
 @dataclass(frozen=True)
 class Function:
-    """A definition: its scopes and name, and the tokens of its body with its braces."""
+    """A definition: its scopes and name, and the tokens of its body including its braces."""
 
     scopes: tuple
     name: str
     tokens: tuple
 
     def is_called(self, name):
-        """By 'function', 'Class::function', '::function' of no class, or by 'Class' for all of its functions."""
+        """True for 'function', 'Class::function', '::function' outside of classes, or 'Class' for all of its
+        functions."""
         wanted = tuple(name.split("::"))
         if name.startswith("::"):
             return ("", self.name) == wanted and not self.scopes
@@ -59,7 +63,7 @@ def tokens_of(text):
 
 
 def closing(tokens, i):
-    """Index of the bracket that closes the one at i."""
+    """Returns the index of the bracket that closes the one at i."""
     pairs = {"(": ")", "{": "}", "[": "]"}
     depth = 0
     for j in range(i, len(tokens)):
@@ -71,14 +75,14 @@ def closing(tokens, i):
 
 
 def functions_of(text):
-    """All functions that a file defines, those of classes too, in order."""
+    """Returns all functions that a file defines, including members of classes, in order."""
     tokens, functions = tokens_of(text), []
     scan(tokens, 0, len(tokens), (), functions)
     return functions
 
 
 def scan(tokens, i, end, scopes, out):
-    """Declarations from i to end: each ends with a semicolon or with braces."""
+    """Returns the declarations from i to end: each ends with a semicolon or with braces."""
     while i < end:
         name, start = None, i
         while i < end and tokens[i].text not in (";", "{", "}"):
@@ -86,7 +90,14 @@ def scan(tokens, i, end, scopes, out):
             if t == "template" and tokens[i + 1].text == "<":
                 i = behind_template(tokens, i + 1)
                 continue
-            if t == "(" and name is None and i > start and tokens[i - 1].kind == "word" and tokens[i - 1].text not in NO_NAMES and not MACRO.match(tokens[i - 1].text):
+            if (
+                t == "("
+                and name is None
+                and i > start
+                and tokens[i - 1].kind == "word"
+                and tokens[i - 1].text not in NO_NAMES
+                and not MACRO.match(tokens[i - 1].text)
+            ):
                 name = i - 1
             if t in ("(", "["):
                 i = closing(tokens, i)
@@ -110,7 +121,7 @@ def scan(tokens, i, end, scopes, out):
 
 
 def behind_template(tokens, i):
-    """Index behind the angle brackets that begin at i."""
+    """Returns the index after the angle brackets that begin at i."""
     depth = 0
     while i < len(tokens):
         depth += {"<": 1, "<<": 2, ">": -1, ">>": -2}.get(tokens[i].text, 0)
@@ -128,11 +139,20 @@ SWAPS = {
     "quotient": {"/": "*", "%": "/"},
     "logic": {"&&": "||", "||": "&&"},
     "bits": {"&": "|", "|": "&", "|=": "&=", "&=": "|="},
-    "word": {"true": "false", "false": "true", "min": "max", "max": "min", "floor": "ceil", "ceil": "floor", "any": "all", "all": "any"},
+    "word": {
+        "true": "false",
+        "false": "true",
+        "min": "max",
+        "max": "min",
+        "floor": "ceil",
+        "ceil": "floor",
+        "any": "all",
+        "all": "any",
+    },
 }
 SWAP_OF = {old: (operator, new) for operator, swaps in SWAPS.items() for old, new in swaps.items()}
 UNARY = ("!", "~", "-")
-# what they enclose says nothing to a test
+# expressions inside of these are not tested
 IGNORED = {"assert", "static_assert", "static_cast", "alignas", "sizeof", "decltype"}
 
 
@@ -140,10 +160,10 @@ IGNORED = {"assert", "static_assert", "static_cast", "alignas", "sizeof", "declt
 class Mutant:
     function: str
     operator: str
-    begin: int  # of what is replaced in the file's text
+    begin: int  # position of the replaced text in the file
     end: int
     new: str
-    context: str  # the statement's tokens around it, the change in brackets
+    context: str  # tokens of the statement around it, with the change in brackets
 
     @property
     def name(self):
@@ -151,7 +171,7 @@ class Mutant:
 
 
 def mutants_of(function, text):
-    """All of a function, in order of their place."""
+    """Returns all mutants of a function, ordered by position."""
     tokens = function.tokens
     full = "::".join((*function.scopes, function.name))
     skipped, in_for, in_angles = regions(tokens)
@@ -166,11 +186,15 @@ def mutants_of(function, text):
         if i in skipped:
             continue
         t = token.text
-        binary = i > 0 and (tokens[i - 1].kind in ("word", "number") and tokens[i - 1].text != "return" or tokens[i - 1].text in (")", "]"))
+        binary = i > 0 and (
+            tokens[i - 1].kind in ("word", "number")
+            and tokens[i - 1].text != "return"
+            or tokens[i - 1].text in (")", "]")
+        )
         if i in in_angles:
             pass
         elif t == ">" and i + 1 < len(tokens) and tokens[i + 1].text == ">" and tokens[i + 1].begin == token.end:
-            add("shift", i, i + 1, "<<")  # two tokens, as templates end so too
+            add("shift", i, i + 1, "<<")  # two tokens, because templates may also end this way
             skipped.add(i + 1)
         elif t in ("<", "<=", "!=") and i in in_for:
             add("last round", i, i, f"+1{t}")
@@ -181,19 +205,31 @@ def mutants_of(function, text):
         elif token.kind == "word" and t in SWAP_OF and (t in ("true", "false") or tokens[i + 1].text == "("):
             add("word", i, i, SWAP_OF[t][1])
         elif token.kind == "number" and i not in in_for:
-            is_size = tokens[i - 1].text == "[" and tokens[i - 2].kind == tokens[i - 3].kind == "word"  # of a declared array
+            # of a declared array
+            is_size = tokens[i - 1].text == "[" and tokens[i - 2].kind == tokens[i - 3].kind == "word"
             if not is_size:
                 add("number", i, i, other_number(t))
         if t == "if" and tokens[i + 1].text == "(":
             j = closing(tokens, i + 1)
             inner = text[tokens[i + 1].begin : tokens[j].end]
-            out.append(Mutant(full, "condition", tokens[i + 1].begin, tokens[j].end, f"(!{inner})", f"[not] if {shown(tokens[i + 1 : j + 1])}"))
+            out.append(
+                Mutant(
+                    full,
+                    "condition",
+                    tokens[i + 1].begin,
+                    tokens[j].end,
+                    f"(!{inner})",
+                    f"[not] if {shown(tokens[i + 1 : j + 1])}",
+                )
+            )
         if i not in in_for and is_statement(tokens, i):
             j = i
             while tokens[j].text not in (";", "}"):
                 j = closing(tokens, j) + 1 if tokens[j].text in ("(", "[", "{") else j + 1
             if tokens[j].text == ";":
-                out.append(Mutant(full, "statement", token.begin, tokens[j].end, ";", f"[without] {shown(tokens[i : j + 1])}"))
+                out.append(
+                    Mutant(full, "statement", token.begin, tokens[j].end, ";", f"[without] {shown(tokens[i : j + 1])}")
+                )
     return out
 
 
@@ -202,7 +238,8 @@ def shown(tokens):
 
 
 def regions(tokens):
-    """Indices of tokens that are left alone; in the head of a loop; in the angle brackets of a template."""
+    """Returns the indices of tokens that are not mutated, of those in the head of a loop, and of those in the angle
+    brackets of a template."""
     skipped, in_for, in_angles = set(), set(), set()
     for i, token in enumerate(tokens):
         if token.text in IGNORED and i + 1 < len(tokens) and tokens[i + 1].text == "(":
@@ -211,16 +248,28 @@ def regions(tokens):
             in_for.update(range(i, closing(tokens, i + 1) + 1))
         if token.text == "<" and i > 0 and tokens[i - 1].kind == "word":
             j, depth = i + 1, 1
-            while j < len(tokens) and depth > 0 and (tokens[j].kind in ("word", "number") or tokens[j].text in ("<", ">", ">>", "::", ",", "*", "&", "[", "]", "const")):
+            while (
+                j < len(tokens)
+                and depth > 0
+                and (
+                    tokens[j].kind in ("word", "number")
+                    or tokens[j].text in ("<", ">", ">>", "::", ",", "*", "&", "[", "]", "const")
+                )
+            ):
                 depth += {"<": 1, ">": -1}.get(tokens[j].text, 0)
                 j += 1
-            if depth == 0 and j < len(tokens) and (tokens[j].kind == "word" or tokens[j].text in ("(", "::", "{", "&", "*", ">", ",", ")")) and tokens[i - 1].end == tokens[i].begin:
+            if (
+                depth == 0
+                and j < len(tokens)
+                and (tokens[j].kind == "word" or tokens[j].text in ("(", "::", "{", "&", "*", ">", ",", ")"))
+                and tokens[i - 1].end == tokens[i].begin
+            ):
                 in_angles.update(range(i, j))
     return skipped, in_for, in_angles
 
 
 def is_operator(tokens, i, text):
-    """Not the sign of a reference, of a capture, or of a declared pointer."""
+    """True if the token is not the sign of a reference, a capture or a declared pointer."""
     t = tokens[i]
     if t.text in ("&", "*"):
         return text[t.begin - 1].isspace() and text[t.end].isspace()
@@ -228,7 +277,7 @@ def is_operator(tokens, i, text):
 
 
 def other_number(t):
-    """One more, of an integer; twice as much, of a real number."""
+    """Returns an integer plus one, or a real number times two."""
     integer = re.fullmatch(r"(0x[0-9a-fA-F]+|\d+)([uUlL]*)", t)
     if integer:
         return f"{int(integer.group(1), 0) + 1}{integer.group(2)}"
@@ -236,10 +285,11 @@ def other_number(t):
 
 
 def is_statement(tokens, i):
-    """Whether a statement begins at i that can be left out: an assignment or a call, no declaration."""
-    if tokens[i].kind != "word" or tokens[i].text in NO_NAMES | {"else", "do", "case", "default", "break", "continue", "const"}:
+    """True if a removable statement begins at i: an assignment or a call, but not a declaration."""
+    no_statements = NO_NAMES | set("else do case default break continue const".split())
+    if tokens[i].kind != "word" or tokens[i].text in no_statements:
         return False
-    if tokens[i - 1].text not in (";", "{", "}", "else", ")"):  # or behind the head of an if or of a loop
+    if tokens[i - 1].text not in (";", "{", "}", "else", ")"):  # or after the head of an if or of a loop
         return False
     j = i + 1
     while j < len(tokens) and (tokens[j].text in (".", "->", "::", "[") or tokens[j - 1].text in (".", "->", "::")):
@@ -247,7 +297,7 @@ def is_statement(tokens, i):
     return j < len(tokens) and tokens[j].text in ("=", "+=", "-=", "|=", "&=", "(", "++", "--")
 
 
-# --- all at once ----------------------------------------------------------------------------
+# --- all mutants in one file -----------------------------------------------------------------
 
 HEAD = """#ifndef CBVH_MUTANT
 #define CBVH_MUTANT
@@ -258,7 +308,8 @@ static const int cbvhMutant = getenv("CBVH_MUTANT") ? atoi(getenv("CBVH_MUTANT")
 
 
 def with_mutants(text, functions):
-    """A file in which CBVH_MUTANT in the environment chooses bodies; functions: [(Function, {number: Mutant})]."""
+    """Returns a file in which the environment variable CBVH_MUTANT selects bodies; functions: [(Function, {number:
+    Mutant})]."""
     for function, mutants in sorted(functions, key=lambda f: -f[0].tokens[0].begin):
         begin, end = function.tokens[0].begin, function.tokens[-1].end
         body = "{\n"
@@ -269,7 +320,7 @@ def with_mutants(text, functions):
 
 
 def numbers_of_lines(text):
-    """The mutants that the lines of such a file belong to: {line: number}."""
+    """Returns the mutants of the lines of such a file: {line: number}."""
     numbers, number = {}, None
     for i, line in enumerate(text.split("\n"), 1):
         begins = re.search(r"if \(cbvhMutant == (\d+)\)", line)

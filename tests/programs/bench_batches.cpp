@@ -18,22 +18,23 @@ size_t bytes(RepresentationKind kind)
   return estimatedPeakBytes(kind, quads);
 }
 
-TEST(Batches, EverythingIsMeasuredInTurnsWhereItFits)
+TEST(Batches, RepresentationsThatFitAreMeasuredAlternately)
 {
-  const Batches plan = planBatches(parseRepresentations("naive,grid,cvoxel,cleaf", 2), {"avx2", "sse2"}, quads, SIZE_MAX);
-  ASSERT_EQ(plan.baselines.size(), 2u) << "GRID, one an ISA";
+  const Batches plan = planBatches(parseRepresentations("naive,grid,cvoxel,cleaf", 2), {"avx2", "sse2"}, quads,
+                                   SIZE_MAX);
+  ASSERT_EQ(plan.baselines.size(), 2u) << "GRID, one per ISA";
   ASSERT_EQ(plan.rest.size(), 1u);
-  EXPECT_EQ(plan.rest[0].size(), 6u) << "GRID is no variant of its own";
+  EXPECT_EQ(plan.rest[0].size(), 6u) << "GRID is not a separate variant";
   EXPECT_TRUE(plan.tooLarge.empty());
 }
 
-TEST(Batches, GridIsThereEvenWhenNotAskedFor)
+TEST(Batches, GridIsAlwaysIncluded)
 {
   const Batches plan = planBatches(parseRepresentations("cleaf", 2), {"avx2"}, quads, SIZE_MAX);
   EXPECT_EQ(plan.baselines.size(), 1u);
 }
 
-TEST(Batches, NoBatchIsLargerThanWhatIsFree)
+TEST(Batches, BatchesFitIntoFreeMemory)
 {
   const size_t available = bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::CLeaf);
   const auto representations = parseRepresentations("naive,cleaf^0,cleaf^1,cleaf^2,cleaf^3,cleaf^4", 2);
@@ -57,8 +58,9 @@ TEST(Batches, NoBatchIsLargerThanWhatIsFree)
 TEST(Batches, LibrariesAreComparedInOneBatch)
 {
   const size_t available = 2 * bytes(RepresentationKind::Grid) + 3 * bytes(RepresentationKind::CLeaf);
-  const Batches plan = planBatches(parseRepresentations("naive,cleaf^1,cleaf^2", 2), {"avx2"}, quads, available, {true, true});
-  EXPECT_EQ(plan.baselines.size(), 2u) << "GRID, one a library";
+  const Batches plan = planBatches(parseRepresentations("naive,cleaf^1,cleaf^2", 2), {"avx2"}, quads, available,
+                                   {true, true});
+  EXPECT_EQ(plan.baselines.size(), 2u) << "GRID, one per library";
   ASSERT_EQ(plan.rest.size(), 2u);
   for (const auto& batch : plan.rest)
   {
@@ -67,8 +69,9 @@ TEST(Batches, LibrariesAreComparedInOneBatch)
     EXPECT_EQ(batch[0].library, 0u);
     EXPECT_EQ(batch[1].library, 1u);
   }
-  ASSERT_EQ(plan.tooLarge.size(), 2u) << "NAIVE, by both";
-  EXPECT_EQ(neededBytes(plan, plan.tooLarge[0], quads), 2 * bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::Naive));
+  ASSERT_EQ(plan.tooLarge.size(), 2u) << "NAIVE, for both";
+  EXPECT_EQ(neededBytes(plan, plan.tooLarge[0], quads),
+            2 * bytes(RepresentationKind::Grid) + 2 * bytes(RepresentationKind::Naive));
 }
 
 TEST(Batches, StockEmbreeHasNoCompressedRepresentations)

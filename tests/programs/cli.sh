@@ -2,14 +2,14 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# What the tests of programs from the outside share; sourced, not run. Wants $program.
+# Functions that the command-line tests share. Source this file with $program set.
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export XDG_CACHE_HOME=$folder/cache
 failures=0
 
-# A cage of one quad, with texture coordinates.
+# A cage of one quad with texture coordinates.
 cat >"$folder/quad.obj" <<OBJ
 v 0 0 0
 v 1 0 0
@@ -24,8 +24,7 @@ OBJ
 
 complain() { echo "FAILED: $*"; failures=$((failures + 1)); }
 
-# expect_refusal PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr
-# that matches.
+# expect_refusal PATTERN ARGUMENT...: expects a failure that is not a signal, and one matching line on stderr.
 expect_refusal() {
   local pattern=$1
   shift

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Writes a generated scene of one cage for Embree's own programs, which know no displacement: its
- * tessellation at some level, displaced, as the cage of a subdivision surface. Prints
- * a camera for their command lines that sees all of it.
+/* Writes a generated scene of one cage for Embree's own programs, which do not support displacement: its displaced
+ * tessellation at some level becomes the cage of a subdivision surface. Prints a camera for their command lines that
+ * shows the entire scene.
  *
  * usage: displaced_cage SCENE LEVEL FILE.xml */
 
@@ -24,14 +24,14 @@
 namespace cbvh::test {
 namespace {
 
-/* Vertices of neighbouring patches, which each have their own, as one. */
+/* Merges vertices of neighboring patches, which each have their own copies. */
 struct Welded
 {
   std::vector<Vec3f> positions;
-  std::vector<size_t> index; // of each vertex of the layout
+  std::vector<size_t> index; // new index of each vertex of the layout
 };
 
-/* tolerance: patches compute their common border each for itself. */
+/* tolerance: patches compute their common border separately. */
 Welded weld(const std::vector<Vec3f>& vertices, float tolerance)
 {
   using Key = std::tuple<long, long, long>;
@@ -87,7 +87,7 @@ void writeXml(const std::string& path, const Welded& welded, const PatchLayout& 
              "</parameters>\n</material>\n</SubdivisionMesh>\n</Group>\n</scene>\n", file.get());
 }
 
-/* As Embree's programs take it. */
+/* In the syntax of Embree's programs. */
 void printFullView(const Model& model, const BuildSettings& build)
 {
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);

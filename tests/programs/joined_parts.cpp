@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Joins parts of a picture as their data windows say, and compares that with the whole, bit for bit: all channels of OpenEXR files, and the PNGs
- * beside them, of the same names but for the ending.
+/* Joins parts of a picture by their data windows and compares the result with the whole picture bit by bit: all
+ * channels of OpenEXR files, and the PNGs with the same base names.
  *
  * usage: joined_parts WHOLE.exr PART.exr... */
 
@@ -21,7 +21,7 @@ namespace {
 struct File
 {
   OIIO::ImageSpec spec;
-  std::vector<char> bytes; // as they are stored
+  std::vector<char> bytes; // as stored
 
   explicit File(const std::string& path)
   {
@@ -40,7 +40,7 @@ void fail(const std::string& what)
   throw std::runtime_error(what);
 }
 
-/* Copies a part to where it belongs. x, y: of its first pixel. seen: how often pixels were there. */
+/* Copies a part into the whole picture. x, y: position of its first pixel. seen: number of writes per pixel. */
 void paste(File& whole, const File& part, int x, int y, std::vector<int>& seen)
 {
   const size_t pixel = whole.spec.pixel_bytes(true);
@@ -70,20 +70,21 @@ void compare(int argc, char** argv)
   for (int i = 2; i < argc; i++)
   {
     const File part(argv[i]), png(pngOf(argv[i]));
-    if (part.spec.full_x != 0 || part.spec.full_y != 0 || part.spec.full_width != whole.spec.width || part.spec.full_height != whole.spec.height)
-      fail(std::string(argv[i]) + ": the display window is not the whole picture");
+    if (part.spec.full_x != 0 || part.spec.full_y != 0 || part.spec.full_width != whole.spec.width ||
+        part.spec.full_height != whole.spec.height)
+      fail(std::string(argv[i]) + ": the display window differs from the whole picture");
     if (png.spec.width != part.spec.width || png.spec.height != part.spec.height)
-      fail(std::string(argv[i]) + ": its PNG has another size");
+      fail(std::string(argv[i]) + ": its PNG has a different size");
     paste(joined, part, part.spec.x, part.spec.y, seen);
     paste(joinedPng, png, part.spec.x, part.spec.y, seenPng);
   }
   for (int count : seen)
     if (count != 1)
-      fail("the parts are no partition");
+      fail("the parts overlap or leave gaps");
   if (joined.bytes != whole.bytes)
-    fail("OpenEXR: the parts are not the whole");
+    fail("OpenEXR: the parts differ from the whole picture");
   if (joinedPng.bytes != wholePng.bytes)
-    fail("PNG: the parts are not the whole");
+    fail("PNG: the parts differ from the whole picture");
 }
 
 } // namespace

@@ -33,20 +33,20 @@ size_t peak(RepresentationKind kind)
   return estimatedPeakBytes(kind, quads);
 }
 
-TEST(MemoryPlan, AllThatFitsIsBuiltGridFirst)
+TEST(MemoryPlan, EverythingThatFitsIsBuiltGridFirst)
 {
   const MemoryPlan all = plan("cleaf,naive,grid,cvert", SIZE_MAX);
   EXPECT_EQ(builtOf(all), "grid,naive,cleaf2,cvert");
   EXPECT_TRUE(all.leftOut.empty());
-  EXPECT_EQ(builtOf(plan("cleaf", SIZE_MAX)), "cleaf2") << "nothing is built that was not asked for";
+  EXPECT_EQ(builtOf(plan("cleaf", SIZE_MAX)), "cleaf2") << "only requested representations are built";
 }
 
-TEST(MemoryPlan, ReferencesAreLeftOutBeforeWhatIsCompressed)
+TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
 {
   const size_t grid = peak(RepresentationKind::Grid), naive = peak(RepresentationKind::Naive),
                leaf = peak(RepresentationKind::CLeaf);
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive)), "grid,naive,cleaf2");
-  EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive - 1)), "grid,cleaf2") << "NAIVE is built beside GRID";
+  EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive - 1)), "grid,cleaf2") << "NAIVE is built while GRID exists";
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + leaf)), "grid,cleaf2");
   const MemoryPlan alone = plan("naive,grid,cleaf", grid + leaf - 1);
   EXPECT_EQ(builtOf(alone), "cleaf2");
@@ -55,23 +55,26 @@ TEST(MemoryPlan, ReferencesAreLeftOutBeforeWhatIsCompressed)
   EXPECT_NE(alone.leftOut[1].find("NAIVE is left out"), std::string::npos);
 }
 
-TEST(MemoryPlan, ACompressedOneThatDoesNotFitIsLeftOutToo)
+TEST(MemoryPlan, CompressedRepresentationThatDoesNotFitIsLeftOut)
 {
   EXPECT_EQ(builtOf(plan("cgrid,cleaf", peak(RepresentationKind::CGrid) - 1)), "cleaf2");
 }
 
-TEST(MemoryPlan, StepsOfAMotionTakeMore)
+TEST(MemoryPlan, TimeStepsRequireMoreMemory)
 {
-  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CGrid, RepresentationKind::CLeaf, RepresentationKind::CVert})
+  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CGrid,
+                                  RepresentationKind::CLeaf, RepresentationKind::CVert})
     EXPECT_LT(estimatedPeakBytes(kind, {quads, 2}), estimatedPeakBytes(kind, {quads, 3})) << int(kind);
-  EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}), estimatedPeakBytes(RepresentationKind::CVert, {quads, 2})) << "it is cVERT then";
+  EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}),
+            estimatedPeakBytes(RepresentationKind::CVert, {quads, 2}))
+    << "moving surfaces use cVERT";
   const std::vector<Representation> asked = parseRepresentations("grid,cvert", 2);
   const size_t still = peak(RepresentationKind::Grid) + peak(RepresentationKind::CVert);
   EXPECT_EQ(builtOf(planMemory(asked, {quads, 1}, still)), "grid,cvert");
   EXPECT_EQ(builtOf(planMemory(asked, {quads, 2}, still)), "cvert");
 }
 
-TEST(MemoryPlan, NothingThatFitsIsAnError)
+TEST(MemoryPlan, NoRepresentationThatFitsIsAnError)
 {
   EXPECT_THROW(plan("grid,cleaf", 1000), Error);
 }

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Where programs write, from the outside: through links and into pipes and devices, never over what a run reads, and
-# nothing in part.
+# Tests the outputs of programs: they follow links, write into pipes and devices, never overwrite inputs of a run, and
+# never leave partial files.
 #
 # usage: outputs_cli.sh PATH/TO/cbvh_render PATH/TO/cbvh_bench [PATH/TO/cbvh_pathtracer [PATH/TO/cbvh_viewer]]
 
@@ -29,7 +29,7 @@ parts() { find "$folder" -name '*cbvh-part*' -o -name '.tmp-*'; }
 
 mkdir "$folder/store"
 ln -s store/numbers.json "$folder/link.json"
-for _ in 1 2; do # where the file is not there yet, and where it is
+for _ in 1 2; do # first without the file, then with it
   run --scene cube --json "$folder/link.json" >/dev/null
   is_json "$folder/store/numbers.json"
   [ -L "$folder/link.json" ] || complain "the link is replaced"
@@ -48,7 +48,7 @@ import json, sys
 text = open(sys.argv[1]).read()
 json.JSONDecoder().raw_decode(text, text.index("{\n"))
 PYTHON
-grep -q "cube_cvert.png" "$folder/both" || complain "the table is lost beside the JSON: $(cat "$folder/both")"
+grep -q "cube_cvert.png" "$folder/both" || complain "the JSON replaced the table: $(cat "$folder/both")"
 run --scene cube --json >(cat >"$folder/substituted") --export >(cat >"$folder/exported") >/dev/null
 wait
 sleep 1
@@ -65,17 +65,17 @@ for where in /dev/null "$folder/fifo" /dev/stdout; do
   expect_refusal "save.*regular file\|expected a regular file" $quick $out --scene cube --save "$where"
 done
 
-# What waits for a writer is not waited for.
+# Reading a FIFO must not block.
 mv "$folder/fifo" "$folder/fifo.cbvh"
 for arguments in "--load $folder/fifo.cbvh" "$folder/fifo.cbvh"; do
   # shellcheck disable=SC2086
   timeout 30 "$program" $out $arguments >/dev/null 2>"$folder/stderr"
-  [ $? = 1 ] || complain "a FIFO is waited for: $arguments"
-  is_about_a_pipe || complain "no word on a FIFO: $(cat "$folder/stderr")"
+  [ $? = 1 ] || complain "reading a FIFO blocks: $arguments"
+  is_about_a_pipe || complain "no message about a FIFO: $(cat "$folder/stderr")"
 done
 if [ -n "$viewer" ]; then
   timeout 30 "$viewer" "$folder/fifo.cbvh" --screenshot "$folder/none.png" >/dev/null 2>"$folder/stderr"
-  [ $? = 1 ] && is_about_a_pipe || complain "the viewer waits for a FIFO: $(cat "$folder/stderr")"
+  [ $? = 1 ] && is_about_a_pipe || complain "the viewer blocks on a FIFO: $(cat "$folder/stderr")"
 fi
 rm "$folder/fifo.cbvh"
 
@@ -120,20 +120,21 @@ if [ -n "$viewer" ]; then
   # shellcheck disable=SC2086
   expect_refusal "screenshot .*would replace" $model --screenshot "$folder/skin.pgm"
 fi
-[ "$(sums)" = "$before" ] || complain "an input is not what it was"
+[ "$(sums)" = "$before" ] || complain "an input has changed"
 [ -z "$(parts)" ] || complain "parts are left: $(parts)"
 
 # --- limits on the size of files -----------------------------------------------------------
 
-# expect_limit KIBIBYTES ARGUMENT...: one line on a file that is too large, status 1, and nothing in part in
-# $folder/limited.
+# expect_limit KIBIBYTES ARGUMENT...: expects one line about a file that is too large, status 1, and no partial file
+# in $folder/limited.
 expect_limit() {
   local limit=$1
   shift
   rm -rf "$folder/limited"
   mkdir "$folder/limited"
   # shellcheck disable=SC2086
-  (ulimit -f "$limit"; exec "$program" $quick "$@" 2>&1 >/dev/null) | cat >"$folder/stderr" # the limit is not cat's
+  # the limit does not apply to cat
+  (ulimit -f "$limit"; exec "$program" $quick "$@" 2>&1 >/dev/null) | cat >"$folder/stderr"
   local status=${PIPESTATUS[0]}
   [ $status = 1 ] || complain "status $status for a limit of $limit KiB: $*: $(cat "$folder/stderr")"
   [ "$(grep -vc '^  ' "$folder/stderr")" = 1 ] && grep -q "File too large" "$folder/stderr" ||
@@ -154,8 +155,8 @@ if [ -n "$pathtracer" ]; then
   "$pathtracer" --scene cube --level 1 --size 16x16 --samples 1 --device cpu --output "$folder/path.png" \
     >/dev/full 2>"$folder/stderr"
   [ $? = 1 ] && grep -q "standard output cannot be written" "$folder/stderr" ||
-    complain "no word on a full disk: $(cat "$folder/stderr")"
+    complain "no message about a full disk: $(cat "$folder/stderr")"
 fi
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

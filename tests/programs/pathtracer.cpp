@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The path tracer of cbvh_pathtracer: its shader's pictures are those of the processor. Paths have the same
- * random numbers, so that pixels are equal but for rounding, until a ray goes another way: one that
- * leaves a triangle almost along it, and meets it again or does not, or one that just hits an edge. About one in
- * 5,000 does, and of cVERT next to none. */
+/* Compares pictures of cbvh_pathtracer's shader with those of the CPU. Both use the same random numbers, so that pixels
+ * are equal except for rounding, until a ray takes a different path: it leaves a triangle at a grazing angle and may
+ * hit it again, or it hits an edge. About one ray in 5,000 does, and almost none in cVERT. */
 
 #include "path_tracer.h"
 #include "basics/error.h"
@@ -36,7 +35,7 @@ Model cube()
   return loadScene(settings, warning);
 }
 
-/* Nothing if there is none. */
+/* Empty if there is no device. */
 std::optional<RTCVulkanDeviceInfo> vulkanDeviceInfo()
 {
   const EmbreeDevice device("");
@@ -67,14 +66,14 @@ double meanOf(const std::vector<Vec3f>& pixels)
   return sum / (3.0 * double(pixels.size()));
 }
 
-/* Largest difference of a channel, as a fraction of the larger value. */
+/* Largest difference of a channel, relative to the larger value. */
 float relativeDifference(Vec3f a, Vec3f b)
 {
   const auto channel = [](float x, float y) { return x == y ? 0.0f : std::abs(x - y) / std::max(x, y); };
   return std::max({channel(a.x, b.x), channel(a.y, b.y), channel(a.z, b.z)});
 }
 
-TEST(PathTracerView, IsTheCameras)
+TEST(PathTracerView, MatchesCamera)
 {
   const Vec3f up = {0, 1, 0};
   const Camera camera({1, 2, 3}, {0, 0.5f, -1}, up, 40.0f, {30, 20});
@@ -91,7 +90,7 @@ class PathTracerPictures : public testing::TestWithParam<const char*>
 {
 };
 
-TEST_P(PathTracerPictures, AreTheSameOnBothDevices)
+TEST_P(PathTracerPictures, MatchOnBothDevices)
 {
   if (!hasVulkanDevice())
     GTEST_SKIP() << "no Vulkan device";
@@ -101,7 +100,8 @@ TEST_P(PathTracerPictures, AreTheSameOnBothDevices)
   const BuiltScene grid(model, {RepresentationKind::Grid}, build);
   const BuiltScene scene(model, parseRepresentations(GetParam(), 2)[0], build);
   const unsigned threads = threadCount(0);
-  const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces, Shutter());
+  const PathView view = makePathView(chooseCamera("close", model, grid, size, threads), model.view.up, bounces,
+                                     Shutter());
   const std::vector<Vec3f> expected = render(*makeCpuPathTracer(scene.handle(), view, threads));
   const std::vector<Vec3f> pixels = render(*makeVulkanPathTracer(scene.handle(), view, ""));
 
@@ -130,10 +130,10 @@ TEST_P(PathTracerPictures, AreTheSameOnBothDevices)
               differing, pixels.size(), double(most), means[0], means[1]);
   EXPECT_LE(differing, pixels.size() / 100);
   EXPECT_NEAR(means[0], means[1], 1e-3 * means[0]);
-  EXPECT_GT(means[0], 0.05); // there is light
+  EXPECT_GT(means[0], 0.05); // the picture is not black
 }
 
-/* Pictures of a cube that turns while the shutter is open. */
+/* Pictures of a cube that rotates while the shutter is open. */
 std::vector<Vec3f> pictureOfMotion(const char* representation, const Shutter& shutter)
 {
   SceneSettings settings;

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# cbvh_render from the outside: what it writes, and one clear line with an exit
-# status that is not 0, and nothing written, for bad input.
+# Tests the command line of cbvh_render: its outputs, and for invalid input one clear line, a nonzero exit status and
+# no output file.
 #
 # usage: render_cli.sh PATH/TO/cbvh_render [REPRESENTATIONS]
 
@@ -12,8 +12,8 @@ program=$1
 representations=${2:-naive,grid,cgrid,cvoxel,cleaf,cleaf-only}
 . "$(dirname -- "$0")/cli.sh"
 
-# refuses PATTERN ARGUMENT...: status not 0 nor a signal's, one line on stderr that
-# matches, nothing in the output folder.
+# refuses PATTERN ARGUMENT...: expects a failure that is not a signal, one matching line on stderr, and an empty
+# output folder.
 refuses() {
   local pattern=$1
   shift
@@ -28,7 +28,8 @@ sed 's/^f.*/f 1 2 3 7/' "$folder/quad.obj" >"$folder/range.obj"
 sed 's/^f.*/f 1 2 3\nf 2 1 4\nf 1 2 4/' "$folder/quad.obj" >"$folder/edge.obj"
 { for i in $(seq 17); do echo "v $i $((i * i)) 0"; done; echo "f $(seq -s ' ' 17)"; } >"$folder/ring.obj"
 : >"$folder/empty.obj"
-{ sed '/^f/d' "$folder/quad.obj"; echo "v 2 0 0"; echo "v 2 1 0"; echo "f 1 2 3 4"; echo "f 2 5 6 3"; } >"$folder/two_quads.obj"
+{ sed '/^f/d' "$folder/quad.obj"; echo "v 2 0 0"; echo "v 2 1 0"; echo "f 1 2 3 4"; echo "f 2 5 6 3"; } \
+  >"$folder/two_quads.obj"
 echo "no image" >"$folder/text.png"
 printf '\x76\x2f\x31\x01\x02\x00\x00\x00' >"$folder/short.exr"
 
@@ -62,7 +63,7 @@ refuses "view 'side'" --scene cube --view side
 refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "one of --scene.*--cage.*--mesh" --level 2
 refuses "one of --scene.*--cage.*--mesh" --scene cube --cage "$folder/quad.obj"
-refuses "colour" --scene cube --colour red
+refuses "paint" --scene cube --paint red
 refuses "level" --scene cube --level six
 refuses "$folder/text.png/out: .*output folder" --scene cube --output "$folder/text.png/out"
 
@@ -76,7 +77,8 @@ refuses "max-pixel-error nan: .*finite" --scene cube --max-pixel-error nan
 refuses "height-repeat 'many'" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
 refuses "mid-level needs a height map" --cage "$folder/quad.obj" --mid-level 0.2
 refuses "vectors" --cage "$folder/quad.obj" --height "$folder/text.png" --vectors world
-refuses "amplitude and --height-scale .*one of them" --cage "$folder/quad.obj" --height "$folder/text.png" --amplitude 1 --height-scale 1
+refuses "amplitude and --height-scale .*one of them" --cage "$folder/quad.obj" --height "$folder/text.png" \
+  --amplitude 1 --height-scale 1
 refuses "height-repeat .*skin.<UDIM>.png" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png" --height-repeat 2
 refuses "skin.<UDIM>.png.*tile 1001" --cage "$folder/quad.obj" --height "$folder/skin.<UDIM>.png"
 refuses "up" --cage "$folder/quad.obj" --up w
@@ -95,18 +97,20 @@ if [ "$(id -u)" != 0 ]; then
   refuses "$folder/closed: cannot create files" --scene cube --output "$folder/closed"
 fi
 
-# What a run leaves.
-# run NAME OPTION...: table in $folder/NAME, messages beside it, pictures in a folder of that name.
+# Outputs of a run.
+# run NAME OPTION...: writes the table to $folder/NAME, messages to a file next to it, and pictures to a folder of
+# that name.
 run() {
   local name=$1
   shift
   "$program" --level 3 --size 64x48 --rays 2000 --repeat 1 --output "$folder/$name.out" "$@" \
     >"$folder/$name" 2>"$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
 }
-run_file() { # a file has a level
+run_file() { # a file has a fixed level
   local name=$1
   shift
-  "$program" --size 64x48 --output "$folder/$name.out" "$@" >"$folder/$name" 2>"$folder/$name.err" || complain "$name: $(cat "$folder/$name.err")"
+  "$program" --size 64x48 --output "$folder/$name.out" "$@" >"$folder/$name" 2>"$folder/$name.err" ||
+    complain "$name: $(cat "$folder/$name.err")"
 }
 expect_rows() {
   local table=$1
@@ -127,10 +131,11 @@ for representation in ${representations//,/ }; do
   [ "$stem" = grid ] || [ -s "$out/cube_${stem}_error.png" ] || complain "no error map of $stem"
 done
 [ -z "$(find "$out" -name '*cbvh-part*')" ] || complain "temporary files are left"
-expect_rows good "bytes per quad" "quads stored exactly, %.* [0-9.]* |     *- |$" "peak of the build" "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
+expect_rows good "bytes per quad" "quads stored exactly, %.* [0-9.]* |     *- |$" "peak of the build" \
+  "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
   "error against the true surface, pixels: median, p99" "false hits + misses" "flipped normals"
 [ "$(rows good)" -le 11 ] || complain "$(rows good) rows"
-grep -q "^  $out/cube_{.*}.png: shaded" "$folder/good" || complain "not a word on where the pictures are"
+grep -q "^  $out/cube_{.*}.png: shaded" "$folder/good" || complain "no message about where the pictures are"
 grep -q '"bytes_per_quad"' "$folder/numbers.json" || complain "no numbers in the JSON"
 if command -v iinfo >/dev/null; then
   for channel in P.X P.Y P.Z Z N.X N.Y N.Z u v primID; do
@@ -138,34 +143,40 @@ if command -v iinfo >/dev/null; then
   done
 fi
 
-# A cage from a pipe: the same picture.
+# A cage from a pipe gives the same picture.
 run from_file "$folder/quad.obj" --representation cvert
 run from_pipe <(cat "$folder/quad.obj") --representation cvert
-cmp "$folder"/from_file.out/*_cvert.png "$folder"/from_pipe.out/*_cvert.png || complain "another picture from the pipe"
+cmp "$folder"/from_file.out/*_cvert.png "$folder"/from_pipe.out/*_cvert.png ||
+  complain "a different picture from the pipe"
 
-# A file: the same picture, without the model.
+# A file gives the same picture without the model.
 run saved --scene cube --representation cvert --view 3,2,4,0,0,0,40 --save "$folder/cube.cbvh"
 run_file loaded --load "$folder/cube.cbvh" --view 3,2,4,0,0,0,40
-cmp "$folder/saved.out/cube_cvert.png" "$folder/loaded.out/cube_cvert.png" || complain "another picture from the file"
-grep -q "opened in" "$folder/loaded" || complain "not a word on how long opening took"
+cmp "$folder/saved.out/cube_cvert.png" "$folder/loaded.out/cube_cvert.png" ||
+  complain "a different picture from the file"
+grep -q "opened in" "$folder/loaded" || complain "no message about how long opening took"
 run_file loaded_close "$folder/cube.cbvh" --view close --speed --rays 2000 --repeat 1 --json "$folder/loaded.json"
-grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent rays" "$folder/loaded_close" || complain "no speed from the file: $(cat "$folder/loaded_close")"
+grep -q "speed: one thread, single rays: [0-9.]*[1-9][0-9.]* million coherent rays" "$folder/loaded_close" ||
+  complain "no speed from the file: $(cat "$folder/loaded_close")"
 for key in speed incoherent mrays_per_second pictureSeconds; do
   grep -q "\"$key\"" "$folder/loaded.json" || complain "no $key of the file"
 done
 run_file loaded_up --load "$folder/cube.cbvh" --up z
 run_file loaded_full --load "$folder/cube.cbvh"
-cmp -s "$folder/loaded_up.out/cube_cvert.png" "$folder/loaded_full.out/cube_cvert.png" && complain "--up turns nothing in a file"
-# A herd goes there copy by copy, and its picture comes from there; what was begun of something else is left.
-# Its map goes to the user's cache, and none to the pictures.
+cmp -s "$folder/loaded_up.out/cube_cvert.png" "$folder/loaded_full.out/cube_cvert.png" &&
+  complain "--up has no effect on a file"
+# A herd is written copy by copy, and its picture is rendered from the file. A partial file of a different build must
+# remain. The map is stored in the user's cache, not next to the pictures.
 herd="--scene herd --count 2 --mapping atlas"
 run herd $herd
 [ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] || complain "no map in the user's cache"
 ls "$folder/herd.out" | grep -q height && complain "a map among the pictures: $(ls "$folder/herd.out")"
 run herd_saved $herd --save "$folder/herd.cbvh"
-cmp "$folder/herd.out/herd_cvert.png" "$folder/herd_saved.out/herd_cvert.png" || complain "another picture of a herd from its file"
-grep -q "2 geometries, 0 of them " "$folder/herd_saved" || complain "not a word on the build"
-[ ! -e "$folder/herd.cbvh.part" ] || complain "something is left beside the file"
+cmp "$folder/herd.out/herd_cvert.png" "$folder/herd_saved.out/herd_cvert.png" ||
+  complain "a different picture of a herd from its file"
+grep -q "2 geometries, 0 of them " "$folder/herd_saved" ||
+  complain "no message about the build"
+[ ! -e "$folder/herd.cbvh.part" ] || complain "a partial file was left"
 refuses "save of a herd" $herd --save "$folder/herd.cbvh" --ambient 4
 echo mesh > "$folder/herd.cbvh.part"
 refuses "not a file of compressed surfaces" $herd --save "$folder/herd.cbvh"
@@ -177,56 +188,64 @@ refuses "load .*--scene" --scene cube --load "$folder/cube.cbvh"
 refuses "save .*representation" --scene cube --representation grid --save "$folder/none.cbvh"
 
 run details --scene cube --representation "$representations" --speed --details
-expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error, pixels, median" "- the paper.s RMSE" \
+expect_rows details "- leaves" "coherent, closest hit" "incoherent, any hit" "against the mesh: error, pixels, median" \
+  "- the paper.s RMSE" \
   "against the true surface" "- false hits" "- misses" "- flipped normals"
 [ "$(rows details)" -gt 40 ] || complain "$(rows details) rows with --details"
 expect_rows details "any-hit disagreements, coherent" "any-hit disagreements, incoherent"
 grep '^| any-hit disagreements' "$folder/details" | grep -q '[1-9]' && complain "any hit and closest hit disagree"
 
-# One representation alone: the same picture, and nothing that GRID or a clock would have to be there for.
+# A single representation gives the same picture, without outputs that require GRID or a clock.
 run alone --scene cube --representation cleaf --true-surface 1000
-cmp -s "$folder/alone.out/cube_cleaf.png" "$out/cube_cleaf.png" || complain "another picture without GRID"
+cmp -s "$folder/alone.out/cube_cleaf.png" "$out/cube_cleaf.png" || complain "a different picture without GRID"
 [ "$(ls "$folder/alone.out")" = cube_cleaf.png ] || complain "not one picture alone: $(ls "$folder/alone.out")"
-[ "$(head -1 "$folder/alone")" = "$folder/alone.out/cube_cleaf.png" ] || complain "the picture is not named first: $(head -1 "$folder/alone")"
+[ "$(head -1 "$folder/alone")" = "$folder/alone.out/cube_cleaf.png" ] ||
+  complain "the picture is not named first: $(head -1 "$folder/alone")"
 grep -q "GRID: build" "$folder/alone.err" && complain "GRID was built: $(cat "$folder/alone.err")"
 grep -qi "speed\|GRID\|mesh" "$folder/alone" && complain "words on what was not measured: $(cat "$folder/alone")"
 expect_rows alone "error against the true surface" "flipped normals"
 
-# Names of the library's kinds are taken everywhere, in any case; --compare has each kind once, and the share of exact
-# quads stands where there may be some.
+# Names of the library's kinds are accepted everywhere, in any case. --compare contains each kind once, and the share
+# of exact quads appears only for kinds that may have some.
 run names --scene cube --representation cbvh.LEAF --true-surface 1000
-cmp -s "$folder/names.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" || complain "cbvh.LEAF is not cleaf"
+cmp -s "$folder/names.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" || complain "cbvh.LEAF differs from cleaf"
 run compare --scene cube --compare --true-surface 0
-head -9 "$folder/compare" | grep -q "^| *| *NAIVE | *GRID | *cGRID | *cVOXEL | *cLEAF | *cVERT |" || complain "--compare has others: $(cat "$folder/compare")"
+head -9 "$folder/compare" | grep -q "^| *| *NAIVE | *GRID | *cGRID | *cVOXEL | *cLEAF | *cVERT |" ||
+  complain "--compare has different columns: $(cat "$folder/compare")"
 expect_rows compare "quads stored exactly, %"
 run only --scene cube --representation grid,leaf-only^2 --true-surface 0
 grep -q "cLEAF-only^2" "$folder/only" || complain "no cLEAF-only^2: $(cat "$folder/only")"
 [ -s "$folder/only.out/cube_cleaf-only2.png" ] || complain "no file of cleaf-only2"
 grep -q "stored exactly" "$folder/only" && complain "a row on exact quads without cLEAF"
 
-# Files are enough: a cage, and a map where there is one. The picture is cVERT's, and no other than with their options.
+# Files suffice: a cage, and optionally a map. The picture is rendered in cVERT and equals the one with explicit
+# options.
 run files "$folder/quad.obj"
 [ "$(ls "$folder/files.out")" = quad_cvert.png ] || complain "not one picture of cVERT: $(ls "$folder/files.out")"
 [ "$(rows files)" = 4 ] || complain "rows on what was not asked for: $(cat "$folder/files")"
 if [ -s "$folder/whole.png" ]; then
   run file_and_map "$folder/quad.obj" "$folder/whole.png"
   run options --cage "$folder/quad.obj" --height "$folder/whole.png"
-  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/options.out/quad_cvert.png" || complain "files and options differ"
-  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/files.out/quad_cvert.png" && complain "the map does nothing"
+  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/options.out/quad_cvert.png" ||
+    complain "files and options differ"
+  cmp -s "$folder/file_and_map.out/quad_cvert.png" "$folder/files.out/quad_cvert.png" &&
+    complain "the map has no effect"
 fi
 
-# A cage that goes to another one: at the end of the shutter the picture is the other's, and between them it is blurred.
+# A cage that moves to another one: at the end of the shutter the picture equals the other's, and in between it is
+# blurred.
 sed 's/^v \([01]\) \(.*\)/v \1.5 \2/' "$folder/quad.obj" >"$folder/end.obj"
 view=(--view 0.9,0.5,4,0.9,0.5,0,40 --representation cvert)
 run at_end --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 1,1 "${view[@]}"
 run of_end --cage "$folder/end.obj" "${view[@]}"
 run blurred --cage "$folder/quad.obj" --cage-end "$folder/end.obj" "${view[@]}"
-cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/of_end.out/end_cvert.png" || complain "the end of --cage-end is not that cage"
+cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/of_end.out/end_cvert.png" ||
+  complain "the end of --cage-end is not that cage"
 cmp -s "$folder/at_end.out/quad_cvert.png" "$folder/blurred.out/quad_cvert.png" && complain "nothing is blurred"
 refuses "shutter" --cage "$folder/quad.obj" --cage-end "$folder/end.obj" --shutter 2,3
 refuses "end.obj" --cage "$folder/two_quads.obj" --cage-end "$folder/end.obj"
 
-# What is clearly z up stands without a word, and a line says so; y up stays as it is.
+# A cage that is clearly z up stands upright automatically, with a message. A cage with y up remains unchanged.
 cat >"$folder/tower.obj" <<OBJ
 v -1 -1 0
 v 1 -1 0
@@ -247,64 +266,80 @@ for up in auto y z; do
   run "tower_$up" --cage "$folder/tower.obj" --representation cvert --up $up
 done
 run tower --cage "$folder/tower.obj" --representation cvert
-cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_z.out/tower_cvert.png" || complain "a tower that stands on z does not stand"
-cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_auto.out/tower_cvert.png" || complain "auto is not what is done without --up"
-cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_y.out/tower_cvert.png" && complain "--up turns nothing"
-grep -q "tower.obj: z .*up axis.*--up y" "$folder/tower.err" || complain "no word on the guess: $(cat "$folder/tower.err")"
-grep -q "up axis" "$folder/tower_y.err" "$folder/tower_z.err" "$folder/alone.err" "$folder/files.err" && complain "a word where nothing was guessed"
+cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_z.out/tower_cvert.png" ||
+  complain "a tower with z up does not stand upright"
+cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_auto.out/tower_cvert.png" ||
+  complain "--up auto differs from the default"
+cmp -s "$folder/tower.out/tower_cvert.png" "$folder/tower_y.out/tower_cvert.png" && complain "--up has no effect"
+grep -q "tower.obj: z .*up axis.*--up y" "$folder/tower.err" ||
+  complain "no message about the guess: $(cat "$folder/tower.err")"
+grep -q "up axis" "$folder/tower_y.err" "$folder/tower_z.err" "$folder/alone.err" "$folder/files.err" &&
+  complain "a message although nothing was guessed"
 
-# Several samples smooth what one shows; the library chooses frame levels as without a word.
+# Several samples smooth the picture. The library chooses frame levels by default.
 run one_sample --scene cube --representation cleaf --samples 1
-cmp -s "$folder/one_sample.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" && complain "one sample and sixteen are the same"
+cmp -s "$folder/one_sample.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" &&
+  complain "one sample and sixteen give the same picture"
 run frames --scene cube --representation cleaf^0,cleaf --json "$folder/frames.json"
-[ "$(grep -c '"blocks": 6,' "$folder/frames.json")" = 2 ] || complain "blocks of level 3 are not those of the library: $(grep '"blocks"' "$folder/frames.json")"
+[ "$(grep -c '"blocks": 6,' "$folder/frames.json")" = 2 ] ||
+  complain "the number of blocks of level 3 is wrong: $(grep '"blocks"' "$folder/frames.json")"
 
-# Without a level quads are as large as asked for; what is compared has level 6.
+# Without a level, quads have the requested size. --compare and --representation with several entries use level 6.
 for quad in 4 16; do
-  "$program" --scene cube --size 64x48 --quad-size $quad --json "$folder/quad$quad.json" --output "$folder/quad$quad" >"$folder/quad$quad.txt" 2>&1 ||
+  "$program" --scene cube --size 64x48 --quad-size $quad --json "$folder/quad$quad.json" --output "$folder/quad$quad" \
+    >"$folder/quad$quad.txt" 2>&1 ||
     complain "--quad-size $quad: $(cat "$folder/quad$quad.txt")"
   grep -q "level auto" "$folder/quad$quad.txt" || complain "the level is not auto: $(cat "$folder/quad$quad.txt")"
 done
 quads() { grep -o '"quads": [0-9]*' "$folder/$1.json" | tail -1 | grep -o '[0-9]*$'; }
 [ "$(quads quad4)" -ge $((8 * $(quads quad16))) ] || complain "$(quads quad4) quads of 4 pixels, $(quads quad16) of 16"
-"$program" --scene cube --size 64x48 --representation grid,cvert --true-surface 0 --output "$folder/fixed" 2>&1 | grep -q "level 6" || complain "another level than 6 is compared"
+"$program" --scene cube --size 64x48 --representation grid,cvert --true-surface 0 --output "$folder/fixed" 2>&1 |
+  grep -q "level 6" || complain "comparisons do not use level 6"
 
-# What faces away is magenta in a mode of its own.
+# A separate mode colors back faces magenta.
 sed 's/^f.*/f 4\/4 3\/3 2\/2 1\/1/' "$folder/quad.obj" >"$folder/back.obj"
 for colors in neutral sides; do
   for side in quad back; do
-    run "${side}_$colors" --cage "$folder/$side.obj" --representation grid --colors $colors --view 0.5,0.5,3,0.5,0.5,0,35
+    run "${side}_$colors" --cage "$folder/$side.obj" --representation grid --colors $colors \
+      --view 0.5,0.5,3,0.5,0.5,0,35
   done
 done
 picture() { cat "$folder/$1.out/"*.png; }
 [ "$(picture quad_neutral | cksum)" = "$(picture back_neutral | cksum)" ] || complain "sides look different by default"
-[ "$(picture quad_sides | cksum)" = "$(picture quad_neutral | cksum)" ] || complain "the outside is not neutral"
-[ "$(picture back_sides | cksum)" != "$(picture back_neutral | cksum)" ] || complain "--colors sides shows no inside"
-grep -q "magenta" "$folder/back_sides" || complain "no word on what magenta is"
+[ "$(picture quad_sides | cksum)" = "$(picture quad_neutral | cksum)" ] || complain "the outside is colored"
+[ "$(picture back_sides | cksum)" != "$(picture back_neutral | cksum)" ] ||
+  complain "--colors sides does not mark the inside"
+grep -q "magenta" "$folder/back_sides" || complain "no message about what magenta is"
 
-# Cages that Embree takes by rules of its own: a line, and a picture.
+# Cages that Embree treats by its own rules: a message and a picture.
 run edge --cage "$folder/edge.obj" --representation cleaf
-grep -q "cbvh_render: warning: .*not manifold" "$folder/edge.err" || complain "no word on an edge of three faces"
+grep -q "cbvh_render: warning: .*not manifold" "$folder/edge.err" || complain "no message about an edge of three faces"
 
-# Out again, and in again: the same picture to the bit. Meshes of quads, of triangles, and of both.
+# Exporting and importing gives the same picture bit by bit, for meshes of quads, triangles, and both.
 for scene in cube frog; do
   run out_$scene --scene $scene --view 3,2,4,0,0,0,35 --export "$folder/$scene.obj"
   run in_$scene --mesh "$folder/$scene.obj" --view 3,2,4,0,0,0,35
-  cmp -s "$folder/out_$scene.out/${scene}_cvert.png" "$folder/in_$scene.out/${scene}_cvert.png" || complain "$scene is another one as a mesh"
+  cmp -s "$folder/out_$scene.out/${scene}_cvert.png" "$folder/in_$scene.out/${scene}_cvert.png" ||
+    complain "$scene differs as a mesh"
 done
-awk '$1 == "f" { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" >"$folder/triangles.obj"
-awk '$1 == "f" && NR % 2 { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" >"$folder/both.obj"
+awk '$1 == "f" { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" \
+  >"$folder/triangles.obj"
+awk '$1 == "f" && NR % 2 { print "f", $2, $3, $5; print "f", $3, $4, $5; next } { print }' "$folder/cube.obj" \
+  >"$folder/both.obj"
 for mesh in triangles both; do
   run $mesh --mesh "$folder/$mesh.obj" --compare --view 3,2,4,0,0,0,35
-  grep -q "^| false hits + misses *| *- *| *0 + 0" "$folder/$mesh" || complain "$mesh: hits of a mesh: $(cat "$folder/$mesh")"
+  grep -q "^| false hits + misses *| *- *| *0 + 0" "$folder/$mesh" ||
+    complain "$mesh: hits of a mesh: $(cat "$folder/$mesh")"
 done
-cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" || complain "triangles are no quads"
+cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" ||
+  complain "triangles differ from quads"
 { cat "$folder/cube.obj"; echo "t hole 1/0/0 7"; } >"$folder/hole.obj"
 run hole --mesh "$folder/hole.obj" --compare
 faces=$(grep -c "^f" "$folder/cube.obj")
-grep -q "^hole: $((faces - 1)) faces" "$folder/hole" || complain "a hole is no hole: $(cat "$folder/hole")"
+grep -q "^hole: $((faces - 1)) faces" "$folder/hole" || complain "a hole has faces: $(cat "$folder/hole")"
 run plain --mesh "$folder/quad.obj"
-grep -q "nothing of the mesh is compressed" "$folder/plain.err" || complain "no word on a mesh that is left to Embree: $(cat "$folder/plain.err")"
+grep -q "nothing of the mesh is compressed" "$folder/plain.err" ||
+  complain "no message about a mesh that is left to Embree: $(cat "$folder/plain.err")"
 for i in 1 2 3 4 5; do echo "v $i $((i * i)) 0"; done >"$folder/five.obj"
 echo "f 1 2 3 4 5" >>"$folder/five.obj"
 refuses "face 0 has 5 vertices" --mesh "$folder/five.obj"
@@ -312,29 +347,30 @@ refuses "one of --scene.*--cage.*--mesh" --mesh "$folder/quad.obj" --scene cube
 refuses "height .*meshes" --mesh "$folder/quad.obj" --height "$folder/text.png"
 refuses "true-surface .*cage" --mesh "$folder/quad.obj" --true-surface 100
 refuses "export .*cvert.*--representation" --scene cube --representation grid --export "$folder/none.obj"
-expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 --output "$folder/cleaf.out"
+expect_refusal "mesh.* no cLEAF" --mesh "$folder/quad.obj" --representation cleaf --size 16x16 \
+  --output "$folder/cleaf.out"
 
 # Standard output that cannot be written.
 for arguments in --help "--scene cube --level 1 --size 16x16 --representation grid --output $folder/full"; do
   # shellcheck disable=SC2086
   "$program" $arguments >/dev/full 2>"$folder/stderr" && complain "status 0 on a full disk: $arguments"
-  grep -q "standard output cannot be written" "$folder/stderr" || complain "no word on a full disk: $arguments"
+  grep -q "standard output cannot be written" "$folder/stderr" || complain "no message about a full disk: $arguments"
 done
 
-# Ctrl-C in the middle, while a map is made: status 130, and no half of a file.
-"$program" --scene trex --level 6 --output "$folder/cancelled" --representation grid >/dev/null 2>"$folder/stderr" &
+# Ctrl-C while a map is generated: status 130, and no partial file.
+"$program" --scene trex --level 6 --output "$folder/interrupted" --representation grid >/dev/null 2>"$folder/stderr" &
 process=$!
-for _ in $(seq 600); do # until it listens
-  [ -d "$folder/cancelled" ] && break
+for _ in $(seq 600); do # until it handles signals
+  [ -d "$folder/interrupted" ] && break
   sleep 0.1
 done
 kill -INT $process
 wait $process
 status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
-grep -q cancelled "$folder/stderr" || complain "no word on the cancellation"
-[ -z "$(ls -A "$folder/cancelled")" ] || complain "files are left after Ctrl-C"
+grep -q "cancel*ed" "$folder/stderr" || complain "no message about the cancellation"
+[ -z "$(ls -A "$folder/interrupted")" ] || complain "files are left after Ctrl-C"
 ls -A "$folder/cache/embree-cbvh" | grep -q part && complain "half a map is left after Ctrl-C"
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

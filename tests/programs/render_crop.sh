@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Parts of a picture are the whole one, bit for bit: of models that stand still and that move, in PNG and in OpenEXR, whose data window says where a
-# part belongs.
+# Parts of a picture match the whole picture bit by bit, for static and moving models, in PNG and in OpenEXR, whose
+# data window contains the position of a part.
 #
 # usage: render_crop.sh PATH/TO/cbvh_render PATH/TO/joined_parts
 
@@ -12,14 +12,15 @@ program=$1
 join=$2
 . "$(dirname -- "$0")/cli.sh"
 
-picture=(--size 61x47 --samples 5 --exr) # neither a multiple of tiles nor of packets
+picture=(--size 61x47 --samples 5 --exr) # multiples of neither tiles nor packets
 crops=(0,0,30,20 30,0,61,20 0,20,30,47 30,20,61,47)
 
 # render NAME OPTION...
 render() {
   local name=$1
   shift
-  "$program" "${picture[@]}" --output "$folder/$name" "$@" >"$folder/$name.txt" 2>&1 || complain "$name: $(cat "$folder/$name.txt")"
+  "$program" "${picture[@]}" --output "$folder/$name" "$@" >"$folder/$name.txt" 2>&1 ||
+    complain "$name: $(cat "$folder/$name.txt")"
 }
 
 scenes=(still moving)
@@ -31,21 +32,24 @@ for scene in "${scenes[@]}"; do
   for crop in "${crops[@]}"; do
     render "$scene.$crop" "${options[@]}" --crop "$crop"
   done
-  "$join" "$folder/$scene"/*.exr "$folder/$scene".*/*.exr || complain "$scene: parts are not the whole"
+  "$join" "$folder/$scene"/*.exr "$folder/$scene".*/*.exr || complain "$scene: parts differ from the whole picture"
 done
 
-# From a file, which is what many machines share.
-"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "--save"
+# The same for a file, which many machines can share.
+"$program" --scene cube --level 5 --size 64x64 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 ||
+  complain "--save"
 render loaded --load "$folder/cube.cbvh"
 for crop in "${crops[@]}"; do
   render "loaded.$crop" --load "$folder/cube.cbvh" --crop "$crop"
 done
-"$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr || complain "parts of what is loaded are not the whole"
+"$join" "$folder/loaded"/*.exr "$folder/loaded".*/*.exr ||
+  complain "parts of a loaded file differ from the whole picture"
 
-# README's way to join them.
+# The README's command for joining parts.
 if command -v oiiotool >/dev/null; then
   oiiotool "$folder"/still.*/*.exr --paste:all=1:mergeroi=1 auto -o "$folder/joined.exr" &&
-    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" || complain "oiiotool: $(cat "$folder/diff.txt")"
+    oiiotool --diff "$folder/joined.exr" "$folder/still/cube_cvert.exr" >"$folder/diff.txt" ||
+      complain "oiiotool: $(cat "$folder/diff.txt")"
 fi
 
 for wrong in 0,0,30 0,0,30,20,1 0,0,30,x 0.5,0,30,20; do
@@ -60,5 +64,5 @@ done
 expect_refusal "crop .*comparison" --scene cube "${picture[@]}" --crop 0,0,30,20 --compare --output "$folder/none"
 [ -z "$(ls -A "$folder/none" 2>/dev/null)" ] || complain "files were written"
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

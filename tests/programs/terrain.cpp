@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cbvh_terrain from the outside: sky-view factors of terrains whose factor is known, tiles that are one surface, and
- * arguments that the program rejects. */
+/* Tests cbvh_terrain: sky-view factors of terrains whose factor is known, tiles that form one surface, and invalid
+ * arguments. */
 
 #include "basics/image_file.h"
 
@@ -40,7 +40,7 @@ protected:
   }
   ~Terrain() { std::system(("rm -rf " + folder).c_str()); }
 
-  /* A raster of a type that OpenImageIO converts from floats without a change, but for the scale of integers. */
+  /* Writes a raster of a type to which OpenImageIO converts floats exactly, except for the scale of integers. */
   template<typename T>
   std::string write(OIIO::TypeDesc type, int width, int height, const std::function<double(int x, int y)>& heightAt)
   {
@@ -53,7 +53,7 @@ protected:
     return path;
   }
 
-  /* Runs the program, and returns what it wrote as floats. */
+  /* Runs the program and returns its output as floats. */
   Picture run(const std::string& arguments, const std::string& extension = ".tif")
   {
     const std::string path = folder + "/factors" + std::to_string(files++) + extension;
@@ -97,7 +97,7 @@ double hills(int x, int y)
   return large + 9 * std::sin(0.7 * x) * std::sin(0.5 * y + 0.2 * x);
 }
 
-TEST_F(Terrain, AFlatOneSeesAllOfTheSky)
+TEST_F(Terrain, FlatTerrainSeesTheWholeSky)
 {
   for (double height : {0.0, -3.0, 1234.5})
   {
@@ -110,9 +110,9 @@ TEST_F(Terrain, AFlatOneSeesAllOfTheSky)
   }
 }
 
-/* A round hole of radius R and depth D with a level floor. From its middle all horizons are at atan(D/R), so the factor
+/* A round pit of radius R and depth D with a level floor. From its center all horizons are at atan(D/R), so the factor
  * is R^2/(R^2 + D^2). The wall is one cell wide. */
-TEST_F(Terrain, APitSeesWhatItsRimLeaves)
+TEST_F(Terrain, PitSeesTheSkyAboveItsRim)
 {
   const int radius = 80, middle = 100;
   for (int depth : {20, 160})
@@ -134,8 +134,8 @@ TEST_F(Terrain, APitSeesWhatItsRimLeaves)
   }
 }
 
-/* Tiles share their borders: no ray passes between two of them, and every one has the hits of an undivided terrain. */
-TEST_F(Terrain, TilesAreOneSurface)
+/* Tiles share their borders: no ray passes between two of them, and all hits match those of an undivided terrain. */
+TEST_F(Terrain, TilesFormOneSurface)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 121, 101, hills) + " --cell 2 --azimuths 8";
   const Picture whole = run(path), tiles = run(path + " --tile 17"), kernel = run(path + " --embree triangle");
@@ -151,7 +151,7 @@ TEST_F(Terrain, TilesAreOneSurface)
   EXPECT_LT(difference, 0.005);
 }
 
-/* The quads are flat, so that their diagonals, which are not mirrored, do not matter. */
+/* The quads are flat, because their diagonals are not mirrored. */
 TEST_F(Terrain, CopiesAreMirrored)
 {
   const auto heightAt = [](int x, int y) {
@@ -183,7 +183,7 @@ TEST_F(Terrain, MissingSamplesAreHoles)
       ASSERT_EQ(std::isnan(picture.at(x, y)), (x == 20 && y > 10) || y == 3) << x << ", " << y;
 }
 
-TEST_F(Terrain, WrongArgumentsAreRefused)
+TEST_F(Terrain, InvalidArgumentsAreRejected)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 21, 21, hills);
   expectRefusal(path + " --window 0,0,22,21", "0,0,21,21");

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# cbvh_viewer without a display: screenshots, and one clear line with an exit status
-# that is not 0, and nothing written, for bad input.
+# Tests cbvh_viewer without a display: screenshots, and for invalid input one clear line, a nonzero exit status and no
+# output file.
 #
 # usage: viewer_cli.sh PATH/TO/cbvh_viewer PATH/TO/cbvh_render
 
@@ -51,7 +51,7 @@ refuses "unknown --isa 'mmx'" --scene cube --isa mmx
 refuses "threads -1 is negative" --scene cube --threads -1
 refuses "samples" --scene cube --samples 0
 refuses "time" --scene cube --motion turn --time 2
-refuses "colour" --scene cube --colour red
+refuses "paint" --scene cube --paint red
 refuses "$folder/missing/out.png" --scene cube --level 2 --screenshot "$folder/missing/out.png"
 refuses "$folder/out.txt" --scene cube --level 2 --screenshot "$folder/out.txt"
 
@@ -69,68 +69,84 @@ for mode in shading normals error cells blocks; do
       complain "$mode, $representation: no picture of 65 x 47"
   done
 done
-# What a file shows is what its scene shows, moved or not, and a window would take it, too.
-"$render" --scene cube --level 3 --motion turn --representation cvert --size 65x47 --output "$folder/saved" --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "cube.cbvh is not written"
+# A file shows the same picture as its scene, also in motion, and a window would open it.
+"$render" --scene cube --level 3 --motion turn --representation cvert --size 65x47 --output "$folder/saved" \
+  --save "$folder/cube.cbvh" >/dev/null 2>&1 || complain "cube.cbvh is not written"
 for mode in shading normals; do
   for view in "full --time 0.5" "3,2,4,0,0,0,40"; do
-    "$program" --scene cube --level 3 --motion turn --size 65x47 --mode $mode --view $view --screenshot "$folder/built.ppm" 2>"$folder/stderr" || complain "built: $(cat "$folder/stderr")"
-    "$program" "$folder/cube.cbvh" --size 65x47 --mode $mode --view $view --screenshot "$folder/opened.ppm" 2>"$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
-    [ "$view" = "full --time 0.5" ] || cmp "$folder/built.ppm" "$folder/opened.ppm" || complain "another picture from a file, $mode"
-    [ "$(tail -c $((65 * 47 * 3)) "$folder/opened.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)" -gt 50 ] || complain "nothing to see in a file, $mode, $view"
+    "$program" --scene cube --level 3 --motion turn --size 65x47 --mode $mode --view $view \
+      --screenshot "$folder/built.ppm" 2>"$folder/stderr" || complain "built: $(cat "$folder/stderr")"
+    "$program" "$folder/cube.cbvh" --size 65x47 --mode $mode --view $view --screenshot "$folder/opened.ppm" \
+      2>"$folder/stderr" || complain "opened: $(cat "$folder/stderr")"
+    [ "$view" = "full --time 0.5" ] || cmp "$folder/built.ppm" "$folder/opened.ppm" ||
+      complain "a different picture from a file, $mode"
+    [ "$(tail -c $((65 * 47 * 3)) "$folder/opened.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)" -gt 50 ] ||
+      complain "empty picture of a file, $mode, $view"
   done
 done
 
-# Maps that are made go to the user's cache, and nothing to the working directory.
+# Generated maps are stored in the user's cache, not in the working directory.
 mkdir "$folder/work"
-(cd "$folder/work" && "$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/trex.ppm" 2>"$folder/stderr") ||
+(cd "$folder/work" &&
+  "$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/trex.ppm" 2>"$folder/stderr") ||
   complain "trex: $(cat "$folder/stderr")"
-[ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] || complain "no map in the user's cache: $(ls -R "$folder/cache")"
+[ -s "$folder/cache/embree-cbvh/trex_height_atlas.exr" ] ||
+  complain "no map in the user's cache: $(ls -R "$folder/cache")"
 [ -z "$(ls -A "$folder/work")" ] || complain "left in the working directory: $(ls -A "$folder/work")"
 "$program" --scene trex --mapping atlas --level 0 --size 64x64 --screenshot "$folder/again.ppm" 2>"$folder/stderr"
-cmp "$folder/trex.ppm" "$folder/again.ppm" || complain "another picture with the map from the cache"
+cmp "$folder/trex.ppm" "$folder/again.ppm" || complain "a different picture with the map from the cache"
 grep -q "trex: skin" "$folder/stderr" && complain "the map in the cache is not used"
 XDG_CACHE_HOME=/dev/null refuses "/dev/null/embree-cbvh" --scene trex --level 0
 
-# GRID has no error against itself: white and the blue of 0 pixels.
+# GRID has no error relative to itself: only white and the blue of 0 pixels.
 colors=$(tail -c $((65 * 47 * 3)) "$folder/error-grid.ppm" | od -An -v -tu1 -w3 | sort -u | wc -l)
-[ "$colors" = 2 ] || complain "$colors colours in the error of GRID"
+[ "$colors" = 2 ] || complain "$colors colors in the error of GRID"
 
-# Samples smooth what is shaded, and nothing else: neither errors nor places have a mean.
+# Samples smooth only shaded pictures; errors and positions have no mean.
 for mode in shading normals error cells blocks; do
   "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation cleaf^auto,cvoxel^8 --samples 1 \
     --screenshot "$folder/once.ppm" 2>/dev/null
   if [ $mode = shading ]; then
-    cmp -s "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" && complain "one sample and sixteen are the same"
+    cmp -s "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" &&
+      complain "one sample and sixteen give the same picture"
   else
-    cmp "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" || complain "$mode has more than one sample"
+    cmp "$folder/once.ppm" "$folder/$mode-cleaf^auto-cvoxel^8.ppm" || complain "$mode uses more than one sample"
   fi
 done
 
-# The picture is cbvh_render's, with as many samples.
+# The picture equals cbvh_render's with the same number of samples.
 for samples in 1 5 16; do
-  "$program" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --screenshot "$folder/ours.png" 2>/dev/null
-  "$render" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --output "$folder/theirs" >/dev/null 2>&1
-  cmp "$folder/ours.png" "$folder/theirs/cube_cvert.png" || complain "another picture than cbvh_render's of $samples samples"
+  "$program" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples \
+    --screenshot "$folder/ours.png" 2>/dev/null
+  "$render" --scene cube --level 4 --size 200x100 --representation cvert --samples $samples --output "$folder/theirs" \
+    >/dev/null 2>&1
+  cmp "$folder/ours.png" "$folder/theirs/cube_cvert.png" ||
+    complain "a different picture than cbvh_render's of $samples samples"
 done
 
-# So it is at a time of a motion, which is not its start.
+# The same at later times of a motion.
 for time in 0 0.5; do
-  "$program" --scene cube --motion turn --level 4 --size 200x100 --time $time --screenshot "$folder/at$time.png" 2>/dev/null
-  "$render" --scene cube --motion turn --level 4 --size 200x100 --representation cvert --shutter $time,$time --output "$folder/theirs" >/dev/null 2>&1
-  cmp "$folder/at$time.png" "$folder/theirs/cube_cvert.png" || complain "another picture than cbvh_render's at time $time"
+  "$program" --scene cube --motion turn --level 4 --size 200x100 --time $time --screenshot "$folder/at$time.png" \
+    2>/dev/null
+  "$render" --scene cube --motion turn --level 4 --size 200x100 --representation cvert --shutter $time,$time \
+    --output "$folder/theirs" >/dev/null 2>&1
+  cmp "$folder/at$time.png" "$folder/theirs/cube_cvert.png" ||
+    complain "a different picture than cbvh_render's at time $time"
 done
-cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not turn"
+cmp -s "$folder/at0.png" "$folder/at0.5.png" && complain "the cube does not rotate"
 
-# One thread or two: the same picture.
+# One thread and two threads must give the same picture.
 for threads in 1 2; do
-  "$program" --scene cube --level 4 --size 200x100 --threads $threads --screenshot "$folder/threads$threads.ppm" 2>/dev/null
+  "$program" --scene cube --level 4 --size 200x100 --threads $threads --screenshot "$folder/threads$threads.ppm" \
+    2>/dev/null
 done
 cmp "$folder/threads1.ppm" "$folder/threads2.ppm" || complain "threads change the picture"
 
-# Ctrl-C in the middle of a build of 268 million quads: status 130, no file.
+# Ctrl-C during a build of 268 million quads: status 130, no file.
 awk 'BEGIN { n = 64
   for (y = 0; y <= n; y++) for (x = 0; x <= n; x++) print "v", x, y, 0
-  for (y = 0; y < n; y++) for (x = 0; x < n; x++) { v = y * (n + 1) + x + 1; print "f", v, v + 1, v + n + 2, v + n + 1 } }' \
+  for (y = 0; y < n; y++)
+    for (x = 0; x < n; x++) { v = y * (n + 1) + x + 1; print "f", v, v + 1, v + n + 2, v + n + 1 } }' \
   >"$folder/plane.obj"
 "$program" --cage "$folder/plane.obj" --level 8 --screenshot "$folder/out.png" 2>"$folder/stderr" &
 process=$!
@@ -142,8 +158,8 @@ kill -INT $process
 wait $process
 status=$?
 [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
-grep -q "^cbvh_viewer: cancelled" "$folder/stderr" || complain "no word on the cancellation"
+grep -q "^cbvh_viewer: cancel*ed" "$folder/stderr" || complain "no message about the cancellation"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
-[ $failures = 0 ] && echo "all well"
+[ $failures = 0 ] && echo "passed"
 exit $((failures != 0))

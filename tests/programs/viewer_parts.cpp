@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What cbvh_viewer does without a window. */
+/* Tests the parts of cbvh_viewer that do not require a window. */
 
 #include "basics/error.h"
 #include "basics/progress.h"
@@ -32,7 +32,7 @@ Viewpoint someViewpoint()
   return Viewpoint(Camera({3, 2, 5}, {0.5f, 0.25f, -1}, {0, 1, 0}, 40, size), {0, 1, 0});
 }
 
-/* A pixel to a point at a distance, and back. */
+/* Maps a pixel to a point at a distance, and back. */
 Vec3f pointAt(const Camera& camera, float x, float y, float distance)
 {
   return camera.eye() + distance * camera.direction(x, y);
@@ -52,7 +52,7 @@ void expectNear(Vec3f a, Vec3f b, float tolerance = 1e-4f)
   EXPECT_LT(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z << " and " << b.x << " " << b.y << " " << b.z;
 }
 
-TEST(Viewpoint, PanKeepsThePointOfTheDepthUnderTheMouse)
+TEST(Viewpoint, PanKeepsThePointUnderTheMouse)
 {
   Viewpoint view = someViewpoint();
   const Vec3f direction = view.direction();
@@ -77,7 +77,7 @@ TEST(Viewpoint, ZoomKeepsThePixelOfThePointAndScalesAllDistances)
   EXPECT_NEAR(length(point - view.position()), 0.5f * toPoint, 1e-4f);
 }
 
-TEST(Viewpoint, ZoomEndsBeforeFloatsDo)
+TEST(Viewpoint, ZoomStopsWithinFloatRange)
 {
   for (const float factor : {0.5f, 2.0f})
   {
@@ -87,12 +87,12 @@ TEST(Viewpoint, ZoomEndsBeforeFloatsDo)
     EXPECT_GT(view.distance(), 0.0f);
     EXPECT_TRUE(isFinite(view.position()));
     EXPECT_TRUE(isFinite(view.camera(size).direction(0, 0)));
-    view.zoom({0.5f, 0.25f, -1}, 1.0f / factor); // and there is a way back
+    view.zoom({0.5f, 0.25f, -1}, 1.0f / factor); // zooming back is possible
     EXPECT_NEAR(length(view.direction()), 1.0f, 1e-5f);
   }
 }
 
-TEST(Viewpoint, OrbitStaysAtItsDistanceOfTheTargetAndOffThePoles)
+TEST(Viewpoint, OrbitKeepsItsDistanceAndAvoidsThePoles)
 {
   Viewpoint view = someViewpoint();
   const Vec3f target = view.camera(size).lookAt();
@@ -107,7 +107,7 @@ TEST(Viewpoint, OrbitStaysAtItsDistanceOfTheTargetAndOffThePoles)
   EXPECT_GT(view.direction().y, 0.99f);
 }
 
-TEST(Viewpoint, LookTurnsOnTheSpot)
+TEST(Viewpoint, LookRotatesInPlace)
 {
   Viewpoint view = someViewpoint();
   const Vec3f direction = view.direction();
@@ -117,7 +117,7 @@ TEST(Viewpoint, LookTurnsOnTheSpot)
   EXPECT_GT(view.direction().y, direction.y);
 }
 
-TEST(Viewpoint, LooksStraightUpAndDownWithoutHarm)
+TEST(Viewpoint, LookingStraightUpAndDownIsStable)
 {
   Viewpoint view(Camera({0, 5, 0}, {0, 0, 0}, {0, 1, 0}, 40, size), {0, 1, 0});
   view.pan(10, 10, 5, size);
@@ -138,9 +138,10 @@ int areaOf(Rectangle r)
   return r.width * r.height;
 }
 
-TEST(Layout, SharesTheWindowWithoutOverlap)
+TEST(Layout, AreasDoNotOverlap)
 {
-  for (const ImageSize window : {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
+  for (const ImageSize window :
+       {ImageSize{1024, 768}, {400, 300}, {400, 900}, {600, 400}, {599, 400}, {30, 30}, {1, 1}})
     for (const PanelState panel : {PanelState::Open, PanelState::Folded, PanelState::Hidden})
       for (const bool split : {false, true})
       {
@@ -153,7 +154,7 @@ TEST(Layout, SharesTheWindowWithoutOverlap)
       }
 }
 
-TEST(Layout, LeavesThePictureHalfOfTheWindowAndAllOfItWithoutThePanel)
+TEST(Layout, PictureGetsHalfTheWindowOrAllOfItWithoutThePanel)
 {
   for (const ImageSize window : {ImageSize{1024, 768}, {600, 400}, {400, 300}})
   {
@@ -207,15 +208,15 @@ TEST_F(Pictures, CountAllRaysAndTheirHits)
   EXPECT_DOUBLE_EQ(report.mhits(), report.mrays() * double(report.hits) / double(report.rays));
 }
 
-TEST_F(Pictures, HaveTheErrorsOfAllOtherPrograms)
+TEST_F(Pictures, HaveTheSameErrorsAsOtherPrograms)
 {
   PictureSettings settings;
   settings.mode = PictureMode::Error;
   Picture picture(*camera, {Pane(&*coarse, &*grid)}, settings);
   picture.addSample();
   const std::vector<Ray> rays = primaryRays(*camera);
-  const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1), camera->footprint(),
-                                       coarse->layout());
+  const HitErrors errors = compareHits(traceClosest(*grid, rays, 1), traceClosest(*coarse, rays, 1),
+                                       camera->footprint(), coarse->layout());
   const PaneReport& report = picture.reports().at(0);
   EXPECT_GT(report.p99, report.median);
   EXPECT_EQ(report.median, errors.median);
@@ -224,7 +225,7 @@ TEST_F(Pictures, HaveTheErrorsOfAllOtherPrograms)
   EXPECT_EQ(report.misses, errors.misses);
 }
 
-TEST_F(Pictures, GatherSamplesAndKeepTheFiguresOfTheFirst)
+TEST_F(Pictures, AccumulateSamplesAndKeepTheFiguresOfTheFirst)
 {
   PictureSettings settings;
   settings.samples = 4;
@@ -244,19 +245,20 @@ TEST_F(Pictures, GatherSamplesAndKeepTheFiguresOfTheFirst)
   EXPECT_EQ(picture.reports()[0].seconds, seconds);
 }
 
-TEST_F(Pictures, AreOfOneRayWhereHitsHaveNoMean)
+TEST_F(Pictures, UseOneRayIfHitsHaveNoMean)
 {
   for (const PictureMode mode : allPictureModes)
   {
     PictureSettings settings;
     settings.mode = mode;
     settings.samples = 4;
-    EXPECT_EQ(Picture(*camera, {Pane(&*coarse, &*grid)}, settings).wantedSamples(), mode == PictureMode::Shading ? 4 : 1);
+    EXPECT_EQ(Picture(*camera, {Pane(&*coarse, &*grid)}, settings).wantedSamples(),
+              mode == PictureMode::Shading ? 4 : 1);
   }
 }
 
-/* Linear colour: half of a pixel white and half of it black is lighter than the middle of their codes. */
-TEST_F(Pictures, AverageLinearColour)
+/* Linear color: a pixel that is half white and half black is brighter than the mean of the encoded values. */
+TEST_F(Pictures, AverageLinearColor)
 {
   PictureSettings settings;
   settings.samples = 3;
@@ -276,9 +278,9 @@ TEST_F(Pictures, AverageLinearColour)
   EXPECT_EQ(image.rgb, expected.rgb);
 }
 
-/* --- files that are opened --------------------------------------------------------------- */
+/* --- opened files ------------------------------------------------------------------------ */
 
-TEST(OpenedFiles, ACageReplacesTheSceneAndItsMap)
+TEST(OpenedFiles, CageReplacesTheSceneAndItsMap)
 {
   SceneSettings current;
   current.scene = "trex";
@@ -295,7 +297,7 @@ TEST(OpenedFiles, ACageReplacesTheSceneAndItsMap)
   validateScene(opened);
 }
 
-TEST(OpenedFiles, AMapGoesOnTheCageThatIsThere)
+TEST(OpenedFiles, MapIsAppliedToTheCurrentCage)
 {
   SceneSettings current;
   current.cagePath = "body.obj";
@@ -307,7 +309,7 @@ TEST(OpenedFiles, AMapGoesOnTheCageThatIsThere)
   EXPECT_EQ(opened.amplitude, 0.02f);
 }
 
-TEST(OpenedFiles, ACageWithoutAMapForgetsHowTheLastOneWasRead)
+TEST(OpenedFiles, CageWithoutAMapResetsMapOptions)
 {
   SceneSettings current;
   current.cagePath = "body.obj";
@@ -327,7 +329,7 @@ TEST(OpenedFiles, ACageWithoutAMapForgetsHowTheLastOneWasRead)
   EXPECT_EQ(both.mapScale, 3.0f);
 }
 
-TEST(OpenedFiles, BothInAnyOrder)
+TEST(OpenedFiles, CageAndMapAreAcceptedInAnyOrder)
 {
   for (const auto& files : {std::vector<std::string>{"body.obj", "skin.tif"}, {"skin.tif", "body.obj"}})
   {
@@ -338,7 +340,7 @@ TEST(OpenedFiles, BothInAnyOrder)
   }
 }
 
-TEST(OpenedFiles, CompressedSurfacesComeWithoutAModelAndGoWithTheNext)
+TEST(OpenedFiles, CompressedSurfacesHaveNoModel)
 {
   SceneSettings trex;
   trex.scene = "trex";
@@ -355,7 +357,7 @@ TEST(OpenedFiles, CompressedSurfacesComeWithoutAModelAndGoWithTheNext)
   EXPECT_TRUE(next.savedPath.empty());
 }
 
-TEST(OpenedFiles, RefusesWhatItCannotPutTogether)
+TEST(OpenedFiles, IncompatibleFilesAreRejected)
 {
   SceneSettings trex;
   trex.scene = "trex";
@@ -378,7 +380,7 @@ void untilCancelled()
   }
 }
 
-TEST(Worker, TellsThePhaseOfItsWork)
+TEST(Worker, ReportsThePhaseOfItsWork)
 {
   Worker worker;
   worker.reportProgress();
@@ -415,7 +417,7 @@ TEST(Worker, TellsThePhaseOfItsWork)
   EXPECT_FALSE(worker.progress());
 }
 
-TEST(Worker, StopsAndGoesOn)
+TEST(Worker, CanBeStoppedAndRestarted)
 {
   Worker worker;
   worker.start("endless", untilCancelled);
@@ -432,7 +434,7 @@ TEST(Worker, StopsAndGoesOn)
   EXPECT_TRUE(done);
 }
 
-TEST(Worker, DropsWhatWasFinishedAlthoughCancelled)
+TEST(Worker, DiscardsResultsOfCanceledWork)
 {
   Worker worker;
   worker.start("short", [] {});
@@ -441,7 +443,7 @@ TEST(Worker, DropsWhatWasFinishedAlthoughCancelled)
   EXPECT_THROW(worker.take(), Cancelled);
 }
 
-TEST(Worker, HandsOverErrors)
+TEST(Worker, ForwardsErrors)
 {
   Worker worker;
   worker.start("failing", [] { throw Error("no such file"); });
@@ -449,7 +451,7 @@ TEST(Worker, HandsOverErrors)
   EXPECT_FALSE(worker.busy());
 }
 
-TEST(Worker, StopsWhenItGoes)
+TEST(Worker, StopsOnDestruction)
 {
   {
     Worker worker;

@@ -1,20 +1,22 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""cbvh_viewer on a display of its own, with keys, mouse and eyes.
+"""Runs cbvh_viewer on its own display, sends keys and mouse events, and reads the screen.
 
-Xvfb keeps its screen in a file of the XWD format, which is read here."""
+Xvfb keeps its screen in a file in XWD format, which this module reads.
+"""
 
 import os
 import struct
 import subprocess
 import time
+from pathlib import Path
 
 SIZE = (480, 360)
-TIMEOUT = 60  # seconds, for anything to happen
+TIMEOUT = 60  # seconds, for any event
 
 
 def read_ppm(path):
-    """(width, height, RGB bytes) of a binary PPM."""
+    """Returns (width, height, RGB bytes) of a binary PPM."""
     with open(path, "rb") as file:
         data = file.read()
     fields, at = [], 0
@@ -28,14 +30,14 @@ def read_ppm(path):
 
 
 def read_screen(path, box):
-    """The same of a rectangle (x, y, width, height) of an XWD file with 32 bits a
-    pixel; nothing while it is not that."""
+    """Returns the same for a rectangle (x, y, width, height) of an XWD file with 32 bits per pixel; None while the
+    file is incomplete."""
     with open(path, "rb") as file:
         data = file.read()
     header = struct.unpack(">25I", data[:100])
     big_endian, bits, stride = header[7], header[11], header[12]
     if bits != 32:
-        raise SystemExit(f"FAILED: the screen has {bits} bits a pixel")
+        raise SystemExit(f"FAILED: the screen has {bits} bits per pixel")
     begin = header[0] + 12 * header[19]
     red, green, blue = (1, 2, 3) if big_endian else (2, 1, 0)
     x, y, width, height = box
@@ -49,7 +51,7 @@ def read_screen(path, box):
 
 
 def wait_for(what, condition):
-    """The first true value of condition()."""
+    """Returns the first true value of condition()."""
     end = time.monotonic() + TIMEOUT
     while time.monotonic() < end:
         value = condition()
@@ -64,8 +66,9 @@ class Session:
         self.program, self.folder, self.renderer = program, folder, renderer
         read, write = os.pipe()
         self.server = subprocess.Popen(
-            # which without -noreset starts anew when the last program ends, and refuses one that comes just then
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp", "-noreset"],
+            # without -noreset, Xvfb restarts when the last program ends, and rejects new ones meanwhile
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-fbdir", folder, "-nolisten", "tcp",
+             "-noreset"],
             pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as file:
@@ -89,7 +92,7 @@ class Session:
         return done.stdout.strip()
 
     def screenshot(self, name, *options, scene=("--scene", "cube"), size=SIZE):
-        """What the program writes without a window."""
+        """Returns the picture that the program writes without a window."""
         path = os.path.join(self.folder, name + ".ppm")
         environment = {k: v for k, v in self.environment.items() if k != "DISPLAY"}
         done = subprocess.run([self.program, *scene, "--size", "%dx%d" % size, *options, "--screenshot", path],
@@ -99,9 +102,11 @@ class Session:
         return read_ppm(path)
 
     def render(self, *options):
-        """cbvh_render with a small picture."""
-        done = subprocess.run([self.renderer, *options, "--size", "16x16", "--output", os.path.join(self.folder, "rendered")],
-                              env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+        """Runs cbvh_render with a small picture."""
+        done = subprocess.run([self.renderer, *options, "--size", "16x16", "--output",
+                               os.path.join(self.folder, "rendered")],
+                              env=self.environment, cwd=self.folder, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, text=True, check=False)
         if done.returncode:
             raise SystemExit(f"FAILED: cbvh_render {' '.join(options)}: {done.stderr}")
 
@@ -110,7 +115,8 @@ class Session:
             return file.read()
 
     def start(self, *options, scene=("--scene", "cube"), size=SIZE):
-        with open(os.path.join(self.folder, "log"), "w") as log, open(os.path.join(self.folder, "output"), "w") as output:
+        folder = Path(self.folder)
+        with open(folder / "log", "w") as log, open(folder / "output", "w") as output:
             self.viewer = subprocess.Popen([self.program, *scene, "--size", "%dx%d" % size, *options],
                                            env=self.environment, cwd=self.folder, stdout=output, stderr=log)
         def window():
@@ -119,7 +125,7 @@ class Session:
             return self.xdotool("search", "--onlyvisible", "--name", "cbvh_viewer").split("\n")[0]
         self.window = wait_for("no window", window)
         self.away()
-        def focused(): # there is no window manager to do it
+        def focused(): # without a window manager
             self.xdotool("windowfocus", self.window)
             return self.xdotool("getwindowfocus", "-f") == self.window
         wait_for("the window does not take the focus", focused)
@@ -129,11 +135,11 @@ class Session:
             self.xdotool("key", key)
 
     def away(self):
-        """Puts the cursor, which is drawn into the screen, beside the window."""
+        """Moves the cursor, which is part of the screen, outside of the window."""
         self.xdotool("mousemove", 790, 590)
 
     def mouse(self, *steps):
-        # With pauses: GLFW asks where the mouse is now, not where it was at the click.
+        # With pauses: GLFW reads the current mouse position, not the position of the click.
         for step in steps:
             self.xdotool(*step)
             time.sleep(0.2)
@@ -146,15 +152,16 @@ class Session:
         return self.xdotool("getwindowname", self.window)
 
     def says(self, what):
-        """Waits for the title of the window to have something in it."""
+        """Waits until the title of the window contains a text."""
         wait_for(f"the title does not say '{what}'", lambda: what in self.title())
         print(f"says {what}")
 
     def camera(self):
-        """(eye, target), as the window prints them."""
+        """Returns (eye, target) as printed by the window."""
         before = self.read("output")
         self.key("c")
-        line = wait_for("the camera is not printed", lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")))
+        line = wait_for("the camera is not printed",
+                        lambda: (lambda text: text != before and text.endswith("\n") and text)(self.read("output")))
         numbers = [float(n) for n in line.split("\n")[-2].split()[1].split(",")]
         return numbers[:3], numbers[3:6]
 
@@ -168,14 +175,14 @@ class Session:
         print(f"shows {what}")
 
     def shows_beside_panel(self, what, picture, place):
-        """Waits for the window to have the picture at a place (x, y), and something in the rest of it."""
+        """Waits until the window shows the picture at a position (x, y), and anything in the rest."""
         x, y = place
         def shown():
             width, height, pixels = self.screen()
             rows = (3 * (row * width + x) for row in range(y, y + picture[1]))
             return b"".join(pixels[at : at + 3 * picture[0]] for at in rows) == picture[2]
-        wait_for(f"the window does not show {what} beside the panel", shown)
-        print(f"shows {what} beside the panel")
+        wait_for(f"the window does not show {what} next to the panel", shown)
+        print(f"shows {what} next to the panel")
 
     def ends(self, status):
         wait_for("the viewer does not end", lambda: self.viewer.poll() is not None)

@@ -1,6 +1,6 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Drops files on a window as a file manager does, by version 5 of the XDND protocol."""
+"""Drops files on a window like a file manager, with version 5 of the XDND protocol."""
 
 import pathlib
 import select
@@ -13,7 +13,7 @@ TIMEOUT = 20  # seconds, for each answer of the window
 
 
 def drop(display_name, window_id, paths):
-    """Drops files. Throws RuntimeError when the window does not take them."""
+    """Drops files. Raises RuntimeError if the window does not accept them."""
     connection = display.Display(display_name)
     try:
         _Source(connection, window_id, paths).run()
@@ -33,7 +33,8 @@ class _Source:
 
     def send(self, kind, *data):
         data = (list(data) + [0] * 4)[:4]
-        message = event.ClientMessage(window=self.target, client_type=self.atom(kind), data=(32, [self.window.id, *data]))
+        message = event.ClientMessage(window=self.target, client_type=self.atom(kind),
+                                      data=(32, [self.window.id, *data]))
         self.target.send_event(message)
         self.connection.flush()
 
@@ -46,7 +47,7 @@ class _Source:
             got = self.connection.next_event()
             if condition(got):
                 return got
-        raise RuntimeError("the window does not take what is dropped")
+        raise RuntimeError("the window does not accept the files")
 
     def message(self, kind):
         return self.wait_for(lambda e: e.type == X.ClientMessage and e.client_type == self.atom(kind))
@@ -58,11 +59,12 @@ class _Source:
         place = self.target.translate_coords(self.connection.screen().root, 0, 0)
         self.send("XdndPosition", 0, (10 - place.x) << 16 | (10 - place.y), X.CurrentTime, self.atom("XdndActionCopy"))
         if not self.message("XdndStatus").data[1][1] & 1:
-            raise RuntimeError("the window refuses what is dropped")
+            raise RuntimeError("the window rejects the files")
         self.send("XdndDrop", 0, X.CurrentTime)
         request = self.wait_for(lambda e: e.type == X.SelectionRequest and e.target == uri_list)
         request.requestor.change_property(request.property, uri_list, 8, self.uris)
         request.requestor.send_event(event.SelectionNotify(time=request.time, requestor=request.requestor,
-                                                           selection=selection, target=uri_list, property=request.property))
+                                                           selection=selection, target=uri_list,
+                                                           property=request.property))
         self.connection.flush()
         self.message("XdndFinished")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cages out of arrays are those of files, and what is wrong with an array is said by its name."""
+"""Cages from arrays match those from files, and errors name the invalid array."""
 
 import inspect
 import os
@@ -46,9 +46,10 @@ class Cages(unittest.TestCase):
                 file.write(text)
             return cbvh.Cage.load(path)
 
-    def test_a_cage_of_a_files_arrays_is_that_of_the_file(self):
+    def test_arrays_of_a_file_give_the_same_cage(self):
         a = self.load(CUBE)
-        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices, crease_edges=a.crease_edges,
+        b = cbvh.Cage(a.vertices, a.indices, a.face_sizes, uvs=a.uvs, uv_indices=a.uv_indices,
+                      crease_edges=a.crease_edges,
                       crease_sharpness=a.crease_sharpness, corner_vertices=a.corner_vertices,
                       corner_sharpness=a.corner_sharpness, holes=a.holes, boundary=a.boundary, name=a.name)
         np.testing.assert_array_equal(a.crease_edges, [[0, 1]])
@@ -92,23 +93,24 @@ class Cages(unittest.TestCase):
         np.testing.assert_array_equal(a.indices, b.indices)
         np.testing.assert_array_equal(a.face_sizes, b.face_sizes)
 
-    def test_any_numbers_are_taken(self):
+    def test_all_number_types_are_accepted(self):
         vertices, faces = sheet_arrays()
         plain = cbvh.Cage(vertices, faces)
-        for v, f in ((vertices.astype(np.float32), faces.astype(np.int8)), (np.asfortranarray(vertices), faces.tolist()),
+        for v, f in ((vertices.astype(np.float32), faces.astype(np.int8)),
+                     (np.asfortranarray(vertices), faces.tolist()),
                      (np.repeat(vertices, 2, 0)[::2], np.asfortranarray(faces.astype(np.uint64)))):
             cage = cbvh.Cage(v, f)
             np.testing.assert_array_equal(cage.vertices, plain.vertices)
             np.testing.assert_array_equal(cage.indices, plain.indices)
 
-    def test_arrays_are_read_only_and_keep_what_they_show(self):
-        vertices = sheet().vertices  # the cage is gone
+    def test_arrays_are_read_only_and_keep_their_data_alive(self):
+        vertices = sheet().vertices  # the cage itself is released
         self.assertEqual(vertices.dtype, np.float32)
         np.testing.assert_array_equal(vertices, sheet_arrays()[0].astype(np.float32))
         with self.assertRaises(ValueError):
             vertices[0] = 1
 
-    def test_what_does_not_fit_is_named(self):
+    def test_invalid_arrays_are_reported_by_name(self):
         vertices, faces = sheet_arrays(2)
         flat = faces.ravel()
         nan = vertices.copy()
@@ -131,10 +133,12 @@ class Cages(unittest.TestCase):
                 (ValueError, "uv_indices: needs uvs", (vertices, faces), {"uv_indices": flat}),
                 (ValueError, "uv_indices: .* 4 .*indices, 16", (vertices, faces),
                  {"uvs": np.zeros((4, 2)), "uv_indices": [0, 1, 2, 3]}),
-                (ValueError, r"crease_edges: has shape \(3,\).*\(n, 2\)", (vertices, faces), {"crease_edges": [0, 1, 2]}),
+                (ValueError, r"crease_edges: has shape \(3,\).*\(n, 2\)", (vertices, faces),
+                 {"crease_edges": [0, 1, 2]}),
                 (ValueError, "crease_sharpness: .* 2 .* 1", (vertices, faces),
                  {"crease_edges": [[0, 1]], "crease_sharpness": [1, 2]}),
-                (ValueError, "corner_sharpness: .* -1", (vertices, faces), {"corner_vertices": [0], "corner_sharpness": -1}),
+                (ValueError, "corner_sharpness: .* -1", (vertices, faces),
+                 {"corner_vertices": [0], "corner_sharpness": -1}),
                 (ValueError, "holes: .* 4.* 0 to 3", (vertices, faces), {"holes": [4]}),
                 (ValueError, "boundary: is 'round'.*'none', 'edge_and_corner' or 'edge_only'", (vertices, faces),
                  {"boundary": "round"}),
@@ -143,7 +147,7 @@ class Cages(unittest.TestCase):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 cbvh.Cage(*arguments, **options)
 
-    def test_a_file_that_cannot_be_read_is_named(self):
+    def test_unreadable_files_are_reported_by_name(self):
         with self.assertRaisesRegex(cbvh.Error, "/nowhere/body.obj"):
             cbvh.Cage.load("/nowhere/body.obj")
         with self.assertRaisesRegex(cbvh.Error, r"cube.obj:14: vertex index 55"):
@@ -152,7 +156,7 @@ class Cages(unittest.TestCase):
 
 
 class Documentation(unittest.TestCase):
-    def test_all_that_is_public_has_a_docstring(self):
+    def test_all_public_names_have_docstrings(self):
         self.assertIn("cbvh.build", cbvh.__doc__)
         for name, member in vars(cbvh).items():
             if name.startswith("_"):

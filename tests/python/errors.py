@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors are what NumPy makes of the same hits."""
+"""Errors match those that NumPy computes from the same hits."""
 
 import unittest
 
@@ -28,7 +28,7 @@ class Errors(unittest.TestCase):
         t, at = self.hits.t[both], self.reference.t[both]
         np.testing.assert_allclose(errors[both], abs(t - at) / (self.camera.footprint * at), rtol=1e-4)
 
-    def test_the_summary_sums_up(self):
+    def test_summary_matches_the_distances(self):
         pixels = cbvh.pixel_errors(self.hits, self.reference, self.camera.footprint)
         pixels = pixels[~np.isnan(pixels)].astype(float)
         errors = self.voxel.errors(self.hits, self.reference, self.camera.footprint)
@@ -42,7 +42,7 @@ class Errors(unittest.TestCase):
         own = self.grid.errors(self.reference, self.reference, self.camera.footprint)
         self.assertEqual(own["max_pixels"], 0)
 
-    def test_true_errors_fall_with_the_level(self):
+    def test_true_errors_decrease_with_the_level(self):
         model = self.grid.model
         coarse, fine = (cbvh.build(model, "grid", level) for level in (3, 5))
         medians = [scene.true_errors(scene.intersect(*self.rays), *self.rays, self.camera.footprint, count=500)
@@ -50,7 +50,7 @@ class Errors(unittest.TestCase):
         self.assertEqual([m["hits"] for m in medians], [500, 500])
         self.assertLess(medians[1]["median_pixels"], medians[0]["median_pixels"])
 
-    def test_what_does_not_fit_is_named(self):
+    def test_mismatched_hits_are_reported_by_name(self):
         other = cbvh.build(sheet(), "grid", 3)
         footprint = self.camera.footprint
         wrong = other.intersect(*self.rays)

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""The example runs from the first cell to the last, on a smaller scene, and makes its pictures.
+"""Runs the example from the first cell to the last with a smaller scene, and checks that it writes its pictures.
 
-usage: example.py COMPARE-REPRESENTATIONS.PY"""
+    example.py COMPARE-REPRESENTATIONS.PY
+"""
 
 import sys
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes are saved and loaded, and hit at the same places to the bit."""
+"""Scenes are saved and loaded with bit-identical hits."""
 
 import os
 import tempfile
@@ -19,7 +19,7 @@ class Files(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.path = os.path.join(folder.name, "sheet.cbvh")
 
-    def test_what_is_loaded_is_what_was_saved(self):
+    def test_loaded_scenes_match_saved_ones(self):
         origins, directions = rays_from_above()
         for name in ("cvert", "cleaf", "cvoxel", "cgrid"):
             with self.subTest(name):
@@ -40,7 +40,7 @@ class Files(unittest.TestCase):
                 self.assertEqual(loaded.quads, scene.statistics()["quads"])
                 self.assertIn("sheet.cbvh", repr(loaded))
 
-    def test_damage_that_rays_meet_is_told_by_whoever_sends_them(self):
+    def test_damage_is_reported_to_the_caller_that_traces(self):
         origins, directions = rays_from_above()
         cbvh.build(bumpy_model(), "cvert", 6).save(self.path)
         with open(self.path, "r+b") as file:
@@ -58,7 +58,7 @@ class Files(unittest.TestCase):
             with self.assertRaisesRegex(cbvh.Error, "damaged"):
                 call(cbvh.load(self.path))
 
-    def test_what_cannot_be_saved_or_loaded_says_so(self):
+    def test_failed_saves_and_loads_report_the_reason(self):
         with self.assertRaisesRegex(ValueError, "compressed"):
             cbvh.build(bumpy_model(), "grid", 3).save(self.path)
         with self.assertRaisesRegex(cbvh.Error, "No such file"):
@@ -71,7 +71,7 @@ class Files(unittest.TestCase):
         with self.assertRaisesRegex(cbvh.Error, "cannot be written"):
             cbvh.build(bumpy_model(), "cvert", 3).save(os.path.join(self.path, "none"))
 
-    def test_a_scene_is_not_saved_over_its_own_cage_or_map(self):
+    def test_scene_does_not_replace_its_own_cage_or_map(self):
         cage_path, map_path = self.path + ".obj", self.path + ".pgm"
         cage = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n"
         heights = b"P5\n4 4\n255\n0123456789abcdef"
@@ -90,7 +90,7 @@ class Files(unittest.TestCase):
             self.assertEqual(file.read(), heights)
         scene.save(self.path)
         loaded = cbvh.load(self.path)
-        scene.save(self.path)  # what is mapped stays the old one
+        scene.save(self.path)  # the mapped file remains the old one
         self.assertEqual(loaded.quads, scene.statistics()["quads"])
 
 

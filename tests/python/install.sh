@@ -2,7 +2,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The installed module finds the library that is installed with it, from wherever both are moved to.
+# The installed module finds the library that is installed with it, also after both were moved.
 #
 #   install.sh CMAKE BUILD-DIRECTORY PYTHON
 set -eu

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Long calls say how far they are, let other threads run, and can be stopped."""
+"""Long calls report progress, let other threads run, and can be stopped."""
 
 import os
 import signal
@@ -16,7 +16,7 @@ import numpy as np
 import embree_cbvh as cbvh
 from sheets import bumpy_model, rays_from_above
 
-LONG = {"representation": "cleaf", "level": 7}  # of the model below: seconds
+LONG = {"representation": "cleaf", "level": 7}  # of the model below: takes seconds
 
 
 def long_model():
@@ -25,15 +25,15 @@ def long_model():
 
 class Progress(unittest.TestCase):
     def test_phases_start_at_0_rise_and_end_at_1(self):
-        told, threads = {}, set()
+        reported, threads = {}, set()
 
         def progress(phase, fraction):
-            told.setdefault(phase, []).append(fraction)
+            reported.setdefault(phase, []).append(fraction)
             threads.add(threading.get_ident())
 
         cbvh.build(bumpy_model(), "naive", 5, progress=progress)
-        self.assertEqual(list(told), ["NAIVE: tessellation", "NAIVE: build"])
-        for fractions in told.values():
+        self.assertEqual(list(reported), ["NAIVE: tessellation", "NAIVE: build"])
+        for fractions in reported.values():
             self.assertEqual((fractions[0], fractions[-1]), (0, 1))
             self.assertEqual(fractions, sorted(set(fractions)))
         self.assertEqual(threads, {threading.get_ident()})
@@ -43,7 +43,7 @@ class Progress(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         self.assertEqual((done.stdout, done.stderr), ("", ""))
 
-    def test_what_progress_raises_stops_the_build(self):
+    def test_exceptions_in_progress_stop_the_build(self):
         last = []
 
         def progress(_, fraction):
@@ -56,7 +56,7 @@ class Progress(unittest.TestCase):
         self.assertLess(last[-1], 1)
         self.works()
 
-    def test_progress_cannot_build(self):
+    def test_progress_must_not_build(self):
         with self.assertRaisesRegex(RuntimeError, "progress cannot build or trace"):
             cbvh.build(bumpy_model(), level=4, progress=lambda *_: cbvh.build(bumpy_model(), level=3))
         self.works()
@@ -68,7 +68,7 @@ class Progress(unittest.TestCase):
 
 class Interrupts(unittest.TestCase):
     def interrupt(self, call):
-        """Calls call(started), and sends SIGINT a little after it has called started()."""
+        """Calls call(started), and sends SIGINT shortly after it has called started()."""
         started = threading.Event()
 
         def press():
@@ -80,7 +80,7 @@ class Interrupts(unittest.TestCase):
         thread.start()
         with self.assertRaises(KeyboardInterrupt):
             call(started.set)
-            time.sleep(10)  # a signal that comes too late must not end another test
+            time.sleep(10)  # a late signal must not end another test
         thread.join()
 
     def test_ctrl_c_stops_a_build(self):
@@ -128,15 +128,16 @@ class Threads(unittest.TestCase):
         middle = [t for t in ticks if begin + 0.25 * (end - begin) < t < end - 0.25 * (end - begin)]
         self.assertGreater(len(middle), 0)
 
-    def test_builds_and_traces_of_several_threads_take_turns(self):
+    def test_builds_and_traces_of_several_threads_are_serialized(self):
         model, rays = bumpy_model(), rays_from_above()
         expected = {name: cbvh.build(model, name, 5).intersect(*rays).t for name in ("grid", "cvert", "cleaf")}
         found, phases = {}, {}
 
         def work(name):
-            told = phases.setdefault(name, set())
+            reported = phases.setdefault(name, set())
             for _ in range(3):
-                found[name] = cbvh.build(model, name, 5, progress=lambda phase, _: told.add(phase)).intersect(*rays).t
+                scene = cbvh.build(model, name, 5, progress=lambda phase, _: reported.add(phase))
+                found[name] = scene.intersect(*rays).t
 
         threads = [threading.Thread(target=work, args=(name,)) for name in expected]
         for thread in threads:
@@ -147,7 +148,7 @@ class Threads(unittest.TestCase):
             np.testing.assert_array_equal(found[name], t)
         self.assertEqual(phases, {"grid": {"GRID: build"}, "cvert": {"cVERT: build"}, "cleaf": {"cLEAF: build"}})
 
-    def test_a_program_ends_while_daemon_threads_build_and_trace(self):
+    def test_program_ends_while_daemon_threads_build_and_trace(self):
         program = """
 import sys, threading, time
 sys.path.insert(0, %r)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Heights out of arrays and files move the surface as they should, and so does what is generated."""
+"""Heights from arrays and files displace the surface correctly, and generated scenes do, too."""
 
 import os
 import pathlib
@@ -16,7 +16,7 @@ import numpy as np
 import embree_cbvh as cbvh
 from sheets import rays_from_above, sheet, sheet_arrays
 
-DIAGONAL = np.sqrt(2)  # of the sheet
+DIAGONAL = np.sqrt(2)  # diagonal of the sheet
 
 
 def depths(model):
@@ -27,10 +27,10 @@ def depths(model):
 
 
 class Heights(unittest.TestCase):
-    def test_the_sheet_itself_is_flat(self):
+    def test_sheet_itself_is_flat(self):
         np.testing.assert_allclose(depths(cbvh.Model(sheet())), 1, atol=1e-6)
 
-    def test_one_height_moves_the_sheet_along_its_normal(self):
+    def test_height_moves_the_sheet_along_its_normal(self):
         for height in (0.0, 0.5, 1.0):
             model = cbvh.Model(sheet(), np.full((4, 4), height), amplitude=0.2)
             np.testing.assert_allclose(depths(model), 1 - 0.2 * DIAGONAL * (height - 0.5), atol=1e-5)
@@ -42,7 +42,7 @@ class Heights(unittest.TestCase):
             t = depths(cbvh.Model(sheet(), heights, amplitude=0.2))
             np.testing.assert_allclose(t, 1 - 0.2 * DIAGONAL * (expected - 0.5), atol=1e-3)
 
-    def test_a_file_is_the_same_as_its_array(self):
+    def test_file_and_array_are_equivalent(self):
         bytes_ = np.random.default_rng(1).integers(0, 256, (32, 48), np.uint8)
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "height.pgm"
@@ -54,7 +54,7 @@ class Heights(unittest.TestCase):
         self.assertGreater(np.ptp(of_file), 0.02)
         np.testing.assert_allclose(of_file, of_array, atol=0.1 * DIAGONAL / 255)
 
-    def test_an_array_leaves_no_file_behind(self):
+    def test_array_leaves_no_file(self):
         with tempfile.TemporaryDirectory() as folder:
             before = os.environ.get("TMPDIR")
             os.environ["TMPDIR"] = folder
@@ -72,17 +72,18 @@ class Heights(unittest.TestCase):
                 else:
                     os.environ["TMPDIR"] = before
 
-    def test_a_cage_without_uvs_gets_the_map_on_each_face_and_a_warning(self):
+    def test_cage_without_uvs_gets_the_map_on_each_face_and_a_warning(self):
         cage = cbvh.Cage(*sheet_arrays(), name="plain")
-        with self.assertWarnsRegex(UserWarning, "^plain has no texture coordinates: each face gets the whole of height"):
+        with self.assertWarnsRegex(UserWarning,
+                                   "^plain has no texture coordinates: each face gets the whole of height"):
             cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            cbvh.Model(cage, np.ones((4, 4)))  # its borders fit
+            cbvh.Model(cage, np.ones((4, 4)))  # borders of the map match
             with self.assertRaises(UserWarning):
                 cbvh.Model(cage, np.arange(16.0).reshape(4, 4))
 
-    def test_what_does_not_fit_is_named(self):
+    def test_invalid_arguments_are_reported_by_name(self):
         nan = np.zeros((4, 4))
         nan[2, 1] = np.inf
         for error, text, arguments in (
@@ -98,7 +99,7 @@ class Heights(unittest.TestCase):
 
 
 class Scenes(unittest.TestCase):
-    def test_scenes_are_made_by_name(self):
+    def test_scenes_are_created_by_name(self):
         self.assertIn("trex", cbvh.scene_names())
         cube = cbvh.Model.scene("cube")
         self.assertEqual(cube.name, "cube")
@@ -107,7 +108,7 @@ class Scenes(unittest.TestCase):
         flat, spiky = (cbvh.build(cbvh.Model.scene("cube", a), "grid", 4).bounds for a in (0.0, 0.2))
         self.assertLess(flat[1, 0], spiky[1, 0])
 
-    def test_what_does_not_fit_is_named_as_in_python(self):
+    def test_invalid_options_are_reported_by_their_python_names(self):
         for text, name, options in (("unknown scene 'cow'.*cube", "cow", {}),
                                     ("^rough .*scene trex", "cube", {"rough": True}),
                                     ("^count .*scene herd", "cube", {"count": 3}),
@@ -115,7 +116,7 @@ class Scenes(unittest.TestCase):
             with self.subTest(text), self.assertRaisesRegex(cbvh.Error, text):
                 cbvh.Model.scene(name, **options)
 
-    def test_a_map_that_is_being_made_can_be_stopped_and_leaves_nothing(self):
+    def test_stopped_map_generation_leaves_no_file(self):
         def enough(phase, _):
             self.assertEqual(phase, "trex: skin")
             raise LookupError
@@ -126,26 +127,27 @@ class Scenes(unittest.TestCase):
             self.assertEqual(os.listdir(folder), [])
             code = ("import embree_cbvh as c\ndef stop(*_): raise LookupError\n"
                     "try: c.Model.scene('trex', progress=stop)\nexcept LookupError: pass")
-            subprocess.run([sys.executable, "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder}, check=True)
+            subprocess.run([sys.executable, "-c", code], cwd="/", env={**os.environ, "XDG_CACHE_HOME": folder},
+                           check=True)
             self.assertEqual(os.listdir(folder), ["embree-cbvh"])
         with self.assertRaisesRegex(cbvh.Error, "/dev/null"):
             cbvh.Model.scene("trex", map_folder="/dev/null/maps")
 
 
 class Meshes(unittest.TestCase):
-    def test_the_mesh_is_what_grid_holds(self):
+    def test_mesh_matches_grid(self):
         model = cbvh.Model.scene("cube")
         vertices, quads = model.tessellate(4)
         self.assertEqual(quads.shape, (model.num_quads(4), 4))
         self.assertEqual(vertices.shape, (6 * 17 * 17, 3))
         bounds = cbvh.build(model, "grid", 4).bounds
         np.testing.assert_allclose([vertices.min(0), vertices.max(0)], bounds, atol=1e-6)
-        # Counterclockwise for who sees the front: outward, at every corner of nearly every quad of a bumpy cube.
+        # Counterclockwise seen from the front: outward at every corner of nearly every quad of a bumpy cube.
         a, b, d = (vertices[quads[:, i]] for i in (0, 1, 3))
         outward = np.einsum("ij,ij->i", np.cross(b - a, d - a), a) > 0
         self.assertGreater(outward.mean(), 0.9)
 
-    def test_faces_of_three_and_five_vertices_are_patches_at_their_corners(self):
+    def test_polygons_consist_of_a_patch_per_corner(self):
         cage = cbvh.Cage([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]], [0, 1, 2, 3, 1, 4, 2], [4, 3])
         model = cbvh.Model(cage)
         self.assertEqual(model.num_quads(3), 64 + 3 * 16)

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 
 
 def run_example(path, smaller, pictures):
-    """smaller: what its settings are set to, by name. pictures: all that it writes. Returns its names."""
+    """smaller: settings to override, by name. pictures: all files that it must write. Returns its names."""
     with open(path, encoding="utf-8") as file:
         code = file.read()
     for name, value in smaller.items():
@@ -24,5 +24,5 @@ def run_example(path, smaller, pictures):
         assert sorted(os.listdir(folder)) == sorted(drawn), os.listdir(folder)
         os.chdir("/")
     for name, picture in drawn.items():
-        assert picture.std() > 0.05, name  # something is drawn
+        assert picture.std() > 0.05, name  # the picture is not empty
     return names

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes in every representation are hit where they should be, by rays in any array."""
+"""Scenes in every representation are hit at the right positions, with rays in arrays of any kind."""
 
 import unittest
 
@@ -14,7 +14,7 @@ MISS = 2**32 - 1
 
 
 class Hits(unittest.TestCase):
-    def test_a_flat_sheet_is_hit_where_it_is(self):
+    def test_flat_sheet_is_hit_at_its_position(self):
         origins, directions = rays_from_above()
         column, row = (np.floor(origins[..., axis] * 5).astype(int) for axis in (0, 1))
         for name in REPRESENTATIONS:
@@ -30,7 +30,7 @@ class Hits(unittest.TestCase):
                 normals = hits.Ng / np.linalg.norm(hits.Ng, axis=-1, keepdims=True)
                 np.testing.assert_allclose(normals, np.broadcast_to([0, 0, 1], normals.shape), atol=1e-3)
 
-    def test_misses_say_so(self):
+    def test_misses_are_marked(self):
         hits = cbvh.build(sheet(), "cvert", 4).intersect([[0.5, 0.5, 1], [5, 5, 1]], [0, 0, -1])
         self.assertEqual(hits.hit.tolist(), [True, False])
         self.assertEqual(hits.t.tolist()[1], np.inf)
@@ -54,7 +54,7 @@ class Hits(unittest.TestCase):
 
 
 def rising_model(poses=1):
-    """The sheet, which rises by half from time 0 to 1."""
+    """The sheet, which rises by one half from time 0 to 1."""
     vertices, _ = sheet_arrays()
     return cbvh.Model(sheet(), poses=[vertices + [0, 0, 0.5 * (i + 1) / poses] for i in range(poses)])
 
@@ -68,23 +68,24 @@ class Motion(unittest.TestCase):
                 with self.subTest(name, poses=poses):
                     scene = cbvh.build(rising_model(poses), name, 4)
                     np.testing.assert_allclose(scene.intersect(origins, directions).t, 1, atol=1e-5)
-                    np.testing.assert_allclose(scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times, atol=1e-5)
+                    np.testing.assert_allclose(scene.intersect(origins, directions, time=times).t, 1 - 0.5 * times,
+                                               atol=1e-5)
                     reached = scene.occluded(origins, directions, tfar=0.75, time=times)
                     np.testing.assert_array_equal(reached[times > 0.501], True)
                     np.testing.assert_array_equal(reached[times < 0.499], False)
 
-    def test_what_is_stored_has_times(self):
+    def test_stored_triangles_have_times(self):
         scene = cbvh.build(rising_model(), "cvert", 4)
         hits = scene.intersect(*rays_from_above(), time=0.25)
         np.testing.assert_allclose(scene.triangles(hits, time=0.25)[..., 2], 0.125, atol=1e-5)
         np.testing.assert_allclose(scene.tessellation(time=1)["vertices"][:, 2], 0.5, atol=1e-5)
         np.testing.assert_allclose(scene.tessellation()["vertices"][:, 2], 0, atol=1e-5)
 
-    def test_models_say_their_steps(self):
+    def test_models_report_their_steps(self):
         self.assertEqual([cbvh.Model(sheet()).steps, rising_model(4).steps], [1, 5])
         self.assertEqual(cbvh.Model.scene("cube", motion="turn", steps=3).steps, 3)
 
-    def test_bad_motion_is_refused(self):
+    def test_invalid_motion_is_rejected(self):
         with self.assertRaisesRegex(ValueError, r"poses: .*\(2, 35, 3\).*\(steps, 36, 3\)"):
             cbvh.Model(sheet(), poses=np.zeros((2, 35, 3)))
         with self.assertRaisesRegex(cbvh.Error, "unknown motion 'jump'"):
@@ -94,7 +95,7 @@ class Motion(unittest.TestCase):
 
 
 class Stored(unittest.TestCase):
-    def test_triangles_are_those_of_the_hits(self):
+    def test_triangles_match_hits(self):
         scene = cbvh.build(bumpy_model(), "cvert", 4)
         origins, directions = rays_from_above()
         hits = scene.intersect(origins, directions)
@@ -107,20 +108,21 @@ class Stored(unittest.TestCase):
         self.assertTrue((points >= triangles.min(-2) - 1e-5).all() and (points <= triangles.max(-2) + 1e-5).all())
         self.assertTrue(np.isnan(scene.triangles(scene.intersect([5, 5, 1], [0, 0, -1]))).all())
 
-    def test_the_tessellation_is_the_surface(self):
+    def test_tessellation_matches_the_surface(self):
         scene = cbvh.build(bumpy_model(), "cvert", 4)
         mesh = scene.tessellation()
         vertices, quads = mesh["vertices"], mesh["quads"]
         self.assertEqual(len(quads), scene.statistics()["quads"])
         self.assertEqual(sorted(set(mesh["primID"].tolist())), list(range(25)))
         self.assertLess(quads.max(), len(vertices))
-        area = np.abs(np.cross(vertices[quads[:, 2], :2] - vertices[quads[:, 0], :2], vertices[quads[:, 3], :2] - vertices[quads[:, 1], :2])).sum() / 2
+        area = np.abs(np.cross(vertices[quads[:, 2], :2] - vertices[quads[:, 0], :2],
+                               vertices[quads[:, 3], :2] - vertices[quads[:, 1], :2])).sum() / 2
         self.assertTrue(0.8 < area <= 1.0001, area)
         hits = scene.intersect(*rays_from_above())
         corners = scene.triangles(hits).reshape(-1, 3)
         self.assertTrue(set(map(tuple, corners.tolist())) <= set(map(tuple, vertices.tolist())))
 
-    def test_only_cvert_hands_them_out(self):
+    def test_only_cvert_returns_triangles(self):
         scene = cbvh.build(sheet(), "cleaf", 3)
         with self.assertRaisesRegex(cbvh.Error, "cLEAF.*cVERT"):
             scene.triangles(scene.intersect(*rays_from_above()))
@@ -133,11 +135,12 @@ class Rays(unittest.TestCase):
     def setUpClass(cls):
         cls.scene = cbvh.build(bumpy_model(), "cvert", 4)
 
-    def test_arrays_of_any_kind_are_the_same_rays(self):
+    def test_arrays_of_any_kind_give_the_same_rays(self):
         origins, directions = rays_from_above()
         expected = self.scene.intersect(origins, directions)
         self.assertGreater(np.ptp(expected.t), 0.01)
-        for o, d in ((origins.astype(np.float64), directions), (np.asfortranarray(origins), np.asfortranarray(directions)),
+        for o, d in ((origins.astype(np.float64), directions),
+                     (np.asfortranarray(origins), np.asfortranarray(directions)),
                      (np.repeat(origins, 2, 1)[:, ::2], directions.astype(np.int64)), (origins.tolist(), (0, 0, -1)),
                      (origins, directions.astype(">f4"))):
             hits = self.scene.intersect(o, d)
@@ -157,7 +160,7 @@ class Rays(unittest.TestCase):
         np.testing.assert_array_equal(limits.hit, [[False, False, False], [True, False, True]])
         self.assertEqual(self.scene.intersect(np.zeros((0, 3)), [0, 0, 1]).t.shape, (0,))
 
-    def test_rays_are_the_same_on_any_number_of_threads(self):
+    def test_hits_do_not_depend_on_the_number_of_threads(self):
         rays = rays_from_above(200, -0.5, 1.5)
         one, all_ = (self.scene.intersect(*rays, threads=n) for n in (1, 0))
         np.testing.assert_array_equal(one.t, all_.t)
@@ -165,17 +168,18 @@ class Rays(unittest.TestCase):
         self.assertEqual(self.scene.occluded(*rays).dtype, bool)
         self.assertLess(one.hit.sum(), one.hit.size)
 
-    def test_any_hit_minds_the_ends_of_the_ray(self):
+    def test_any_hit_respects_tnear_and_tfar(self):
         found = self.scene.occluded([0.5, 0.5, 1], [0, 0, -1], tnear=[0, 1.5], tfar=[0.5, np.inf])
         self.assertEqual(found.tolist(), [False, False])
         self.assertTrue(self.scene.occluded([0.5, 0.5, 1], [0, 0, -1])[()])
 
-    def test_what_does_not_fit_is_named(self):
+    def test_invalid_arrays_are_reported_by_name(self):
         scene = self.scene
         for error, text, arguments in (
                 (ValueError, r"origins: has shape \(2,\).*\(\.\.\., 3\)", ([0, 0], [0, 0, 1])),
                 (ValueError, r"directions: has shape \(\).*\(\.\.\., 3\)", ([0, 0, 0], 1.0)),
-                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors", (np.zeros((2, 3)), np.ones((3, 3)))),
+                (ValueError, r"origins of \(2,\) points, directions of \(3,\) vectors",
+                 (np.zeros((2, 3)), np.ones((3, 3)))),
                 (TypeError, "tfar: is an array of <U3", ([0, 0, 0], [0, 0, 1], 0, "far")),
                 (TypeError, "origins: is an array of object", (None, [0, 0, 1]))):
             for query in (scene.intersect, scene.occluded):
@@ -186,7 +190,7 @@ class Rays(unittest.TestCase):
         with self.assertRaisesRegex(cbvh.Error, "packet5"):
             scene.trace_seconds([0, 0, 0], [0, 0, 1], mode="packet5")
 
-    def test_every_entrance_of_embree_is_timed(self):
+    def test_every_mode_of_embree_is_timed(self):
         rays = rays_from_above(64)
         for query in ("closest", "any"):
             for mode in ("single", "packet4", "packet8", "packet16", "stream"):
@@ -194,7 +198,7 @@ class Rays(unittest.TestCase):
 
 
 class Building(unittest.TestCase):
-    def test_statistics_say_what_was_built(self):
+    def test_statistics_describe_the_build(self):
         model, kept = bumpy_model(), {}
         for name in REPRESENTATIONS:
             scene = cbvh.build(model, name, 5)
@@ -213,13 +217,13 @@ class Building(unittest.TestCase):
         self.assertLess(kept["cgrid"]["live_bytes"], kept["grid"]["live_bytes"])
         self.assertLess(kept["grid"]["live_bytes"], kept["naive"]["live_bytes"])
 
-    def test_a_cage_is_a_model_that_is_not_displaced(self):
+    def test_cage_can_be_used_as_model_without_displacement(self):
         scene = cbvh.build(sheet(), level=3)
         self.assertFalse(scene.model.is_displaced)
         self.assertEqual(scene.representation, "cVERT")
         self.assertEqual(scene.level, 3)
 
-    def test_frame_levels_are_those_asked_for(self):
+    def test_requested_frame_levels_are_used(self):
         label = lambda *a, **o: cbvh.build(sheet(), *a, level=4, **o).representation
         self.assertEqual(label("cleaf"), "cLEAF")
         self.assertEqual(label("cleaf", frame_level=1), "cLEAF^1")
@@ -227,17 +231,19 @@ class Building(unittest.TestCase):
         self.assertEqual(label("Leaf-only:1"), "cLEAF-only^1")
         self.assertEqual(label("cVoxel^3", frame_level=1), "cVOXEL^3")
         self.assertEqual(label("cgrid", frame_level="auto"), "cGRID")
-        blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"] for n in (0, 1, 2)]
+        blocks = [cbvh.build(sheet(), "cvoxel", 4, frame_level=n).statistics()["compression"]["blocks"]
+                  for n in (0, 1, 2)]
         self.assertEqual(blocks, [25, 100, 400])
 
-    def test_faces_are_stored_exactly_by_name(self):
-        exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name, 3).statistics()["compression"]["exact_quads_share"]
+    def test_exact_faces_are_selected_by_name(self):
+        exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name,
+                                        3).statistics()["compression"]["exact_quads_share"]
         self.assertGreater(exact("cleaf"), 0)
         self.assertEqual(exact("cleaf-only"), 0)
         with self.assertRaises(TypeError):
             cbvh.build(sheet(), "cleaf", 3, exact_faces=False)
 
-    def test_bounds_on_the_error_hold(self):
+    def test_error_bounds_hold(self):
         model = bumpy_model()
         spacing = lambda **o: cbvh.build(model, "cvert", 4, **o).statistics()["compression"]["max_vertex_spacing"]
         free, bound = spacing(), 1e-5
@@ -246,7 +252,7 @@ class Building(unittest.TestCase):
         camera = cbvh.build(model, "grid", 4).camera("full", (4000, 4000))
         self.assertLess(spacing(max_pixel_error=0.001, camera=camera), free)
 
-    def test_what_does_not_fit_is_named(self):
+    def test_invalid_arguments_are_reported_by_name(self):
         for error, text, options in (
                 (cbvh.Error, "unknown representation 'cmesh'.*naive", {"representation": "cmesh"}),
                 (ValueError, "representation: 'grid,cvert' names several", {"representation": "grid,cvert"}),
@@ -264,23 +270,23 @@ class Building(unittest.TestCase):
         with self.assertRaises(TypeError):
             cbvh.build("body.obj")
 
-    def test_what_does_not_fit_into_memory_is_refused_beforehand(self):
+    def test_insufficient_memory_is_detected_before_the_build(self):
         with self.assertRaisesRegex(MemoryError, "not enough memory: NAIVE on 5898.2 million quads"):
             cbvh.build(sheet(300), "naive", 8)
 
 
 class Cameras(unittest.TestCase):
-    def test_a_camera_looks_at_what_it_is_told(self):
+    def test_camera_looks_at_its_target(self):
         camera = cbvh.Camera((0, 0, 2), (0, 0, 0), fov=90, size=(5, 3))
         origins, directions = cbvh.primary_rays(camera)
         self.assertEqual(directions.shape, (3, 5, 3))
         np.testing.assert_array_equal(origins, np.broadcast_to([0, 0, 2], (3, 5, 3)))
         np.testing.assert_allclose(directions[1, 2], [0, 0, -1], atol=1e-6)
         np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1, atol=1e-6)
-        self.assertGreater(directions[0, 2, 1], 0)  # row 0 is the upper one
+        self.assertGreater(directions[0, 2, 1], 0)  # row 0 is the top row
         self.assertAlmostEqual(camera.footprint, 2 / 3, places=6)
 
-    def test_coherent_rays_are_the_primary_ones_in_tiles(self):
+    def test_coherent_rays_are_primary_rays_in_tiles(self):
         camera = cbvh.Camera((0, 0, 2), (0, 0, 0), size=(24, 16))
         _, pixels = cbvh.primary_rays(camera)
         _, tiles = cbvh.coherent_rays(camera)
@@ -288,7 +294,7 @@ class Cameras(unittest.TestCase):
         np.testing.assert_array_equal(tiles[64:128].reshape(8, 8, 3), pixels[:8, 8:16])
         self.assertEqual(len(cbvh.coherent_rays(camera, 100)[0]), 128)
 
-    def test_the_full_view_shows_all(self):
+    def test_full_view_shows_everything(self):
         scene = cbvh.build(cbvh.Model.scene("cube"), "grid", 4)
         camera = scene.camera("full", (64, 48))
         hit = scene.intersect(*cbvh.primary_rays(camera)).hit
@@ -304,13 +310,13 @@ class Cameras(unittest.TestCase):
         self.assertEqual(o.shape, (24 * 24, 3))
         np.testing.assert_allclose(o[:, 2], 0.01, atol=1e-5)
         self.assertGreaterEqual(d[:, 2].min(), 0)
-        self.assertAlmostEqual(d[:, 2].mean(), 2 / 3, delta=0.05)  # of a cosine distribution
+        self.assertAlmostEqual(d[:, 2].mean(), 2 / 3, delta=0.05)  # for a cosine distribution
         again, other = (cbvh.bounce_rays(hits, origins, directions, offset=0.01, seed=s)[1] for s in (1, 2))
         np.testing.assert_array_equal(d, again)
         self.assertFalse(np.array_equal(d, other))
         self.assertEqual(len(cbvh.bounce_rays(hits, origins, directions, offset=0, count=7)[0]), 7)
 
-    def test_what_does_not_fit_is_named(self):
+    def test_invalid_arguments_are_reported_by_name(self):
         for text, arguments in (("look_at: .*eye", ((0, 0, 0), (0, 0, 0))),
                                 (r"eye: has shape \(2,\)", ((0, 0), (0, 0, 1))),
                                 ("eye: is not finite", ((0, 0, np.nan), (0, 0, 1))),

@@ -1,6 +1,6 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the Python module look at."""
+"""Models for the tests of the Python module."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ REPRESENTATIONS = ("naive", "grid", "cgrid", "cvoxel", "cleaf", "cleaf-only", "c
 
 
 def sheet_arrays(n=5):
-    """Vertices and faces of n x n quads of side 1/n on the unit square in z = 0, seen from above, in rows."""
+    """Vertices and faces of n x n quads with edges of 1/n on the unit square in z = 0, seen from above, row by row."""
     x, y = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
     vertices = np.stack([x, y, np.zeros_like(x)], -1).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(n), np.arange(n))
@@ -24,14 +24,14 @@ def sheet(n=5, **options):
 
 
 def bumpy_model(n=5):
-    """The sheet with heights that differ everywhere."""
+    """The sheet with different heights everywhere."""
     y, x = np.mgrid[0:64, 0:64] / 63.0
     return cbvh.Model(sheet(n), 0.5 + 0.3 * np.sin(9 * x) * np.cos(7 * y), amplitude=0.1)
 
 
 def rays_from_above(n=24, lower=0.3, upper=0.7):
-    """(n, n, 3) origins at z = 1 over a part of the sheet that borders do not shape, and directions down. No ray runs
-    through an edge of a triangle, where NAIVE may let it slip."""
+    """(n, n, 3) origins at z = 1 above a part of the sheet that borders do not affect, and directions down. No ray
+    hits an edge of a triangle, where NAIVE may miss."""
     x, y = np.meshgrid(np.linspace(lower, upper, n) + 0.0013, np.linspace(lower, upper, n) + 0.0007)
     origins = np.stack([x, y, np.ones_like(x)], -1).astype(np.float32)
     return origins, np.broadcast_to(np.array([0, 0, -1], np.float32), origins.shape)

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""The example of triangles runs, on a smaller scene, and its triangles are where the hits are.
+"""Runs the example of triangles with a smaller scene, and checks that its triangles match the hits.
 
-usage: triangles_example.py SKIN-TRIANGLES.PY"""
+    triangles_example.py SKIN-TRIANGLES.PY
+"""
 
 import sys
 

@@ -1,21 +1,22 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Compiles and links everything with CBVH_SANITIZE, upstream too, but for its intersectors
-# of other geometry: ours never run them, and they would take most of the time to
-# compile. A report ends the program, so that its test fails.
+# Compiles and links everything with CBVH_SANITIZE, including upstream, except for upstream's intersectors of other
+# geometry: our tests never run them, and compiling them would take most of the time. A report ends the program, so
+# that its test fails.
 #
-# Included before upstream is added; sanitize_upstream() is called after.
+# Include this file before upstream is added, and call sanitize_upstream() afterwards.
 
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  message(FATAL_ERROR "  CBVH_SANITIZE needs clang")
+  message(FATAL_ERROR "  CBVH_SANITIZE requires clang")
 endif()
 
-# function: upstream calls the intersectors of all accelerators through pointers of one
-# type, to which DEFINE_INTERSECTOR1 and its like cast them (kernels/common/accel.h).
-# vptr: tests that look into the library's classes lack their type information, it is hidden.
-add_compile_options(-fsanitize=${CBVH_SANITIZE} -fno-sanitize=function,vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
-# The program brings the runtime; the library, which upstream links with --no-undefined, has none.
+# function: upstream calls the intersectors of all accelerators through pointers of one type, to which
+# DEFINE_INTERSECTOR1 and similar macros cast them (kernels/common/accel.h). vptr: the type information of the
+# library's classes is hidden from tests that access them.
+add_compile_options(-fsanitize=${CBVH_SANITIZE} -fno-sanitize=function,vptr -fno-sanitize-recover=all
+  -fno-omit-frame-pointer)
+# The program contains the runtime; the library, which upstream links with --no-undefined, does not.
 add_link_options(-fsanitize=${CBVH_SANITIZE} -Wl,-z,undefs)
 
 function(sanitize_upstream tree)
@@ -29,7 +30,7 @@ function(sanitize_upstream tree)
       endforeach()
     endif()
   endforeach()
-  # It compares the edge rates of a patch with those that memory held before.
+  # Upstream compares the edge rates of a patch with uninitialized memory.
   set_source_files_properties("${tree}/kernels/subdiv/subdivpatch1base.cpp" TARGET_DIRECTORY embree
     PROPERTIES COMPILE_OPTIONS -fno-sanitize=float-cast-overflow)
 endfunction()

@@ -8,7 +8,7 @@
 
 namespace cbvh::test {
 
-// Runs in a process of its own, which a signal may end; its exit status.
+// Runs the closure in a child process, which a signal may end. Returns its exit status.
 template<typename Closure>
 int statusOfChild(const Closure& closure)
 {

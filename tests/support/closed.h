@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Whether a ball around the origin is closed: rays from its middle. */
+/* Checks that a ball around the origin is closed, with rays from its center. */
 
 #include "support/query_forms.h"
 
 namespace cbvh::test {
 
-// At a place between a and b, often at a itself.
+// A ray through a point between a and b, often exactly a.
 inline RTCRayHit rayFromMiddle(Random& random, const Vec& a, const Vec& b)
 {
   const double t = random.chance(0.3) ? 0 : random.uniform();

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Decoders of clusters, written from the public specifications alone, bit by bit, and without a line of the kernels:
+/* Decoders of clusters, written bit by bit from the public specifications only, without code of the kernels:
  *
- * - COMPRESSED1: DirectX Raytracing Functional Spec, Part 2, v0.19, "Compressed1 position encoding", and from
- *   v0.28 that vertices are finite: with exponent 232 anchor plus offset lies within +-8,388,607
+ * - COMPRESSED1: DirectX Raytracing Functional Spec, Part 2, v0.19, "Compressed1 position encoding"; from v0.28 on
+ *   vertices are finite: with exponent 232, anchor plus offset lies within +-8,388,607
  * - DGF1: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1"
  *
- * They throw where a rule of these is broken. */
+ * They throw if a rule of the specification is violated. */
 
 #include <array>
 #include <cmath>
@@ -24,13 +24,13 @@ namespace cbvh::test {
 struct DecodedCluster
 {
   std::vector<std::array<float, 3>> vertices;
-  std::vector<std::array<unsigned, 3>> triangles; // of DGF
-  unsigned primitives = 0;                        // index of the first triangle, of DGF
-  size_t numIndices = 0;                          // that its strips take
+  std::vector<std::array<unsigned, 3>> triangles; // DGF only
+  unsigned primitives = 0;                        // index of the first triangle, DGF only
+  size_t numIndices = 0;                          // number of indices that the strips use
   unsigned bitsPerIndex = 0;
 };
 
-// Bits of bytes, counted from the lowest of the first.
+// Reads bit fields. Bits are counted from the lowest bit of the first byte.
 class BitReader
 {
 public:
@@ -60,7 +60,7 @@ private:
 
 inline void demand(bool holds, const char* rule) { if (!holds) throw std::runtime_error(rule); }
 
-// What COMPRESSED1 and DGF have alike: an anchor, widths of offsets, and a scale.
+// The common part of COMPRESSED1 and DGF: an anchor, widths of offsets, and a scale.
 struct LatticeHeader
 {
   int32_t anchor[3];
@@ -110,7 +110,8 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   const BitReader from(data, bytes);
   demand(from.read(0, 8) == 6, "the magic is not 6");
   DecodedCluster cluster;
-  const unsigned bitsPerIndex = cluster.bitsPerIndex = from.read(8, 2) + 3, numVertices = from.read(10, 6) + 1, numTriangles = from.read(16, 6) + 1;
+  const unsigned bitsPerIndex = cluster.bitsPerIndex = from.read(8, 2) + 3, numVertices = from.read(10, 6) + 1,
+                 numTriangles = from.read(16, 6) + 1;
   LatticeHeader header;
   header.exponent = from.read(32, 8);
   header.anchor[0] = from.readSigned(40, 24);
@@ -129,10 +130,10 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   demand((header.bits[0] + header.bits[1] + header.bits[2]) % 4 == 0, "vertices do not take a multiple of 4 bits");
   size_t position = 8*20;
   for (unsigned i = 0; i < numVertices; i++) cluster.vertices.push_back(header.vertex(from, position));
-  for (; position % 8 != 0; position++) demand(from.read(position, 1) == 0, "bits behind the vertices are not zero");
+  for (; position % 8 != 0; position++) demand(from.read(position, 1) == 0, "bits after the vertices are not zero");
   demand(position <= 8*(20 + 96), "the front buffer is larger than 96 bytes");
 
-  /* controls, the first triangle's being implicit, from the end of the block to the front */
+  /* controls, from the end of the block to the front; the first triangle's is implicit */
   enum { RESTART, EDGE1, EDGE2, BACKTRACK };
   std::vector<unsigned> control = {RESTART};
   size_t back = 8*128;
@@ -140,7 +141,8 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
   size_t& numIndices = cluster.numIndices;
   for (unsigned c : control) numIndices += c == RESTART ? 3 : 1;
 
-  /* indices: the first three are implicit; then a bit each that says whether it is a vertex's first, likewise from the end, and what is not comes behind the vertices */
+  /* Indices: the first three are implicit. One bit for each of the others, also from the end, is set if the index
+   * refers to a new vertex. The other indices follow the vertices. */
   std::vector<unsigned> indices = {0, 1, 2};
   unsigned next = 3;
   const size_t reuse = position;
@@ -163,13 +165,13 @@ inline DecodedCluster decodeDgf(const void* data, size_t bytes)
     case RESTART:
       for (unsigned& v : triangle) v = indices[i++];
       break;
-    case EDGE1: // 1->2 of the one before, turned round
+    case EDGE1: // 1->2 of the previous triangle, reversed
       triangle = {all[t-1][2], all[t-1][1], indices[i++]};
       break;
     case EDGE2: // 2->0
       triangle = {all[t-1][0], all[t-1][2], indices[i++]};
       break;
-    case BACKTRACK: // the other of these two edges, of the one before that
+    case BACKTRACK: // the other of these two edges of the triangle before the previous one
       demand(t >= 2 && (control[t-1] == EDGE1 || control[t-1] == EDGE2), "BACKTRACK where it is not allowed");
       if (control[t-1] == EDGE1) triangle = {all[t-2][0], all[t-2][2], indices[i++]};
       else triangle = {all[t-2][2], all[t-2][1], indices[i++]};

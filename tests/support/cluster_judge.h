@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Whether the clusters of a surface are its triangles: what decoders make of them against what rtcForEachCompressedPart hands out, and rays hit. Throws where not. */
+/* Checks that the clusters of a surface contain its triangles: compares the decoded triangles with those that
+ * rtcForEachCompressedPart passes to its callback and that rays hit. Throws if they differ. */
 
 #include "support/cluster_decoder.h"
 
@@ -17,7 +18,8 @@ namespace cbvh::test {
 
 typedef std::array<float, 3> Corner;
 
-// Triangles as a set that may be too many to keep: sums of hashes of them, and their count. A triangle is the same wherever it begins, and another one if it is turned round.
+// A set of triangles, represented by sums of hashes and a count because it may be too large to store. Triangles with
+// rotated corners are equal; triangles with reversed corners are different.
 struct TriangleSet
 {
   size_t count = 0;
@@ -32,7 +34,7 @@ struct TriangleSet
       for (const Corner& corner : first)
         for (float x : corner) {
           uint32_t bits;
-          x += 0.0f; // -0 is 0
+          x += 0.0f; // maps -0 to 0
           std::memcpy(&bits, &x, sizeof(bits));
           hash = (hash ^ bits)*0xFF51AFD7ED558CCDull;
           hash ^= hash >> 32;
@@ -42,7 +44,10 @@ struct TriangleSet
     count++;
   }
 
-  bool operator==(const TriangleSet& other) const { return count == other.count && sums[0] == other.sums[0] && sums[1] == other.sums[1]; }
+  bool operator==(const TriangleSet& other) const
+  {
+    return count == other.count && sums[0] == other.sums[0] && sums[1] == other.sums[1];
+  }
 };
 
 inline Corner cornerOf(const RTCCompressedPart& part, unsigned x, unsigned y)
@@ -58,7 +63,7 @@ inline std::array<Corner, 3> triangleOf(const RTCCompressedPart& part, unsigned 
   return {cornerOf(part, x, y), cornerOf(part, x + 1, y), cornerOf(part, x, y + 1)};
 }
 
-// What a ray may hit: with three vertices that are numbers, and apart.
+// True if rays can hit the triangle: its vertices are finite and distinct.
 inline bool canBeHit(const std::array<Corner, 3>& t)
 {
   for (const Corner& c : t)
@@ -73,7 +78,7 @@ public:
   size_t decodedVertices = 0;
   size_t wholeClusters = 0, largestCluster = 0;
 
-  // Throws with what is wrong.
+  // Throws with a description of the first difference.
   ClusterJudge(RTCGeometry geometry, float time, RTCClusterFormat format) : format(format)
   {
     std::memset((void*)&report, 0xFF, sizeof(report));
@@ -86,7 +91,8 @@ public:
     for (int i = 0; i < 4; i++) { clusters += report.numClustersOf[i]; triangles += report.numTrianglesOf[i]; }
     demand(report.numTriangles == found.count && triangles == found.count, "the report's triangles");
     demand(report.numClusters == seen.numClusters && clusters == seen.numClusters, "the report's clusters");
-    demand(report.numVertices == seen.numVertices && report.bytes == seen.bytes && report.indexBytes == seen.indexBytes, "the report's bytes");
+    demand(report.numVertices == seen.numVertices && report.bytes == seen.bytes && report.indexBytes == seen.indexBytes,
+           "the report's bytes");
     demand(std::equal(report.numClustersOf, report.numClustersOf + 4, seen.numClustersOf), "the report's reasons");
   }
 
@@ -111,17 +117,22 @@ private:
   {
     demand((cluster.reason == RTC_CLUSTER_FITS) == (cluster.format == format), "a reason, and the format");
     demand(cluster.format == format || cluster.format == RTC_CLUSTER_FORMAT_FLOAT3, "another format");
-    demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256, "a cluster that is too large");
+    demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256,
+           "a cluster that is too large");
     demand(cluster.firstTriangle == found.count, "the first triangle");
     DecodedCluster decoded;
     const bool isDgf = cluster.format == RTC_CLUSTER_FORMAT_DGF1;
     if (isDgf) {
       decoded = decodeDgf(cluster.data, cluster.bytes);
-      demand(decoded.primitives == cluster.firstTriangle && decoded.vertices.size() == cluster.numVertices && decoded.triangles.size() == cluster.numTriangles, "the block's header");
+      demand(decoded.primitives == cluster.firstTriangle && decoded.vertices.size() == cluster.numVertices &&
+               decoded.triangles.size() == cluster.numTriangles,
+             "the block's header");
       for (unsigned t = 0; t < cluster.numTriangles; t++)
-        for (int c = 0; c < 3; c++) demand(decoded.triangles[t][c] == cluster.indices[3*t + c], "indices are not those of the block");
+        for (int c = 0; c < 3; c++)
+          demand(decoded.triangles[t][c] == cluster.indices[3*t + c], "indices are not those of the block");
     }
-    else if (cluster.format == RTC_CLUSTER_FORMAT_COMPRESSED1) decoded = decodeCompressed1(cluster.data, cluster.bytes, cluster.numVertices);
+    else if (cluster.format == RTC_CLUSTER_FORMAT_COMPRESSED1)
+      decoded = decodeCompressed1(cluster.data, cluster.bytes, cluster.numVertices);
     else {
       demand(cluster.bytes == 12*cluster.numVertices, "the bytes of floats");
       for (unsigned i = 0; i < cluster.numVertices; i++) {
@@ -138,17 +149,21 @@ private:
         isUsed[v] = true;
         triangle[c] = decoded.vertices[v];
       }
-      /* it is what it says */
       std::array<Corner, 3> said = triangleOf(*cluster.part, cluster.triangles[t]);
-      demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle || std::array<Corner, 3>{said[2], said[0], said[1]} == triangle, "a triangle is not the part's");
+      demand(said == triangle || std::array<Corner, 3>{said[1], said[2], said[0]} == triangle ||
+               std::array<Corner, 3>{said[2], said[0], said[1]} == triangle,
+             "a triangle is not the part's");
       found.add(triangle[0], triangle[1], triangle[2]);
     }
     demand(std::find(isUsed.begin(), isUsed.end(), false) == isUsed.end(), "a vertex without a triangle");
     if (cluster.width > 0) {
-      demand(cluster.numVertices == cluster.width*cluster.height && cluster.numTriangles == 2*(cluster.width - 1)*(cluster.height - 1), "a whole grid");
+      demand(cluster.numVertices == cluster.width*cluster.height &&
+               cluster.numTriangles == 2*(cluster.width - 1)*(cluster.height - 1),
+             "a whole grid");
       for (unsigned i = 0; i < cluster.numTriangles; i++) {
         const unsigned a = i/2/(cluster.width - 1)*cluster.width + i/2%(cluster.width - 1);
-        const unsigned corners[2][3] = {{a, a + 1, a + cluster.width}, {a + cluster.width, a + 1, a + cluster.width + 1}};
+        const unsigned corners[2][3] = {{a, a + 1, a + cluster.width},
+                                        {a + cluster.width, a + 1, a + cluster.width + 1}};
         demand(std::equal(corners[i % 2], corners[i % 2] + 3, cluster.indices + 3*i), "indices of a whole grid");
       }
       wholeClusters++;

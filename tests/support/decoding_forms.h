@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* The forms of arithmetic that a traversal may have been compiled to, as scalar code:
- * the product of two choices, multiply and add fused or not, and the axis mirrored or
- * not (a mirrored ray decodes 1-upper from the mirrored parent, which rounds
- * differently). */
+/* The variants of arithmetic to which a traversal may be compiled, as scalar code. They are all combinations of two
+ * choices: fused or separate multiply and add, and a mirrored or original axis. A mirrored ray decodes 1-upper from the
+ * mirrored parent, which rounds differently. */
 
 #include "kernels/cbvh/framed/node_encoder.h"
 #include "kernels/cbvh/framed/leaf/format.h"
@@ -24,11 +23,11 @@ constexpr Form forms[4] = {{false, false}, {true, false}, {false, true}, {true, 
 inline float madd(bool fused, float a, float b, float c)
 {
   if (fused) return std::fma(a, b, c);
-  const volatile float product = a*b; // keeps the compiler from fusing by itself
+  const volatile float product = a*b; // volatile prevents the compiler from fusing
   return product + c;
 }
 
-// What a traversal of one form decodes; in mirrored coordinates when it mirrors.
+// Bounds that a traversal of one variant decodes; in mirrored coordinates if it mirrors.
 inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent)
 {
   NodeBox box;
@@ -52,7 +51,7 @@ inline NodeBox decode(Form form, uint32_t node, int child, const NodeBox& parent
   return box;
 }
 
-// The outer planes of a lattice; as high as its parent.
+// The outer planes of a lattice, with the height of its parent.
 inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
 {
   NodeBox box = parent;
@@ -66,7 +65,7 @@ inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
   return box;
 }
 
-// Whether exact bounds lie inside decoded ones, with the sum that traversal takes.
+// True if exact bounds lie inside decoded ones, computed with the sum that traversal uses.
 inline bool contains(Form form, const NodeBox& box, const ExactBox& exact)
 {
   for (int axis = 0; axis < 3; axis++) {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces that an application has diced: grids of vertices, as geometry of type RTC_GEOMETRY_TYPE_GRID. */
+/* Surfaces diced by an application: grids of vertices, as geometries of type RTC_GEOMETRY_TYPE_GRID. */
 
 #include "support/scene.h"
 
@@ -14,7 +14,7 @@
 
 namespace cbvh::test {
 
-// Where a vertex is at a time step.
+// Returns the position of a vertex at a time step.
 typedef std::function<Vec(const Vec& position, unsigned step)> DicedMotion;
 inline std::vector<Vec> movedTo(const std::vector<Vec>& vertices, const DicedMotion& motion, unsigned step)
 {
@@ -29,7 +29,10 @@ struct Diced
   DicedMotion motion;
   std::vector<RTCGrid> grids;
 
-  const Vec& vertex(const RTCGrid& grid, unsigned x, unsigned y) const { return vertices[grid.startVertexID + y*grid.stride + x]; }
+  const Vec& vertex(const RTCGrid& grid, unsigned x, unsigned y) const
+  {
+    return vertices[grid.startVertexID + y*grid.stride + x];
+  }
   Vec& vertex(const RTCGrid& grid, unsigned x, unsigned y) { return vertices[grid.startVertexID + y*grid.stride + x]; }
 
   size_t quads() const
@@ -39,7 +42,7 @@ struct Diced
     return n;
   }
 
-  // A grid with vertices of its own.
+  // Adds a grid that shares no vertices with other grids.
   void add(unsigned width, unsigned height, const std::function<Vec(unsigned x, unsigned y)>& position)
   {
     grids.push_back({unsigned(vertices.size()), width, (unsigned short)width, (unsigned short)height});
@@ -50,8 +53,8 @@ struct Diced
 
 inline float roundTo(double x, double lattice) { return float(lattice > 0 ? std::nearbyint(x/lattice)*lattice : x); }
 
-// A bumpy sheet over [-1,1]^2, n x n grids of `quads` quads that share the vertices of one buffer by their index. lattice: positions
-// are multiples of it, if not 0.
+// A bumpy sheet over [-1,1]^2: n x n grids of `quads` quads that share the vertices of one buffer by index. lattice:
+// positions are multiples of it, unless it is 0.
 inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
 {
   Diced diced;
@@ -59,7 +62,8 @@ inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
   for (unsigned y = 0; y < side; y++)
     for (unsigned x = 0; x < side; x++) {
       const double u = 2.0*x/(side - 1) - 1, v = 2.0*y/(side - 1) - 1;
-      diced.vertices.push_back({roundTo(u + 0.02*std::sin(9*v), lattice), roundTo(v, lattice), roundTo(0.1*std::sin(7*u + 3*v)*std::cos(5*v), lattice)});
+      diced.vertices.push_back({roundTo(u + 0.02*std::sin(9*v), lattice), roundTo(v, lattice),
+                                roundTo(0.1*std::sin(7*u + 3*v)*std::cos(5*v), lattice)});
     }
   for (unsigned y = 0; y < n; y++)
     for (unsigned x = 0; x < n; x++)
@@ -67,8 +71,9 @@ inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
   return diced;
 }
 
-// A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube, with vertices of their own: those that grids share are the
-// same floats. warp: above 1, quads in the middle of a side are smaller, by far if it is 3.
+// A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube. Each grid has its own vertices; vertices
+// on common borders are the same floats. warp: if above 1, quads in the middle of a side are smaller, much smaller
+// for 3.
 inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
 {
   Diced diced;
@@ -83,7 +88,10 @@ inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
           cube[(axis + 1) % 3] = 2*int(gx*quads + x) - side;
           cube[(axis + 2) % 3] = sign*(2*int(gy*quads + y) - side);
           double p[3], length = 0;
-          for (int k = 0; k < 3; k++) { p[k] = std::tan(std::copysign(std::pow(std::fabs(double(cube[k])/side), warp), cube[k])*M_PI/4); length += p[k]*p[k]; }
+          for (int k = 0; k < 3; k++) {
+            p[k] = std::tan(std::copysign(std::pow(std::fabs(double(cube[k])/side), warp), cube[k])*M_PI/4);
+            length += p[k]*p[k];
+          }
           const double r = (1 + 0.05*std::sin(8*p[0])*std::sin(7*p[1] + 5*p[2]))/std::sqrt(length);
           return Vec{float(r*p[0]), float(r*p[1]), float(r*p[2])};
         });
@@ -102,18 +110,20 @@ inline void commitAs(RTCGeometry geometry, RTCCompression compression, unsigned 
   rtcCommitGeometry(geometry);
 }
 
-// Committed, not attached; the caller releases it.
-inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
+// Returns a committed geometry that is not attached. The caller releases it.
+inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT,
+                            unsigned flags = 0, unsigned timeSteps = 1)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(diced.vertices, diced.motion, t));
+  for (unsigned t = 0; t < timeSteps; t++)
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(diced.vertices, diced.motion, t));
   setBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, diced.grids);
   commitAs(geometry, compression, flags);
   return geometry;
 }
 
-// One geometry, committed.
+// A scene with one committed geometry.
 class GridScene : public Scene
 {
 public:
@@ -124,19 +134,21 @@ public:
   }
 };
 
-// At a place inside of a random triangle of the grids, from anywhere around.
+// A ray from a random direction through a point inside a random triangle of the grids.
 inline RTCRayHit rayAt(Random& random, const Diced& diced)
 {
   const RTCGrid& grid = diced.grids[random.below(unsigned(diced.grids.size()))];
   const unsigned x = random.below(grid.width - 1u), y = random.below(grid.height - 1u);
   double a = random.uniform(0.05, 0.45), b = random.uniform(0.05, 0.45);
   if (random.chance(0.5)) { a = 1 - a; b = 1 - b; }
-  const Vec p[4] = {diced.vertex(grid, x, y), diced.vertex(grid, x + 1, y), diced.vertex(grid, x, y + 1), diced.vertex(grid, x + 1, y + 1)};
+  const Vec p[4] = {diced.vertex(grid, x, y), diced.vertex(grid, x + 1, y), diced.vertex(grid, x, y + 1),
+                    diced.vertex(grid, x + 1, y + 1)};
   Vec target, origin, direction;
   double d[3], length = 0;
   for (double& c : d) { c = random.normal(); length += c*c; }
   for (int k = 0; k < 3; k++) {
-    target[k] = float(a + b <= 1 ? p[0][k] + a*(p[1][k] - p[0][k]) + b*(p[2][k] - p[0][k]) : p[3][k] + (1 - a)*(p[2][k] - p[3][k]) + (1 - b)*(p[1][k] - p[3][k]));
+    target[k] = float(a + b <= 1 ? p[0][k] + a*(p[1][k] - p[0][k]) + b*(p[2][k] - p[0][k])
+                                 : p[3][k] + (1 - a)*(p[2][k] - p[3][k]) + (1 - b)*(p[1][k] - p[3][k]));
     origin[k] = float(target[k] + 3*d[k]/std::sqrt(length));
     direction[k] = target[k] - origin[k];
   }

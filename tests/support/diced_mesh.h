@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces that an application has diced into indexed quads or triangles. */
+/* Surfaces diced by an application into indexed quads or triangles. */
 
 #include "support/diced.h"
 
@@ -15,20 +15,23 @@ namespace cbvh::test {
 
 enum class QuadOrder { Rows, Recursive, Shuffled };
 const QuadOrder allQuadOrders[] = {QuadOrder::Rows, QuadOrder::Recursive, QuadOrder::Shuffled};
-inline const char* nameOf(QuadOrder order) { return order == QuadOrder::Rows ? "row by row" : order == QuadOrder::Recursive ? "recursive" : "shuffled"; }
+inline const char* nameOf(QuadOrder order)
+{
+  return order == QuadOrder::Rows ? "row by row" : order == QuadOrder::Recursive ? "recursive" : "shuffled";
+}
 
 struct DicedMesh
 {
   std::vector<Vec> vertices;
   DicedMotion motion;
   std::vector<std::array<unsigned, 4>> quads;
-  std::vector<std::array<unsigned, 3>> triangles; // if there are any, these are the mesh
+  std::vector<std::array<unsigned, 3>> triangles; // if not empty, the mesh consists of these triangles instead of quads
 
   bool isOfTriangles() const { return !triangles.empty(); }
   size_t size() const { return isOfTriangles() ? triangles.size() : quads.size(); }
 };
 
-// Of the n-th of 4^k quads that were cut out of one as Catmull-Clark subdivision does it: its place among them.
+// Position of the n-th of 4^k quads in the order of recursive Catmull-Clark subdivision.
 inline std::array<unsigned, 2> recursivePlace(unsigned n)
 {
   const unsigned cornerX[] = {0, 1, 1, 0}, cornerY[] = {0, 0, 1, 1};
@@ -40,8 +43,8 @@ inline std::array<unsigned, 2> recursivePlace(unsigned n)
   return at;
 }
 
-// The quads of grids, grid by grid, with one vertex for those that are the same floats. Recursive: grids have as many quads as a power
-// of 2 along both sides.
+// The quads of grids, grid by grid. Vertices with the same floats are merged. For QuadOrder::Recursive the number of
+// quads along both sides must be a power of two.
 inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
 {
   DicedMesh mesh;
@@ -54,9 +57,11 @@ inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
   for (const RTCGrid& grid : diced.grids) {
     const unsigned w = grid.width - 1u, h = grid.height - 1u;
     for (unsigned i = 0; i < w*h; i++) {
-      const std::array<unsigned, 2> at = order == QuadOrder::Recursive ? recursivePlace(i) : std::array<unsigned, 2>{i % w, i/w};
+      const std::array<unsigned, 2> at = order == QuadOrder::Recursive ? recursivePlace(i)
+                                                                       : std::array<unsigned, 2>{i % w, i/w};
       const unsigned x = at[0], y = at[1];
-      mesh.quads.push_back({vertex(diced.vertex(grid, x, y)), vertex(diced.vertex(grid, x + 1, y)), vertex(diced.vertex(grid, x + 1, y + 1)), vertex(diced.vertex(grid, x, y + 1))});
+      mesh.quads.push_back({vertex(diced.vertex(grid, x, y)), vertex(diced.vertex(grid, x + 1, y)),
+                            vertex(diced.vertex(grid, x + 1, y + 1)), vertex(diced.vertex(grid, x, y + 1))});
     }
   }
   if (order == QuadOrder::Shuffled)
@@ -64,7 +69,7 @@ inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
   return mesh;
 }
 
-// Each quad as two triangles, which begin at any of their corners, all at the same.
+// Splits each quad into two triangles. All first triangles begin at the same corner, and so do all second ones.
 inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, unsigned turnOfSecond = 0)
 {
   DicedMesh out;
@@ -78,7 +83,7 @@ inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, un
   return out;
 }
 
-// All first halves of quads and then all second ones, as a modifier that cuts quads lists them, or the other way round.
+// All first halves of quads and then all second halves, in the order of modifiers that split quads, or the reverse.
 inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
 {
   DicedMesh out = mesh;
@@ -89,7 +94,7 @@ inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
   return out;
 }
 
-// Each face has vertices of its own with the same floats, as after a modifier that splits edges.
+// Faces do not share vertices, which are copies with the same floats, as after a modifier that splits edges.
 inline DicedMesh unwelded(const DicedMesh& mesh)
 {
   DicedMesh out = mesh;
@@ -118,7 +123,7 @@ inline DicedMesh withShuffledFaces(DicedMesh mesh, Random& random)
   return mesh;
 }
 
-// Each triangle begins at any of its corners.
+// Each triangle begins at a random corner.
 inline DicedMesh withTurnedTriangles(DicedMesh mesh, Random& random)
 {
   for (auto& t : mesh.triangles) std::rotate(t.begin(), t.begin() + random.below(3), t.end());
@@ -148,35 +153,43 @@ inline std::vector<OrderedMesh> trianglesInAnyOrder(const DicedMesh& quads, Rand
   return all;
 }
 
-// A globe of rows of quads, or of triangles, from pole to pole, whose quads at the poles have an edge without a length.
+// A globe of rows of quads or triangles between two poles. The quads at the poles have a degenerate edge.
 inline DicedMesh globe(unsigned columns, unsigned rows)
 {
   DicedMesh mesh;
-  const auto vertex = [&](unsigned x, unsigned y) { return y == 0 ? 0 : y == rows ? 1 : 2 + (y - 1)*columns + x % columns; };
+  const auto vertex = [&](unsigned x, unsigned y) {
+    return y == 0 ? 0 : y == rows ? 1 : 2 + (y - 1)*columns + x % columns;
+  };
   mesh.vertices = {{0, 0, -1}, {0, 0, 1}};
   for (unsigned y = 1; y < rows; y++)
     for (unsigned x = 0; x < columns; x++) {
       const double a = 2*M_PI*x/columns, b = M_PI*y/rows, r = 1 + 0.05*std::sin(5*a)*std::sin(b)*std::cos(7*b);
-      mesh.vertices.push_back({float(r*std::cos(a)*std::sin(b)), float(r*std::sin(a)*std::sin(b)), float(-r*std::cos(b))});
+      mesh.vertices.push_back(
+        {float(r*std::cos(a)*std::sin(b)), float(r*std::sin(a)*std::sin(b)), float(-r*std::cos(b))});
     }
   for (unsigned y = 0; y < rows; y++)
-    for (unsigned x = 0; x < columns; x++) mesh.quads.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
+    for (unsigned x = 0; x < columns; x++)
+      mesh.quads.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
   return mesh;
 }
 
-// Committed, not attached; the caller releases it.
-inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh, RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0, unsigned timeSteps = 1)
+// Returns a committed geometry that is not attached. The caller releases it.
+inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh,
+                           RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0,
+                           unsigned timeSteps = 1)
 {
-  RTCGeometry geometry = rtcNewGeometry(device, mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+  RTCGeometry geometry = rtcNewGeometry(device,
+                                        mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
-  for (unsigned t = 0; t < timeSteps; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(mesh.vertices, mesh.motion, t));
+  for (unsigned t = 0; t < timeSteps; t++)
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(mesh.vertices, mesh.motion, t));
   if (mesh.isOfTriangles()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
   else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
   commitAs(geometry, compression, flags);
   return geometry;
 }
 
-// One geometry, committed.
+// A scene with one committed geometry.
 class MeshScene : public Scene
 {
 public:
@@ -187,7 +200,7 @@ public:
   }
 };
 
-// At a place inside of a random triangle, from any side that is not too steep to it: of a ball, from outside.
+// A ray through a point inside a random triangle, at an angle that is not too grazing; on a ball, from outside.
 inline RTCRayHit rayAt(Random& random, const DicedMesh& mesh)
 {
   unsigned v[3];

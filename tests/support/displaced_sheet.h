@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Flat faces side by side, displaced by any function of a test. */
+/* Flat faces in a row, displaced by a function of the test. */
 
 #include "support/scene.h"
 
@@ -11,7 +11,7 @@ namespace cbvh::test {
 
 using DisplaceFunction = std::function<void(unsigned primID, float u, float v, Vec& p)>;
 
-// One geometry of separate unit faces along x, displaced by a function, which outlives its scene.
+// A geometry of separate unit faces along x. `displace` must outlive its scene.
 inline RTCGeometry newSheet(RTCDevice device, unsigned faces, float x0, float rate, DisplaceFunction& displace)
 {
   Cage cage;
@@ -35,7 +35,7 @@ inline RTCGeometry newSheet(RTCDevice device, unsigned faces, float x0, float ra
   return geometry;
 }
 
-// The only geometry of a scene.
+// Attaches and releases the only geometry of a scene, and commits the scene.
 inline void commit(RTCScene scene, RTCGeometry geometry)
 {
   rtcCommitGeometry(geometry);

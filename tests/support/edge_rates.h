@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Edges of any rates, as renderers choose them by distance, and cages to try them on. */
+/* Random edge rates, similar to those that renderers choose by distance, and cages for them. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -18,7 +18,7 @@ namespace cbvh::test {
 
 typedef std::function<float(Random&)> DrawRate;
 
-// Rates of all edges, the same on both sides of each.
+// Draws rates of all edges, the same on both sides of each edge.
 inline std::vector<float> drawRates(const Cage& cage, Random& random, const DrawRate& draw)
 {
   std::map<std::pair<unsigned, unsigned>, float> rateOf;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A block by itself, without a scene: what the encoder makes of vertices. */
+/* A single block without a scene: the encoder's result for given vertices. */
 
 #include "kernels/cbvh/framed/block_encoder.h"
 
@@ -17,9 +17,10 @@ class EncodedBlock
 public:
   embree::cbvh::BlockStatistics statistics;
 
-  // vertices: xyz of (2^height+1)^2, row by row; corners: what the frame aligns to, (0,0), (1,0), (0,1), (1,1);
-  // x, y: position in the patch, in blocks
-  EncodedBlock(embree::cbvh::Kind kind, uint32_t height, const std::vector<float>& vertices, const float corners[4][3], uint32_t x = 0, uint32_t y = 0)
+  // vertices: xyz of (2^height+1)^2 vertices, row by row; corners: the frame is aligned to (0,0), (1,0), (0,1),
+  // (1,1); x, y: position in the patch, in blocks
+  EncodedBlock(embree::cbvh::Kind kind, uint32_t height, const std::vector<float>& vertices, const float corners[4][3],
+               uint32_t x = 0, uint32_t y = 0)
     : memory(embree::cbvh::blockLayout(uint32_t(kind), height).bytes/sizeof(Unit) + 1)
   {
     std::vector<Unit> scratch(embree::cbvh::BlockEncoder::scratchBytes(height)/sizeof(Unit) + 1);
@@ -28,7 +29,7 @@ public:
     if (hasFrame) encoder.encode((embree::cbvh::Block*)memory.data(), x, y, statistics);
   }
 
-  // False where no vertex is finite: then there is no block.
+  // False if no vertex is finite. There is no block then.
   explicit operator bool() const { return hasFrame; }
 
   embree::cbvh::Block* get() { return (embree::cbvh::Block*)memory.data(); }

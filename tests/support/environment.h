@@ -7,7 +7,7 @@
 
 namespace cbvh::test {
 
-// EMBREE_CBVH, as long as this lives.
+// Sets EMBREE_CBVH for the lifetime of the object.
 class Environment
 {
 public:

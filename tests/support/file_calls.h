@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Calls of the C library in which a test has a hand: the loader finds the program's before libc's, so the library's
- * calls come here. Included by one file of a program. */
+/* Overrides calls of the C library. The loader finds the program's symbols before libc's, so calls of the kernels
+ * arrive here. Only one file of a program may include this header. */
 
 #include <atomic>
 #include <csignal>
@@ -14,7 +14,8 @@
 
 namespace cbvh::test {
 
-inline std::atomic<long> bytesUntilKill{-1}; // written before the process kills itself; negative: it does not
+// the process kills itself after writing this many bytes; never if negative
+inline std::atomic<long> bytesUntilKill{-1};
 inline std::atomic<unsigned> renameDelay{0}; // microseconds
 inline std::atomic<unsigned> renameCalls{0};
 

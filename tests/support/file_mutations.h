@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Files of compressed surfaces, altered: anywhere, or where a field is, with checksums that fit again, so that what comes behind them is
- * reached. And what may be done with such a file: it is refused with a reason, or traced without harm. */
+/* Mutates files of compressed surfaces, at random positions or in chosen fields. Updates checksums so that later checks
+ * are reached. Checks that such a file is either rejected with a reason or traced without harm. */
 
 #include "kernels/cvert/file/format.h"
 #include "support/query_forms.h"
@@ -18,7 +18,7 @@
 
 namespace cbvh::test {
 
-// CRC-32C bit by bit, as docs/formats/file.md has it.
+// CRC-32C bit by bit, as specified in docs/formats/file.md.
 inline uint32_t crc32c(const char* data, size_t bytes)
 {
   uint32_t crc = 0xFFFFFFFFu;
@@ -29,7 +29,7 @@ inline uint32_t crc32c(const char* data, size_t bytes)
   return ~crc;
 }
 
-// The bytes of a file, and its parts.
+// The bytes of a file, and access to its parts.
 class FileBytes
 {
 public:
@@ -38,24 +38,29 @@ public:
   std::string bytes;
 
   cvert::FileHeader& header() { return *(cvert::FileHeader*)&bytes[0]; }
-  cvert::FileGeometry& record(size_t i) { return *(cvert::FileGeometry*)&bytes[header().directory + i*sizeof(cvert::FileGeometry)]; }
+  cvert::FileGeometry& record(size_t i)
+  {
+    return *(cvert::FileGeometry*)&bytes[header().directory + i*sizeof(cvert::FileGeometry)];
+  }
   size_t size() { return header().numGeometries; }
 
-  // Whether the directory can be read where it is said to be.
+  // True if the directory can be read at its stated position.
   bool hasDirectory()
   {
     const uint64_t at = header().directory;
-    return at % 8 == 0 && at <= bytes.size() && size() != 0 && (bytes.size() - at)/sizeof(cvert::FileGeometry) >= size();
+    return at % 8 == 0 && at <= bytes.size() && size() != 0 &&
+           (bytes.size() - at)/sizeof(cvert::FileGeometry) >= size();
   }
 
-  // Makes the checksums of trees, directory and header those of what there is now; those of blocks stay.
+  // Updates the checksums of trees, directory and header. Checksums of blocks remain unchanged.
   void fitChecksums()
   {
     using namespace cvert;
     if (hasDirectory()) {
       for (size_t i = 0; i < size(); i++) {
         FileGeometry& g = record(i);
-        if (g.tree <= bytes.size() && g.treeBytes <= bytes.size() - g.tree) g.treeChecksum = crc32c(&bytes[g.tree], g.treeBytes);
+        if (g.tree <= bytes.size() && g.treeBytes <= bytes.size() - g.tree)
+          g.treeChecksum = crc32c(&bytes[g.tree], g.treeBytes);
       }
       header().directoryChecksum = crc32c(&bytes[header().directory], size()*sizeof(FileGeometry));
     }
@@ -88,7 +93,7 @@ inline void alterWord(Random& random, std::string& bytes, size_t begin, size_t e
   std::memcpy(&bytes[at], &word, width);
 }
 
-// Of a file that is sound.
+// Returns a mutation of an intact file.
 inline std::string mutated(Random& random, const std::string& sound)
 {
   using namespace cvert;
@@ -98,36 +103,52 @@ inline std::string mutated(Random& random, const std::string& sound)
   for (uint32_t n = 0; n < times; n++) {
     if (!file.hasDirectory()) break;
     FileGeometry& g = file.record(0);
-    const bool hasParts = g.tree <= file.bytes.size() && g.treeBytes <= file.bytes.size() - g.tree && g.blocks <= file.bytes.size() && g.blockBytes <= file.bytes.size() - g.blocks;
+    const bool hasParts = g.tree <= file.bytes.size() && g.treeBytes <= file.bytes.size() - g.tree &&
+                          g.blocks <= file.bytes.size() && g.blockBytes <= file.bytes.size() - g.blocks;
     switch (random.below(8)) {
     case 0: alterWord(random, file.bytes, 0, sizeof(FileHeader) - 4, 4); file.fitHeader(); break;
-    case 1: alterWord(random, file.bytes, file.header().directory, file.header().directory + sizeof(FileGeometry), random.chance(0.5) ? 4 : 8); fits = true; break;
-    case 2: if (hasParts) alterWord(random, file.bytes, g.tree, g.tree + g.treeBytes, random.chance(0.5) ? 4 : 8); fits = true; break;
-    case 3: // a length, with the file's size to it
-      file.bytes.resize(random.chance(0.5) ? random.below(uint32_t(file.bytes.size())) : file.bytes.size() + random.below(10000));
+    case 1:
+      alterWord(random, file.bytes, file.header().directory, file.header().directory + sizeof(FileGeometry),
+                random.chance(0.5) ? 4 : 8);
+      fits = true;
+      break;
+    case 2:
+      if (hasParts) alterWord(random, file.bytes, g.tree, g.tree + g.treeBytes, random.chance(0.5) ? 4 : 8);
+      fits = true;
+      break;
+    case 3: // a length, together with the size of the file
+      file.bytes.resize(random.chance(0.5) ? random.below(uint32_t(file.bytes.size()))
+                                           : file.bytes.size() + random.below(10000));
       if (file.bytes.size() < sizeof(FileHeader)) return file.bytes;
       if (random.chance(0.5)) { file.header().fileBytes = file.bytes.size(); file.fitHeader(); }
       break;
     default: {
       if (!hasParts || g.blockBytes < 64) break;
-      // a word of a block's header, or anything in blocks, or one block in another's place
+      // a word of a block's header, any word of a block, or a block replaced by another one
       std::vector<uint64_t> blocks;
       const size_t stride = g.form == FILE_TREE ? 8 : 32;
       for (size_t i = 0; i + stride <= g.treeBytes; i += stride) {
         uint64_t child;
         std::memcpy(&child, &file.bytes[g.tree + i + (g.form == FILE_TREE ? 0 : 24)], sizeof(child));
         if (g.form == FILE_TREE && i % 128 >= 32) continue; // planes
-        if ((child & 15) >= 2 && (child & 15) <= 5 && (child & ~uint64_t(15)) + 64 <= g.blockBytes) blocks.push_back(child & ~uint64_t(15));
+        if ((child & 15) >= 2 && (child & 15) <= 5 && (child & ~uint64_t(15)) + 64 <= g.blockBytes)
+          blocks.push_back(child & ~uint64_t(15));
       }
       if (blocks.empty()) break;
-      const uint64_t block = g.blocks + blocks[random.below(uint32_t(blocks.size()))], other = g.blocks + blocks[random.below(uint32_t(blocks.size()))];
+      const uint64_t block = g.blocks + blocks[random.below(uint32_t(blocks.size()))],
+                     other = g.blocks + blocks[random.below(uint32_t(blocks.size()))];
       const uint64_t end = std::min<uint64_t>(g.blocks + g.blockBytes, block + 700);
       switch (random.below(4)) {
       case 0: alterWord(random, file.bytes, block, std::min<uint64_t>(block + 96, end), 4); break;
       case 1: file.bytes[block + random.below(uint32_t(end - block))] = char(random.below(256)); break;
-      case 2: for (uint64_t i = block; i < end; i++) if (random.chance(0.05)) file.bytes[i] = char(random.below(256)); break;
+      case 2:
+        for (uint64_t i = block; i < end; i++)
+          if (random.chance(0.05)) file.bytes[i] = char(random.below(256));
+        break;
       default: {
-        const std::string copy = file.bytes.substr(other, std::min(random.chance(0.5) ? 64u : random.below(700), unsigned(g.blocks + g.blockBytes - std::max(block, other))));
+        const std::string copy = file.bytes.substr(
+          other, std::min(random.chance(0.5) ? 64u : random.below(700),
+                          unsigned(g.blocks + g.blockBytes - std::max(block, other))));
         file.bytes.replace(block, copy.size(), copy);
       }
       }
@@ -140,11 +161,15 @@ inline std::string mutated(Random& random, const std::string& sound)
 
 struct Trial { bool isLoaded = false, isVerified = false; size_t hits = 0, errors = 0; };
 
-// Opens and traces whatever the file is. Numbers that hits report are the geometry's.
+// Opens and traces a file, whatever it contains. The surface numbers in hits must belong to the geometry.
 inline Trial tryFile(Device& device, const std::string& path, const std::string& copy, Random& random)
 {
   Trial trial;
-  const auto failed = [&] { EXPECT_NE(device.takeError(), RTC_ERROR_NONE); EXPECT_FALSE(device.message.empty()); return trial; };
+  const auto failed = [&] {
+    EXPECT_NE(device.takeError(), RTC_ERROR_NONE);
+    EXPECT_FALSE(device.message.empty());
+    return trial;
+  };
   RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
   if (!file) return failed();
   RTCGeometry geometry = rtcNewGeometryFromCompressedFile(file, 0);
@@ -155,7 +180,7 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
   device.errors = 0;
   {
     Scene scene(device);
-    // beside another, in a part of the cases
+    // sometimes next to another geometry
     if (random.chance(0.3))
       if (RTCGeometry other = rtcNewGeometryFromCompressedFile(file, 0)) attach(scene, other);
     const unsigned id = rtcAttachGeometry(scene, geometry);
@@ -169,7 +194,8 @@ inline Trial tryFile(Device& device, const std::string& path, const std::string&
         EXPECT_LE(r.hit.geomID, id);
         EXPECT_LT(r.hit.primID, description.primitiveCount);
         RTCCompressedTriangle triangle;
-        if (form == QueryForm::Single) rtcGetCompressedTriangleAtTime(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
+        if (form == QueryForm::Single)
+          rtcGetCompressedTriangleAtTime(geometry, r.ray.time, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &triangle);
       }
       QueryRun(scene, form, true)(rays);
     }

@@ -7,8 +7,10 @@
 
 namespace cbvh::test {
 
-// The cube, alone in a committed scene, with a filter for closest hit and for any hit.
-inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings, RTCFilterFunctionN filter)
+// Adds the cube as the only geometry of a scene, with a filter for closest hit and for any hit, and commits the
+// scene.
+inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings,
+                            RTCFilterFunctionN filter)
 {
   RTCGeometry geometry = newSurface(device, cubeCage(), settings);
   rtcSetGeometryIntersectFilterFunction(geometry, filter);

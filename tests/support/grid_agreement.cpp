@@ -17,7 +17,8 @@ using namespace embree::cbvh;
 constexpr float ulp = std::numeric_limits<float>::epsilon();
 
 Vec hitPoint(const RTCRayHit& r) {
-  return {r.ray.org_x + r.ray.tfar*r.ray.dir_x, r.ray.org_y + r.ray.tfar*r.ray.dir_y, r.ray.org_z + r.ray.tfar*r.ray.dir_z};
+  return {r.ray.org_x + r.ray.tfar*r.ray.dir_x, r.ray.org_y + r.ray.tfar*r.ray.dir_y,
+          r.ray.org_z + r.ray.tfar*r.ray.dir_z};
 }
 
 double dot(const double a[3], const double b[3]) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
@@ -28,7 +29,7 @@ void unitNormal(const RTCRayHit& r, double n[3])
   n[0] = x/l; n[1] = y/l; n[2] = z/l;
 }
 
-// Lengths of the shortest and the longest edge.
+// Returns the lengths of the shortest and the longest edge.
 std::pair<float, float> edgeLengths(const Cage& cage)
 {
   std::pair<float, float> range(INFINITY, 0);
@@ -44,8 +45,8 @@ std::pair<float, float> edgeLengths(const Cage& cage)
   return range;
 }
 
-// Whether GRID has a surface within a distance of a point. Probes start beside the point,
-// as it may lie in the plane of the surface, past its border.
+// True if GRID has a surface within a distance of a point. Probes start next to the point, because the point may lie
+// in the plane of the surface, outside of its border.
 bool isNearGrid(RTCScene grid, const Vec& p, float distance)
 {
   Random random(1);
@@ -66,15 +67,16 @@ bool isNearGrid(RTCScene grid, const Vec& p, float distance)
   return false;
 }
 
-// What the leaves that report a hit's parameters say of its place; several on the border of two.
+// Position of a hit relative to the leaf that reports its parameters. On common borders there are several such
+// leaves.
 struct LeafOfHit
 {
   bool exists = false;
-  double outside = INFINITY; // of the nearest one's box, in the error that rays are widened by
-  double reach = 0;          // to the farthest corner of those boxes that the hit is in
+  double outside = INFINITY; // distance to the nearest leaf's box, in units of the error by which rays are widened
+  double reach = 0;          // distance to the farthest corner of the boxes that contain the hit
 };
 
-// In the frame W is 1 over a linear form: over the block's box it is least at a corner.
+// In the frame W is 1 over a linear form, so its minimum over the block's box is at a corner.
 double leastW(const FrameMap& map)
 {
   double least = INFINITY;
@@ -86,8 +88,8 @@ double leastW(const FrameMap& map)
   return least;
 }
 
-// The traversal widens boxes by the error of its ray, which is divided by the lesser W of the two
-// ends of the ray in the block (local_ray.h). The hit's t is rounded, which is as much at most.
+// The traversal widens boxes by the error of its ray, divided by the smaller W of both ends of the ray in the block
+// (local_ray.h). The rounding of the hit's t is at most as large.
 constexpr double hitError = 2;
 
 LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
@@ -115,7 +117,8 @@ LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
     if (outside > hitError) continue;
     for (int c = 0; c < 8; c++) {
       Double3 q;
-      EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1], c & 4 ? upperOf(box, 2) : box.lower[2], q));
+      EXPECT_TRUE(unproject(map, c & 1 ? upperOf(box, 0) : box.lower[0], c & 2 ? upperOf(box, 1) : box.lower[1],
+                            c & 4 ? upperOf(box, 2) : box.lower[2], q));
       found.reach = std::max(found.reach, length(q - p));
     }
   }
@@ -127,27 +130,31 @@ void expectNearGrid(RTCScene grid, const std::vector<const Block*>& blocks, cons
   ASSERT_EQ(hit.hit.geomID, 0u);
   ASSERT_GE(hit.hit.u, 0);
   ASSERT_GE(hit.hit.v, 0);
-  const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y + double(hit.hit.Ng_z)*hit.hit.Ng_z;
+  const double n2 = double(hit.hit.Ng_x)*hit.hit.Ng_x + double(hit.hit.Ng_y)*hit.hit.Ng_y +
+                    double(hit.hit.Ng_z)*hit.hit.Ng_z;
   ASSERT_GT(n2, 0);
-  if (blocks.empty()) { // cVERT's: they have no boxes that hits lie in
+  if (blocks.empty()) { // blocks of cVERT have no leaf boxes
     ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), slack)) << "nothing within " << slack << " of a hit";
     return;
   }
   const LeafOfHit leaf = leafOfHit(blocks, hit);
-  ASSERT_TRUE(leaf.exists) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
-  ASSERT_LE(leaf.outside, hitError) << "a hit outside of its leaf's box: face " << hit.hit.primID << ", " << hit.hit.u << ", " << hit.hit.v;
+  ASSERT_TRUE(leaf.exists) << "no leaf has these parameters: face " << hit.hit.primID << ", " << hit.hit.u << ", "
+                           << hit.hit.v;
+  ASSERT_LE(leaf.outside, hitError) << "a hit outside of its leaf's box: face " << hit.hit.primID << ", " << hit.hit.u
+                                    << ", " << hit.hit.v;
   const float reach = slack + float(leaf.reach);
   ASSERT_TRUE(isNearGrid(grid, hitPoint(hit), reach)) << "nothing within " << reach << " of a hit";
 }
 
-// How far cVERT's surface may be from GRID's: moved vertices, closed borders, and floats.
+// Largest distance of cVERT's surface from GRID's: rounded vertices, closed borders, and float errors.
 float vertSlack(RTCScene scene)
 {
   const RTCCompressionStatistics stats = statisticsOf(scene);
   if (stats.maxVertexSpacing == 0) return 0;
   RTCBounds bounds;
   rtcGetSceneBounds(scene, &bounds);
-  const float size = std::max({std::fabs(bounds.lower_x), std::fabs(bounds.lower_y), std::fabs(bounds.lower_z), std::fabs(bounds.upper_x), std::fabs(bounds.upper_y), std::fabs(bounds.upper_z)});
+  const float size = std::max({std::fabs(bounds.lower_x), std::fabs(bounds.lower_y), std::fabs(bounds.lower_z),
+                               std::fabs(bounds.upper_x), std::fabs(bounds.upper_y), std::fabs(bounds.upper_z)});
   return stats.maxVertexDeviation + stats.maxBorderGap + 64*ulp*size;
 }
 
@@ -169,13 +176,14 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     unitNormal(b, n);
     const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
     const double cosine = std::fabs(dot(d, m))/length;
-    // GRID keeps u and v as integers of 8/65536, which levels up to 8 hit exactly. Where GRID cuts a
-    // face into 8 x 8 quads its vertices may round another way, and the compiler may fuse one of two
-    // copies of the same test another way: that shifts a hit by ulps of t over the cosine, and u and v
-    // by as much out of the length of a face.
-    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length))) << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v
-      << " is face " << b.hit.primID << " at " << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
-    if (b.hit.primID != a.hit.primID) continue; // on the border of two faces either may come first
+    // GRID stores u and v as multiples of 8/65536, which represents levels up to 8 exactly. If GRID splits a face
+    // into 8 x 8 quads its vertices may round differently, and the compiler may fuse operations in only one of two
+    // copies of the same test. This shifts a hit by ulps of t divided by the cosine, and u and v by the same distance
+    // divided by the length of a face.
+    ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length)))
+      << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v << " is face " << b.hit.primID << " at "
+      << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
+    if (b.hit.primID != a.hit.primID) continue; // on the border of two faces the ray may hit either first
     ASSERT_GT(dot(m, n), 1 - 1e-5);
     const double tolerance = 4*ulp*(1 + 1/(cosine*face));
     ASSERT_LE(std::fabs(b.hit.u - a.hit.u), tolerance);
@@ -189,11 +197,11 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
 {
   const Displacement& displacement = *settings.displacement;
   const float thickness = statisticsOf(scene).maxLeafThickness + vertSlack(scene), rate = settings.rate;
-  // Catmull-Clark pulls faces of high valence together, to about half their width.
+  // Catmull-Clark subdivision shrinks faces of high valence to about half their width.
   const float quad = edgeLengths(cage).second/rate, narrow = 0.5f*edgeLengths(cage).first/rate;
   const std::vector<const Block*> blocks = sceneBlocks(scene);
-  // A quad's two triangles leave its bilinear patch by a quarter of its twist, the mixed
-  // derivative of the displacement, at most amplitude times twice the frequency squared.
+  // The two triangles of a quad deviate from its bilinear patch by a quarter of its twist, the mixed derivative of
+  // the displacement. The twist is at most amplitude times twice the frequency squared.
   const float twist = 0.25f*2*displacement.amplitude*displacement.frequency*displacement.frequency*quad*quad;
   unsigned hits = 0, misses = 0, falseHits = 0, compared = 0, across = 0, otherWay = 0, parameters = 0;
   for (const RTCRayHit& ray : rays) {
@@ -202,7 +210,8 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
       ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
-      if (settings.compression == RTC_COMPRESSION_VERT) { // at a border or a silhouette, as far as vertices are moved
+      // only at a border or a silhouette, within the distance by which vertices are moved
+      if (settings.compression == RTC_COMPRESSION_VERT) {
         ASSERT_TRUE(isNearGrid(scene, hitPoint(a), vertSlack(scene))) << "a miss far from the surface";
         continue;
       }
@@ -231,13 +240,13 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   }
   EXPECT_GT(hits, rays.size()/10);
   EXPECT_GT(compared, hits/3);
-  // The rest: a leaf's box reaches past its quad, and what is extrapolated there may be hit first.
+  // The other hits: a leaf's box extends beyond its quad, and rays may hit the extrapolated surface there first.
   EXPECT_GE(across, compared - compared/10) << "of " << compared << " hits lie within the thickness";
   EXPECT_LE(otherWay, compared/100) << "of " << compared << " normals point the other way";
   EXPECT_GE(parameters, compared - compared/10) << "of " << compared << " parameters agree";
   EXPECT_LE(misses, hits/200 + 1);
-  // A border as wide as the thickness and the overlap of boxes around a sheet
-  // that is 2 wide is four times their ratio to it, and as much again for folds.
+  // The sheet is 2 wide. A border of the width of thickness and box overlap covers four times the ratio of that width
+  // to 2. Folds add as much again.
   EXPECT_LE(falseHits, hits*std::min(1.0f, 8*(thickness + 0.25f*quad)/2) + 2);
 }
 
@@ -256,7 +265,8 @@ void expectHitsNearGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayH
   EXPECT_GT(hits, rays.size()/10);
 }
 
-void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside, RTCCompression compression)
+void expectNoLeaks(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& raysFromInside,
+                   RTCCompression compression)
 {
   unsigned leaks = 0, gridLeaks = 0;
   for (const RTCRayHit& ray : raysFromInside) {

@@ -14,7 +14,7 @@
 
 namespace cbvh::test {
 
-// Relative error of a float operation, at most.
+// Largest relative error of a float operation.
 constexpr double unitRoundoff = 0x1p-24;
 
 // Distance from |x| to the next float above it.
@@ -26,12 +26,12 @@ inline double ulpOf(float x)
 
 struct HitError { double t, u, v; };
 
-// Computed in double from the triangle's vertices.
+// Computed in double precision from the triangle's vertices.
 class ExactTriangleHit
 {
 public:
   double t, u, v;
-  double weights[3]; // of the vertices; one is negative if the line misses
+  double weights[3]; // of the vertices; one of them is negative if the line misses the triangle
   double cosine;     // of the ray and the normal
 
   ExactTriangleHit(const RTCRay& ray, const RTCCompressedTriangle& triangle) : triangle(triangle)

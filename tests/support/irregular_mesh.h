@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Meshes in which no grid can be found. */
+/* Meshes without grids. */
 
 #include "support/diced_mesh.h"
 
 namespace cbvh::test {
 
-// Each quad cut along a random diagonal into two triangles that begin at random corners.
+// Splits each quad along a random diagonal into two triangles that begin at random corners.
 inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool shuffled = true)
 {
   DicedMesh out;
@@ -27,7 +27,7 @@ inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool 
   return out;
 }
 
-// The quads, beginning at random corners, in random order.
+// The quads in random order, beginning at random corners.
 inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random)
 {
   DicedMesh out = mesh;
@@ -36,7 +36,7 @@ inline DicedMesh irregularQuads(const DicedMesh& mesh, Random& random)
   return out;
 }
 
-// The quads as they are, or as triangles, but those in stripes along an axis irregular.
+// The quads, optionally as triangles, with irregular stripes along an axis.
 inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asTriangles)
 {
   DicedMesh regular = mesh, others = mesh, out;
@@ -56,7 +56,7 @@ inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asT
   return out;
 }
 
-// Vertices moved at random.
+// Moves vertices randomly.
 inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double lattice = 0)
 {
   for (Vec& p : mesh.vertices)
@@ -70,7 +70,7 @@ struct NamedMesh
   DicedMesh mesh;
 };
 
-// Of each kind of mesh that mesh blocks store. With vertices on a lattice, these are stored as they are.
+// Meshes of all kinds that mesh blocks store. If vertices are on a lattice, they are stored exactly.
 inline std::vector<NamedMesh> irregularMeshes(Random& random, double lattice)
 {
   const DicedMesh sheet = jittered(meshOf(dicedSheet(1, 50, lattice), QuadOrder::Rows, random), random, 0.01, lattice),

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The leaves of a scene's blocks that a hit may lie in, by its parameters, and what they
- * decode to, by the kind of their block: docs/formats/framed_block.md. */
+/* Finds the leaves that may contain a hit by its parameters, and decodes them depending on the kind of their block:
+ * docs/formats/framed_block.md. */
 
 #include "kernels/cbvh/framed/tree.h"
 #include <embree3/rtcore.h>
@@ -17,28 +17,33 @@ namespace cbvh::test {
 struct LeafOfBlock
 {
   const embree::cbvh::Block* block;
-  uint32_t leaf; // Morton index; of a group of 2 x 2 quads in cGRID, of a quarter where cLEAF has one quad
+  uint32_t leaf; // Morton index; in cGRID of a group of 2 x 2 quads, in cLEAF of a quarter of a quad
 };
 
-// Several on the border of two.
+// Returns several leaves if the hit is on their common border.
 inline std::vector<LeafOfBlock> leavesOfHit(const std::vector<const embree::cbvh::Block*>& blocks, const RTCHit& hit)
 {
   std::vector<LeafOfBlock> leaves;
   for (const embree::cbvh::Block* block : blocks) {
     if (block->primID != hit.primID) continue;
     const double cells = 1u << block->layout().nodeLevels, quads = 1u << block->height();
-    const double x = ((hit.u - embree::cbvh::cornerUOf(block->tiling)*0.5)*block->quadsX() - embree::cbvh::blockXOf(block->info)*quads)*cells/quads;
-    const double y = ((hit.v - embree::cbvh::cornerVOf(block->tiling)*0.5)*block->quadsY() - embree::cbvh::blockYOf(block->info)*quads)*cells/quads;
+    const double x = ((hit.u - embree::cbvh::cornerUOf(block->tiling)*0.5)*block->quadsX() -
+                      embree::cbvh::blockXOf(block->info)*quads)*
+                     cells/quads;
+    const double y = ((hit.v - embree::cbvh::cornerVOf(block->tiling)*0.5)*block->quadsY() -
+                      embree::cbvh::blockYOf(block->info)*quads)*
+                     cells/quads;
     const double rounding = 1e-3; // of parameters
     for (double i = std::floor(x - rounding); i <= x + rounding; i++)
       for (double j = std::floor(y - rounding); j <= y + rounding; j++)
-        if (i >= 0 && j >= 0 && i < cells && j < cells) leaves.push_back({block, embree::cbvh::morton(uint32_t(i), uint32_t(j))});
+        if (i >= 0 && j >= 0 && i < cells && j < cells)
+          leaves.push_back({block, embree::cbvh::morton(uint32_t(i), uint32_t(j))});
   }
   return leaves;
 }
 
-// Words of nodes down to the last level, whose words are those of groups in cLEAF. Only cLEAF has
-// more than the box.
+// Decodes words of nodes down to the last level; in cLEAF the words of that level belong to groups. Only cLEAF has
+// more than a box.
 inline embree::cbvh::LeafPatch decodeLeafOfBlock(const LeafOfBlock& at)
 {
   using namespace embree::cbvh;

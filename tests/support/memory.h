@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What a device holds, by its memory monitor. */
+/* Device memory, as reported to the memory monitor. */
 
 #include <atomic>
 #include <limits>
@@ -14,7 +14,7 @@ namespace cbvh::test {
 struct Memory
 {
   std::atomic<ssize_t> live{0}, peak{0};
-  std::atomic<ssize_t> most{std::numeric_limits<ssize_t>::max()}; // beyond it what is asked for is refused
+  std::atomic<ssize_t> most{std::numeric_limits<ssize_t>::max()}; // the monitor rejects allocations beyond this limit
 
   static bool monitor(void* self, ssize_t bytes, bool post)
   {

@@ -10,8 +10,8 @@
 
 namespace cbvh::test {
 
-/* Whether the message contains all parts, in this order and without overlap. Tests compare the place and the values that a
- * message names; its wording may change. */
+/* True if the message contains all parts, in this order and without overlap. Tests compare the place and the values in
+ * a message; its wording may change. */
 inline testing::AssertionResult containsInOrder(const std::string& message, const std::vector<std::string>& parts)
 {
   size_t at = 0;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Sheets of quads that move, on lattices: what blocks of cVERT that move are made of. */
+/* Moving sheets of quads on lattices, the input of moving cVERT blocks. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
@@ -22,28 +22,33 @@ struct MovingSheet
   typedef std::vector<std::array<float, 3>> Step;
 
   uint32_t quadsX, quadsY;
-  std::vector<float> spacings; // of each step's lattice
+  std::vector<float> spacings; // lattice spacing of each step
   std::vector<Step> steps;
 
-  // Any: what moves how is chosen by i, with vertices that are not finite, and steps that are far away, among them.
+  // A sheet whose kind depends on i. Includes vertices that are not finite and steps at large distances.
   MovingSheet(Random& random, uint32_t quadsX, uint32_t quadsY, int i)
-    : MovingSheet(random, quadsX, quadsY, SheetMotion(i % 4), std::vector<double>{0, 0.5, 5, 40, 4000}[i % 5], i % 50 == 0 ? 129 : 2 + random.below(5))
+    : MovingSheet(random, quadsX, quadsY, SheetMotion(i % 4), std::vector<double>{0, 0.5, 5, 40, 4000}[i % 5],
+                  i % 50 == 0 ? 129 : 2 + random.below(5))
   {
-    if (i % 7 == 0) steps[random.below(uint32_t(steps.size()))][random.below(uint32_t(steps[0].size()))][i % 3] = i % 2 ? NAN : INFINITY;
+    if (i % 7 == 0)
+      steps[random.below(uint32_t(steps.size()))][random.below(uint32_t(steps[0].size()))][i % 3] = i % 2 ? NAN
+                                                                                                          : INFINITY;
     if (i % 31 == 0) std::fill(steps[i % 2].begin(), steps[i % 2].end(), std::array<float, 3>{NAN, 0, 0});
-    if (i % 13 == 5) // on no lattice
+    if (i % 13 == 5) // not on a lattice
       for (auto& p : steps[random.below(uint32_t(steps.size()))])
         for (float& c : p) c *= 0.7123f;
     if (i % 11 == 0) snap(uint32_t(steps.size()) - 1, std::ldexp(spacings[0], int(random.below(9)) - 4));
   }
 
-  // A sheet with a rough surface; roughness in spacings
-  MovingSheet(Random& random, uint32_t quadsX, uint32_t quadsY, SheetMotion motion, double roughness, uint32_t numSteps) : quadsX(quadsX), quadsY(quadsY)
+  // A sheet with a rough surface. roughness: in lattice spacings.
+  MovingSheet(Random& random, uint32_t quadsX, uint32_t quadsY, SheetMotion motion, double roughness, uint32_t numSteps)
+    : quadsX(quadsX), quadsY(quadsY)
   {
     const float spacing = std::ldexp(1.0f, int(random.below(60)) - 30);
     double place[3], axis[3];
     for (int k = 0; k < 3; k++) { place[k] = random.uniform(-4e5, 4e5); axis[k] = random.normal(); }
-    const double length = std::sqrt(axis[0]*axis[0] + axis[1]*axis[1] + axis[2]*axis[2]), total = random.uniform(0.1, 0.6);
+    const double length = std::sqrt(axis[0]*axis[0] + axis[1]*axis[1] + axis[2]*axis[2]),
+                 total = random.uniform(0.1, 0.6);
     std::vector<double> heights;
     for (uint32_t v = 0; v < (quadsX + 1)*(quadsY + 1); v++) heights.push_back(roughness*random.normal());
     for (uint32_t s = 0; s < numSteps; s++) {
@@ -57,7 +62,8 @@ struct MovingSheet
           if (motion == SheetMotion::shake) for (double& c : p) c += s*(roughness + 1)*random.normal();
           const double angle = motion == SheetMotion::turn ? f : 0.3;
           turn(p, axis, length, angle, q);
-          step.push_back({float((q[0] + place[0])*spacing), float((q[1] + place[1])*spacing), float((q[2] + place[2])*spacing)});
+          step.push_back({float((q[0] + place[0])*spacing), float((q[1] + place[1])*spacing),
+                          float((q[2] + place[2])*spacing)});
         }
       steps.push_back(step);
       spacings.push_back(spacing);
@@ -65,7 +71,7 @@ struct MovingSheet
     }
   }
 
-  // Some steps of another one.
+  // Some time steps of another sheet.
   MovingSheet(const MovingSheet& other, const std::vector<uint32_t>& of) : quadsX(other.quadsX), quadsY(other.quadsY)
   {
     for (uint32_t s : of) { steps.push_back(other.steps[s]); spacings.push_back(other.spacings[s]); }
@@ -98,21 +104,27 @@ struct EncodedMotion
   cvert::MotionStatistics statistics;
 
   EncodedMotion(cvert::MotionEncoder& encoder, const MovingSheet& sheet)
-    : EncodedMotion(encoder, sheet, {cvert::vertRegion(sheet.quadsX, sheet.quadsY, 0, 0), cvert::vertPatch(sheet.quadsX, sheet.quadsY)}) {}
+    : EncodedMotion(encoder, sheet,
+                    {cvert::vertRegion(sheet.quadsX, sheet.quadsY, 0, 0), cvert::vertPatch(sheet.quadsX, sheet.quadsY)})
+  {}
 
   EncodedMotion(cvert::MotionEncoder& encoder, const MovingSheet& sheet, const cvert::VertPlacement& at)
   {
     words.resize(cvert::MotionEncoder::maxBytes(sheet.steps.size())/8 + 4);
     encoder.begin(at, 0.0f, 1.0f, uint32_t(sheet.steps.size()), (uint8_t*)block());
     for (size_t s = 0; s < sheet.steps.size(); s++) {
-      for (size_t v = 0; v < sheet.steps[s].size(); v++) std::copy(sheet.steps[s][v].begin(), sheet.steps[s][v].end(), encoder.vertices()[v]);
+      for (size_t v = 0; v < sheet.steps[s].size(); v++)
+        std::copy(sheet.steps[s][v].begin(), sheet.steps[s][v].end(), encoder.vertices()[v]);
       encoder.addStep();
     }
     size = encoder.finish(statistics);
   }
 
   cvert::VertHeader* block() { return (cvert::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15)); }
-  const cvert::VertHeader* block() const { return (const cvert::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15)); }
+  const cvert::VertHeader* block() const
+  {
+    return (const cvert::VertHeader*)((uintptr_t(words.data()) + 15) & ~uintptr_t(15));
+  }
 
   size_t firstStepBytes() const { return size - statistics.stepBytes; }
 };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Motion of cages, and rays at compressed surfaces that move: from their middle at what triangles share. */
+/* Moving cages, and rays from the center of moving compressed surfaces at shared vertices and edges. */
 
 #include "support/scene.h"
 
@@ -26,7 +26,10 @@ struct MovingTargets
 
   static bool add(void* self, const RTCCompressedPart* part)
   {
-    const auto vertex = [&](unsigned x, unsigned y) { const float* p = part->vertices + 3*(y*part->width + x); return Vec{p[0], p[1], p[2]}; };
+    const auto vertex = [&](unsigned x, unsigned y) {
+      const float* p = part->vertices + 3*(y*part->width + x);
+      return Vec{p[0], p[1], p[2]};
+    };
     for (unsigned y = 0; y < part->height; y++)
       for (unsigned x = 0; x < part->width; x++) {
         const Vec a = vertex(x, y);
@@ -39,8 +42,9 @@ struct MovingTargets
   }
 };
 
-// At so many times, of which the first two are 0 and 1.
-inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry geometry, unsigned times, unsigned raysPerTime)
+// Rays at the given number of times. The first two times are 0 and 1.
+inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry geometry, unsigned times,
+                                                  unsigned raysPerTime)
 {
   std::vector<RTCRayHit> rays;
   for (unsigned t = 0; t < times; t++) {
@@ -58,7 +62,7 @@ inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry ge
   return rays;
 }
 
-// Each at a time of its own.
+// Rays with different times.
 inline std::vector<RTCRayHit> timedRays(Random& random, unsigned count)
 {
   std::vector<RTCRayHit> rays = raysAt(random, count);

@@ -18,7 +18,7 @@ namespace {
 using namespace embree::cbvh;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// A block's tree, walked for one ray.
+// Traverses the tree of a block with one ray.
 class Walk
 {
 public:
@@ -47,15 +47,15 @@ public:
     visit(0, 0, rootBox());
   }
 
-  double t = infinite; // no hit, else at most the ray's tfar
+  double t = infinite; // no hit; otherwise at most the ray's tfar
   uint32_t leaf = 0;
-  double u = 0, v = 0; // in the leaf's box
+  double u = 0, v = 0; // in the box of the leaf
   double Ng[3] = {0, 0, 0};
 
 private:
   static constexpr double slack = 1e-6;
 
-  // Keeps the part of [t0,t1] where o + t d >= 0.
+  // Clips [t0,t1] to the part where o + t d >= 0.
   static void clip(double o, double d, double& t0, double& t1)
   {
     if (d > 0) t0 = std::max(t0, -o/d);
@@ -86,9 +86,8 @@ private:
     }
   }
 
-  // The line test: z over the lower and under the upper patch where the ray enters and
-  // leaves; three cases, hit at entry, from above, from below. The interval is a bin of
-  // the paper's 4 bits around our surface.
+  // Line test: compares z with the lower and the upper patch where the ray enters and leaves. Three cases: hit at
+  // entry, from above, from below. The interval is one bin of the paper's 4 bits around our surface.
   void visitLeaf(uint32_t m, const LeafPatch& leaf)
   {
     const NodeBox& box = leaf.box;
@@ -96,7 +95,7 @@ private:
     if (leaf.empty || !meets(box, s0, s1) || worldT(s0) >= t) return;
     if (leaf.solid) { hit(m, box, s0, 0, 0); return; }
     const double size = std::max(double(leaf.thickness), box.extent[2]/16.0);
-    const auto over = [&](double s) { // over the lower patch
+    const auto over = [&](double s) { // above the lower patch
       return at(2, s) - patchZ(leaf, inBox(box, s, 0), inBox(box, s, 1)) + 0.5*size;
     };
     const double d0 = over(s0), d1 = over(s1);
@@ -136,7 +135,7 @@ private:
 
   const Block& block;
   BlockLayout layout;
-  double begin, end; // world parameter of the segment's ends
+  double begin, end; // world parameters of the segment's ends
   double P0[3], P1[3], w0, w1;
 };
 
@@ -192,7 +191,8 @@ void occlude(const RTCOccludedFunctionNArguments* args)
 
 } // namespace
 
-NearSideScene::NearSideScene(RTCScene compressed) : blocks(sceneBlocks(compressed)), device(rtcNewDevice("")), scene(rtcNewScene(device))
+NearSideScene::NearSideScene(RTCScene compressed)
+  : blocks(sceneBlocks(compressed)), device(rtcNewDevice("")), scene(rtcNewScene(device))
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, unsigned(blocks.size()));

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The paper's rule for leaves of cLEAF, to compare with: a ray that meets the interval
- * between a leaf's two patches hits it, at its near side. Scalar, over the very blocks of
- * a scene, as user geometry. */
+/* The paper's intersection rule for cLEAF, as a reference: a ray that intersects the interval between a leaf's two
+ * patches hits the leaf at its near side. Scalar code on the blocks of a scene, as user geometry. */
 
 #include "kernels/cbvh/framed/block.h"
 #include <embree3/rtcore.h>
@@ -18,13 +17,13 @@ namespace cbvh::test {
 class NearSideScene
 {
 public:
-  /* compressed: of nothing but cLEAF surfaces; outlives this, committed once. */
+  /* compressed: a scene of cLEAF surfaces only. It must outlive this object and be committed exactly once. */
   explicit NearSideScene(RTCScene compressed);
   ~NearSideScene();
   NearSideScene(const NearSideScene&) = delete;
   NearSideScene& operator=(const NearSideScene&) = delete;
 
-  /* Hits have the face as primID, 0 as geomID. */
+  /* Hits have the face as primID and 0 as geomID. */
   RTCScene handle() const { return scene; }
 
 private:

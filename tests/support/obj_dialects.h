@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Small OBJ files as programs write them. Each has the vertices of one of two cages, see below. */
+/* Small OBJ files in the style of various programs. Each has the vertices of one of two cages, see below. */
 
 #include <cstddef>
 #include <string>
@@ -17,10 +17,10 @@ struct ObjDialect
   const char* name;
   std::string text;
   size_t vertices, faces;
-  size_t facesWithoutUVs; // as many as faces where no face has some
+  size_t facesWithoutUVs; // number of faces with corners; equals the number of faces if no face has texture coordinates
 };
 
-/* The text with other line ends. */
+/* Replaces the line ends of a text. */
 inline std::string withLineEnds(const std::string& text, const std::string& end)
 {
   std::string result;
@@ -31,7 +31,7 @@ inline std::string withLineEnds(const std::string& text, const std::string& end)
 
 inline std::vector<ObjDialect> objDialects()
 {
-  /* the unit square, alone and as its four corners around a middle */
+  /* the unit square, and its four corners with a center vertex */
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   const std::string fan = square + "v 0.5 0.5 0.25\n";
   const std::string uvs = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";

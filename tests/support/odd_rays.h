@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Rays that are not finite, and rays along axes, of which boxes are missed where a zero in a direction is not one. */
+/* Rays with components that are not finite, and axis-parallel rays, which miss boxes if zeros in a direction are not
+ * handled exactly. */
 
 #include "support/random.h"
 #include "support/vertex_recorder.h"
@@ -12,13 +13,14 @@
 
 namespace cbvh::test {
 
-// Puts NaN or infinity into a ray's origin or direction, or NaN into tnear or tfar.
+// Sets components of a ray's origin or direction to NaN or infinity, or tnear or tfar to NaN.
 inline void spoil(RTCRay& ray, Random& random)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-  float* const fields[] = {&ray.org_x, &ray.org_y, &ray.org_z, &ray.dir_x, &ray.dir_y, &ray.dir_z, &ray.tnear, &ray.tfar};
+  float* const fields[] = {&ray.org_x, &ray.org_y, &ray.org_z, &ray.dir_x,
+                           &ray.dir_y, &ray.dir_z, &ray.tnear, &ray.tfar};
   const float values[] = {nan, infinity, -infinity};
-  if (random.chance(0.1)) { // all of the origin, or of the direction
+  if (random.chance(0.1)) { // all components of the origin or of the direction
     const unsigned first = 3*random.below(2);
     for (unsigned k = 0; k < 3; k++) *fields[first + k] = nan;
     return;
@@ -29,7 +31,7 @@ inline void spoil(RTCRay& ray, Random& random)
   }
 }
 
-// Of a surface, as they are displaced.
+// Records all vertices of a surface after displacement.
 struct AllVertices : public VertexRecorder
 {
   std::vector<Vec> vertices;
@@ -38,7 +40,7 @@ struct AllVertices : public VertexRecorder
     for (unsigned i = 0; i < args.N; i++) vertices.push_back({args.P_x[i], args.P_y[i], args.P_z[i]});
   }
 
-  // In an order that no thread has a part in.
+  // Returns the vertices in an order that does not depend on threads.
   std::vector<Vec> taken()
   {
     std::sort(vertices.begin(), vertices.end());
@@ -46,8 +48,9 @@ struct AllVertices : public VertexRecorder
   }
 };
 
-// Bounds of blocks end at vertices: a ray from inside of the cube that passes beside one, along an axis, or nearly so, or in the plane of two.
-inline RTCRayHit rayBesideVertex(Random& random, const std::vector<Vec>& vertices)
+// Block bounds end at vertices. Returns a ray from inside the cube that passes close to a vertex: along an axis,
+// nearly along an axis, or in the plane of two axes.
+inline RTCRayHit rayNextToVertex(Random& random, const std::vector<Vec>& vertices)
 {
   const unsigned across = random.below(3), other = (across + 1 + random.below(2)) % 3, zeros = 1 + random.below(2);
   while (true) {
@@ -56,7 +59,8 @@ inline RTCRayHit rayBesideVertex(Random& random, const std::vector<Vec>& vertice
     Vec o, d;
     for (unsigned k = 0; k < 3; k++) {
       const bool isZero = k == across || (zeros == 2 && k == other);
-      const float aside = float(random.magnitude(1e-8, 1e-5)), tilt = random.chance(0.3) ? float(random.magnitude(1e-14, 1e-7)) : 0;
+      const float aside = float(random.magnitude(1e-8, 1e-5)),
+                  tilt = random.chance(0.3) ? float(random.magnitude(1e-14, 1e-7)) : 0;
       o[k] = isZero ? v[k] + (random.chance(0.5) ? aside : -aside) : float(random.uniform(-0.2, 0.2));
       d[k] = isZero ? (random.chance(0.5) ? tilt : -tilt) : v[k] - o[k];
     }
@@ -64,14 +68,14 @@ inline RTCRayHit rayBesideVertex(Random& random, const std::vector<Vec>& vertice
   }
 }
 
-inline std::vector<RTCRayHit> raysBesideVertices(Random& random, const std::vector<Vec>& vertices, unsigned count)
+inline std::vector<RTCRayHit> raysNextToVertices(Random& random, const std::vector<Vec>& vertices, unsigned count)
 {
   std::vector<RTCRayHit> rays;
-  for (unsigned i = 0; i < count; i++) rays.push_back(rayBesideVertex(random, vertices));
+  for (unsigned i = 0; i < count; i++) rays.push_back(rayNextToVertex(random, vertices));
   return rays;
 }
 
-// Powers of two from 1.4e-20 to 0.6e18: directions that are scaled by them are exact.
+// Exponents of powers of two from 1.4e-20 to 0.6e18. Scaling a direction by them is exact.
 constexpr int oddExponents[] = {-66, -60, -50, -40, -30, -20, -10, 0, 20, 40, 59};
 
 inline std::vector<RTCRayHit> withDirections(std::vector<RTCRayHit> rays, float scale)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The same rays by every function of the API that traces rays. */
+/* Traces the same rays with every function of the API. */
 
 #include "support/scene.h"
 
@@ -14,8 +14,9 @@
 namespace cbvh::test {
 
 enum class QueryForm { Single, Packet4, Packet8, Packet16, Coherent8, Stream, CoherentStream, Pointers };
-const QueryForm allQueryForms[] = {QueryForm::Single, QueryForm::Packet4, QueryForm::Packet8, QueryForm::Packet16, QueryForm::Coherent8,
-  QueryForm::Stream, QueryForm::CoherentStream, QueryForm::Pointers};
+const QueryForm allQueryForms[] = {QueryForm::Single, QueryForm::Packet4, QueryForm::Packet8,
+                                   QueryForm::Packet16, QueryForm::Coherent8, QueryForm::Stream,
+                                   QueryForm::CoherentStream, QueryForm::Pointers};
 
 inline const char* nameOf(QueryForm form)
 {
@@ -32,11 +33,14 @@ inline const char* nameOf(QueryForm form)
   return "";
 }
 
-// The closest hits, or, for any hit, rays whose tfar is negative where there is one.
+// Traces the closest hits. For any hit, returns rays whose tfar is negative if they are occluded.
 class QueryRun
 {
 public:
-  QueryRun(RTCScene scene, QueryForm form, bool any) : scene(scene), form(form), any(any) { rtcInitIntersectContext(&context); }
+  QueryRun(RTCScene scene, QueryForm form, bool any) : scene(scene), form(form), any(any)
+  {
+    rtcInitIntersectContext(&context);
+  }
 
   RTCIntersectContext context;
 
@@ -53,7 +57,8 @@ public:
       }
       break;
     case QueryForm::Packet4 : packets<4, RTCRayHit4>(traced, rtcIntersect4, rtcOccluded4); break;
-    case QueryForm::Packet8 : case QueryForm::Coherent8: packets<8, RTCRayHit8>(traced, rtcIntersect8, rtcOccluded8); break;
+    case QueryForm::Packet8 :
+    case QueryForm::Coherent8: packets<8, RTCRayHit8>(traced, rtcIntersect8, rtcOccluded8); break;
     case QueryForm::Packet16: packets<16, RTCRayHit16>(traced, rtcIntersect16, rtcOccluded16); break;
     case QueryForm::Stream: case QueryForm::CoherentStream:
       if (any) rtcOccluded1M(scene, &context, &traced[0].ray, unsigned(traced.size()), sizeof(RTCRayHit));
@@ -72,7 +77,7 @@ public:
   }
 
 private:
-  // Lanes behind the last ray are off.
+  // Lanes after the last ray are inactive.
   template<unsigned N, typename Packet, typename Ray>
   void packets(std::vector<RTCRayHit>& rays, void (*intersect)(const int*, RTCScene, RTCIntersectContext*, Packet*),
                void (*occluded)(const int*, RTCScene, RTCIntersectContext*, Ray*))
@@ -84,22 +89,27 @@ private:
       std::memset(&packet, 0, sizeof(packet));
       for (unsigned k = 0; k < N; k++) {
         valid[k] = first + k < rays.size() ? -1 : 0;
-        if (valid[k]) forWords([&](size_t w, size_t p) { std::memcpy(lanes + p*N + k, (const char*)&rays[first + k] + 4*w, 4); });
+        if (valid[k])
+          forWords(
+            [&](size_t w, size_t p) { std::memcpy(lanes + p*N + k, (const char*)&rays[first + k] + 4*w, 4); });
       }
       if (any) occluded(valid, scene, &context, &packet.ray);
       else intersect(valid, scene, &context, &packet);
       for (unsigned k = 0; k < N; k++)
-        if (valid[k]) forWords([&](size_t w, size_t p) { std::memcpy((char*)&rays[first + k] + 4*w, lanes + p*N + k, 4); });
+        if (valid[k])
+          forWords([&](size_t w, size_t p) { std::memcpy((char*)&rays[first + k] + 4*w, lanes + p*N + k, 4); });
     }
   }
 
-  // Calls closure(word of RTCRayHit, row of a packet): a single ray is aligned behind its words, and its hit too.
+  // Calls closure(word of RTCRayHit, row of a packet). In a packet the words of the ray and of the hit are aligned
+  // separately.
   template<typename Closure>
   static void forWords(const Closure& closure)
   {
     size_t p = 0;
     for (size_t w = 0; w < offsetof(RTCRay, flags)/4 + 1; w++) closure(w, p++);
-    for (size_t w = 0; w < offsetof(RTCHit, instID)/4 + RTC_MAX_INSTANCE_LEVEL_COUNT; w++) closure(offsetof(RTCRayHit, hit)/4 + w, p++);
+    for (size_t w = 0; w < offsetof(RTCHit, instID)/4 + RTC_MAX_INSTANCE_LEVEL_COUNT; w++)
+      closure(offsetof(RTCRayHit, hit)/4 + w, p++);
   }
 
   RTCScene scene;
@@ -107,7 +117,13 @@ private:
   bool any;
 };
 
-inline std::vector<RTCRayHit> closestHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form) { return QueryRun(scene, form, false)(rays); }
-inline std::vector<RTCRayHit> anyHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form) { return QueryRun(scene, form, true)(rays); }
+inline std::vector<RTCRayHit> closestHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form)
+{
+  return QueryRun(scene, form, false)(rays);
+}
+inline std::vector<RTCRayHit> anyHits(RTCScene scene, const std::vector<RTCRayHit>& rays, QueryForm form)
+{
+  return QueryRun(scene, form, true)(rays);
+}
 
 } // namespace cbvh::test

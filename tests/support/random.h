@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Random numbers of the kernel tests: the seed is fixed and printed with every
- * failure inside the scope of the generator. */
+/* Random numbers with a fixed seed. Failures within the lifetime of a generator print the seed. */
 
 #include <gtest/gtest.h>
 
@@ -24,13 +23,13 @@ public:
   uint32_t below(uint32_t n) { return uint32_t((uint64_t(engine())*n) >> 32); }
   bool chance(double p) { return uniform() < p; }
 
-  // In [0,1), 53 bits; the same on every standard library, which distributions are not.
+  // Uniform in [0,1) with 53 bits. Independent of the standard library, unlike its distributions.
   double uniform() { return double(((uint64_t(engine()) << 32 | engine()) >> 11))*0x1p-53; }
   double uniform(double a, double b) { return a + (b - a)*uniform(); }
 
   double normal() { return std::sqrt(-2*std::log(1 - uniform()))*std::cos(2*M_PI*uniform()); }
 
-  // A magnitude between a and b whose logarithm is uniform.
+  // Between a and b, with a uniform logarithm.
   double magnitude(double a, double b) { return a*std::pow(b/a, uniform()); }
 
 private:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Cages of the tests of the true surface, and points on them. */
+/* Cages for tests against the true surface, and points on them. */
 
 #include "support/random.h"
 #include "surface/true_surface.h"
@@ -28,7 +28,7 @@ inline Cage sheet(unsigned n)
   return cage;
 }
 
-/* Closed: two faces of n vertices, n quads. */
+/* Closed: two caps of n vertices, n quads. */
 inline Cage prism(unsigned n)
 {
   Cage cage;
@@ -76,7 +76,8 @@ inline Cage trapezohedron(unsigned n)
 inline Cage moved(Cage cage, Random& random, double size)
 {
   for (Vec3f& p : cage.positions)
-    p += Vec3f{float(random.uniform(-size, size)), float(random.uniform(-size, size)), float(random.uniform(-size, size))};
+    p += Vec3f{float(random.uniform(-size, size)), float(random.uniform(-size, size)),
+               float(random.uniform(-size, size))};
   return cage;
 }
 

@@ -42,7 +42,8 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
   }
   const double phase = 6*random.uniform();
   auto toWorld = [&](const double p[3]) {
-    return Vec{float(at.position[0] + at.scale*p[0]), float(at.position[1] + at.scale*p[1]), float(at.position[2] + at.scale*p[2])};
+    return Vec{float(at.position[0] + at.scale*p[0]), float(at.position[1] + at.scale*p[1]),
+               float(at.position[2] + at.scale*p[2])};
   };
   for (unsigned y = 0; y <= n; y++)
     for (unsigned x = 0; x <= n; x++) {
@@ -51,7 +52,11 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
       for (int k = 0; k < 3; k++)
         p[k] = (1-v)*((1-u)*corners[0][k] + u*corners[1][k]) + v*((1-u)*corners[3][k] + u*corners[2][k]);
       switch (shape) {
-      case Shape::Waves: case Shape::Folded: case Shape::Trapezoid: case Shape::CollapsedQuads: case Shape::CollapsedSide: p[2] += 0.05*std::sin(7*u + 3*v + phase); break;
+      case Shape::Waves:
+      case Shape::Folded:
+      case Shape::Trapezoid:
+      case Shape::CollapsedQuads:
+      case Shape::CollapsedSide: p[2] += 0.05*std::sin(7*u + 3*v + phase); break;
       case Shape::Noise: for (double& c : p) c += 0.2/n*random.normal(); break;
       case Shape::Spikes: if (random.chance(0.1)) p[2] += 0.5*random.uniform(); break;
       case Shape::Jumps: p[2] += (x > n/3) != (y > n/2) ? 0.3 : 0; break;
@@ -61,7 +66,7 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
       }
       sheet.vertices.push_back(toWorld(p));
     }
-  if (shape == Shape::CollapsedQuads && n > 1) // quads that are lines, triangles and points
+  if (shape == Shape::CollapsedQuads && n > 1) // quads that degenerate to lines, triangles and points
     for (unsigned i = 0; i < n*n/2 + 1; i++) {
       const unsigned x = 1 + random.below(n-1), y = 1 + random.below(n-1);
       sheet.vertices[y*(n+1) + x] = sheet.vertex(x - random.below(2), y - random.below(2));
@@ -72,12 +77,13 @@ Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement&
   return sheet;
 }
 
-// Overwrites what the tessellator made.
+// Replaces the vertices of the tessellator.
 static void place(const RTCDisplacementFunctionNArguments* args)
 {
   const Sheet& sheet = *(const Sheet*)args->geometryUserPtr;
   for (unsigned i = 0; i < args->N; i++) {
-    const Vec& p = sheet.vertex(unsigned(std::lround(args->u[i]*sheet.quads)), unsigned(std::lround(args->v[i]*sheet.quads)));
+    const Vec& p = sheet.vertex(unsigned(std::lround(args->u[i]*sheet.quads)),
+                                unsigned(std::lround(args->v[i]*sheet.quads)));
     args->P_x[i] = p[0]; args->P_y[i] = p[1]; args->P_z[i] = p[2];
   }
 }
@@ -118,7 +124,7 @@ RTCRayHit randomRay(Random& random, RayKind kind, const Sheet& sheet, double dir
   if (kind == RayKind::Across) for (double& t : target) t += 0.1*sheet.scale*random.normal();
   double length = std::sqrt(dir[0]*dir[0] + dir[1]*dir[1] + dir[2]*dir[2]);
   if (!(length > 0)) { dir[2] = length = 1; }
-  double back = 3*sheet.scale; // from the origin to the target
+  double back = 3*sheet.scale; // distance from the origin to the target
   if (kind == RayKind::FromInsideBlock) back = 0.2*sheet.scale*random.uniform();
   if (kind == RayKind::FromInsideLeaf) back = random.chance(0.5) ? 0 : 0.01*sheet.scale*random.uniform();
   Vec o, d;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Random blocks of hard shapes, as displaced faces: vertices come from here to the
- * last bit. And random rays at them, of the kinds that are hard. */
+/* Random blocks of difficult shapes as displaced faces with given vertices, and random rays of difficult kinds at them.
+ * */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -13,10 +13,11 @@ namespace cbvh::test {
 
 enum class Shape {
   Waves, Noise, Spikes, Jumps, Folded, Saddle, Vertical, // displaced
-  Flat, Needle, Trapezoid, CollapsedQuads, CollapsedSide // of hard outlines
+  Flat, Needle, Trapezoid, CollapsedQuads, CollapsedSide // with difficult outlines
 };
-const std::vector<Shape> allShapes = {Shape::Waves, Shape::Noise, Shape::Spikes, Shape::Jumps, Shape::Folded, Shape::Saddle, Shape::Vertical,
-  Shape::Flat, Shape::Needle, Shape::Trapezoid, Shape::CollapsedQuads, Shape::CollapsedSide};
+const std::vector<Shape> allShapes = {Shape::Waves, Shape::Noise, Shape::Spikes, Shape::Jumps,
+                                      Shape::Folded, Shape::Saddle, Shape::Vertical,       Shape::Flat,
+                                      Shape::Needle, Shape::Trapezoid, Shape::CollapsedQuads, Shape::CollapsedSide};
 const char* nameOf(Shape);
 
 struct Placement { double scale, position[3]; };
@@ -27,23 +28,35 @@ struct Sheet
   Shape shape;
   unsigned quads;
   double scale;
-  Cage cage;                 // the corners, in the order of the face
+  Cage cage;                 // its corners, in the order of the face
   std::vector<Vec> vertices; // (quads+1)^2, row by row
 
   const Vec& vertex(unsigned x, unsigned y) const { return vertices[y*(quads+1) + x]; }
 };
 Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement& at);
 
-// A scene of the sheet as one block, or as GRID's with RTC_COMPRESSION_NONE. The sheet
-// must live until then.
+// Creates a scene with the sheet as one block, or with GRID for RTC_COMPRESSION_NONE. The sheet must exist until
+// then.
 void commitSheet(RTCDevice device, RTCScene scene, const Sheet& sheet, RTCCompression compression);
 
-enum class RayKind { Across, AlongAxis, ThroughVertex, AcrossEdge, AlongEdge, InPlaneOfLeaf, FromInsideBlock, FromInsideLeaf, Segment };
-const std::vector<RayKind> allRays = {RayKind::Across, RayKind::AlongAxis, RayKind::ThroughVertex, RayKind::AcrossEdge, RayKind::AlongEdge,
-  RayKind::InPlaneOfLeaf, RayKind::FromInsideBlock, RayKind::FromInsideLeaf, RayKind::Segment};
+enum class RayKind
+{
+  Across,
+  AlongAxis,
+  ThroughVertex,
+  AcrossEdge,
+  AlongEdge,
+  InPlaneOfLeaf,
+  FromInsideBlock,
+  FromInsideLeaf,
+  Segment
+};
+const std::vector<RayKind> allRays = {RayKind::Across, RayKind::AlongAxis, RayKind::ThroughVertex,
+                                      RayKind::AcrossEdge, RayKind::AlongEdge,      RayKind::InPlaneOfLeaf,
+                                      RayKind::FromInsideBlock, RayKind::FromInsideLeaf, RayKind::Segment};
 const char* nameOf(RayKind);
 
-// directionLength: of its direction; t is in units of it.
+// directionLength: length of the ray's direction, the unit of t.
 RTCRayHit randomRay(Random& random, RayKind kind, const Sheet& sheet, double directionLength = 1);
 
 } // namespace cbvh::test

@@ -3,23 +3,22 @@
 
 #pragma once
 
-/* The library against the scalar intersector in double, on the very blocks that the library
- * built: closest and any hit, parameters and normals.
+/* Compares the library with the scalar intersector in double precision on the same blocks: closest hit and any hit,
+ * parameters and normals.
  *
- * They must be equal but where rounding decides. The SIMD code knows a ray inside a block up
- * to the vector "epsilon" of framed/local_ray.h, at both ends of its segment, and widens bounds
- * by as much. So an answer that differs must be one that the scalar intersector finds for a ray
- * whose ends in the block are moved by no more than that, with bounds widened by 0 to 2
- * epsilons (once by SIMD itself, once as the moved ray's own error): a miss, or a hit in a leaf
- * with t, u, v and normal of that leaf. Such rays are counted by what rounding decides:
- *   - hit or miss, as at silhouettes and borders,
- *   - which of several leaves, as at edges and where leaves overlap,
- *   - where on one leaf, as for rays that graze it.
- * cVERT's triangles are met with the ray itself, in double; an answer that differs must be that
- * of a triangle whose edge, or whose plane, is within the ray's rounding.
+ * The results must be equal except for rounding. SIMD code knows a ray inside a block up to the vector "epsilon" of
+ * framed/local_ray.h at both ends of its segment, and widens bounds by the same amount. A different result must
+ * therefore be the scalar intersector's result for a ray whose ends in the block move by at most that, with bounds
+ * widened by 0 to 2 epsilons (one by SIMD itself, one as the error of the moved ray): a miss, or a hit in a leaf with
+ * t, u, v and normal of that leaf. Such rays are counted by the decision that rounding affects:
+ *   - hit or miss, for example at silhouettes and borders,
+ *   - which of several leaves, for example at edges and where leaves overlap,
+ *   - the position on one leaf, for rays that graze it.
+ * Triangles of cVERT are intersected with the original ray in double precision. A different result must belong to a
+ * triangle whose edge or plane is within the ray's rounding error.
  *
- * What t itself rounds comes on top: the sum t0 + tau (t1-t0) of a few rounded terms as large
- * as the distance to the block. */
+ * The rounding of t itself comes on top: the sum t0 + tau (t1-t0) of a few rounded terms, each as large as the distance
+ * to the block. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "support/random_sheets.h"
@@ -30,27 +29,28 @@ namespace cbvh::test {
 class ReferenceCheck
 {
 public:
-  // Closest hits of rays, and with their RTCRay alone whether they hit anything.
+  // Traces closest hits of rays, and any hit with only their RTCRay.
   using Trace = std::function<void(RTCScene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any)>;
 
-  // traceRays: what has to equal the reference, Embree's single rays by default.
+  // traceRays: the function under test; by default Embree's single rays.
   ReferenceCheck(RTCDevice device, RTCCompression compression, Trace traceRays = traceByEmbree)
     : device(device), compression(compression), traceRays(std::move(traceRays)) {}
 
   static void traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any);
 
-  // Random rays of the kinds at a sheet, with directions of length 1 or of every length
-  // that Embree allows. A sheet that is not compressed has to have GRID's hits.
-  void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysOfAKind, bool unitLength = true);
+  // Traces random rays of the given kinds at a sheet, with directions of length 1 or of all lengths that Embree
+  // supports. A sheet that is not compressed must have GRID's hits.
+  void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysPerKind,
+             bool unitLength = true);
 
-  // Fails if the rays said too little. share: of them that has to be equal in t, as
-  // too many explanations would explain anything.
+  // Fails if the rays were not conclusive. share: minimum share of rays with equal t, because a tolerance that
+  // explains many differences would hide errors.
   void conclude(double share = 0.75);
 
-  unsigned sheetsOfGrid = 0; // not compressed
+  unsigned sheetsOfGrid = 0; // sheets that are not compressed
 
 private:
-  // A ray, and what was found for it.
+  // A ray and its hits.
   struct Answer
   {
     RTCRayHit ray, found, ofGrid;
@@ -65,7 +65,7 @@ private:
   RTCCompression compression;
   Trace traceRays;
   unsigned rays = 0, hits = 0, equal = 0, failures = 0;
-  unsigned sameT = 0;                                       // and hit or miss
+  unsigned sameT = 0;                                       // equal t, or both miss
   unsigned atBorder = 0, betweenLeaves = 0, alongLeaf = 0; // explained by rounding
   unsigned hitsOfGrid = 0, strayed = 0;                    // cGRID: as GRID's triangle test rounds
 };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hits of diced geometry against those of Embree's own kernel, on an ISA that a test is run for. */
+/* Compares hits of diced geometry with those of Embree's own kernel, on the ISA of the test. */
 
 #include "support/scene.h"
 
@@ -25,11 +25,13 @@ std::vector<RTCRayHit> raysAt(Random& random, const Diced& diced, unsigned count
 inline double angleBetween(const RTCHit& a, const RTCHit& b)
 {
   const double dot = double(a.Ng_x)*b.Ng_x + double(a.Ng_y)*b.Ng_y + double(a.Ng_z)*b.Ng_z;
-  const auto square = [](const RTCHit& h) { return double(h.Ng_x)*h.Ng_x + double(h.Ng_y)*h.Ng_y + double(h.Ng_z)*h.Ng_z; };
+  const auto square = [](const RTCHit& h) {
+    return double(h.Ng_x)*h.Ng_x + double(h.Ng_y)*h.Ng_y + double(h.Ng_z)*h.Ng_z;
+  };
   return std::acos(std::min(1.0, dot/std::sqrt(square(a)*square(b))));
 }
 
-// Of a ray and the normal that it meets.
+// Cosine of the angle between a ray and the normal of its hit.
 inline double cosine(const RTCRayHit& r)
 {
   const double d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}, n[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};
@@ -37,8 +39,9 @@ inline double cosine(const RTCRayHit& r)
   return std::fabs(dot(d, n))/std::sqrt(dot(d, d)*dot(n, n));
 }
 
-// slack: of parameters, where a ray does not graze
-inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found, double slack = 1e-4)
+// slack: tolerance of parameters for rays that do not graze
+inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found,
+                           double slack = 1e-4)
 {
   ASSERT_EQ(expected.size(), found.size());
   for (size_t i = 0; i < expected.size(); i++) {
@@ -49,7 +52,7 @@ inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::ve
     ASSERT_EQ(e.hit.geomID, f.hit.geomID);
     ASSERT_EQ(e.hit.primID, f.hit.primID);
     ASSERT_EQ(e.hit.instID[0], f.hit.instID[0]);
-    // where a ray grazes, floats place it less well along itself
+    // floats are less accurate along a grazing ray
     const double grazing = std::max(1.0, 0.1/cosine(e));
     ASSERT_NEAR(e.ray.tfar, f.ray.tfar, 1e-5*e.ray.tfar*grazing);
     ASSERT_NEAR(e.hit.u, f.hit.u, slack*grazing);
@@ -58,7 +61,7 @@ inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::ve
   }
 }
 
-// Of a device string "isa=...", for names of tests.
+// Names tests after the ISA in a device string "isa=...".
 inline std::string nameOfIsa(const testing::TestParamInfo<const char*>& info)
 {
   std::string name;

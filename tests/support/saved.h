@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Geometries in files: a folder for them, their bytes, and surfaces of every form to save. */
+/* Geometries in files: a folder for files, their bytes, and surfaces of all forms. */
 
 #include "support/irregular_mesh.h"
 #include "support/scene.h"
@@ -23,7 +23,7 @@
 
 namespace cbvh::test {
 
-// A folder of its own, empty, and removed with what is in it.
+// A new, empty folder. The destructor removes it with its contents.
 class Folder
 {
 public:
@@ -62,9 +62,13 @@ inline std::string bytesOf(const std::string& path)
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-inline void writeBytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+inline void writeBytes(const std::string& path, const std::string& bytes)
+{
+  std::ofstream(path, std::ios::binary) << bytes;
+}
 
-// One of each form that a file has, by name; committed, and compressed by their own commit, so that their input is gone.
+// Named geometries of each form of a file. They are committed and compressed by their own commit, which releases
+// their input.
 struct Saveable
 {
   std::string name;
@@ -72,7 +76,8 @@ struct Saveable
   bool moves = false, hasTriangles = true;
 };
 
-inline RTCGeometry releasing(RTCGeometry geometry, RTCCompression compression, int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, int exactFaces = -1)
+inline RTCGeometry releasing(RTCGeometry geometry, RTCCompression compression,
+                             int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, int exactFaces = -1)
 {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
@@ -89,27 +94,33 @@ inline std::vector<Saveable> allSaveable()
 {
   static Displacement displacement;
   std::vector<Saveable> all;
-  const auto cage = [&](const std::string& name, RTCCompression compression, float rate, unsigned timeSteps, int exactFaces, const Cage& cage) {
+  const auto cage = [&](const std::string& name, RTCCompression compression, float rate, unsigned timeSteps,
+                        int exactFaces, const Cage& cage) {
     all.push_back({name, [=](RTCDevice device) {
       SurfaceSettings settings;
       settings.rate = rate;
       settings.displacement = &displacement;
       settings.timeSteps = timeSteps;
       if (timeSteps > 1) { settings.begin = 0.125f; settings.end = 0.75f; }
-      return releasing(newSurface(device, cage, settings), compression, RTC_COMPRESSION_FRAME_LEVEL_INHERIT, exactFaces);
+      return releasing(newSurface(device, cage, settings), compression, RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
+                       exactFaces);
     }, timeSteps > 1, compression == RTC_COMPRESSION_VERT || compression == RTC_COMPRESSION_GRID});
   };
-  for (RTCCompression compression : {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID}) {
     cage(kindName(compression), compression, 64, 1, 0, cubeCage());
     cage(std::string(kindName(compression)) + ", few blocks", compression, 8, 1, 0, cubeCage());
   }
   cage("cLEAF with exact faces", RTC_COMPRESSION_LEAF, 32, 1, 1, sheetCage(3));
   cage("cVERT of n-gons", RTC_COMPRESSION_VERT, 37, 1, -1, prismCage(5));
   cage("cVERT that moves", RTC_COMPRESSION_VERT, 40, 4, -1, cubeCage());
-  const auto diced = [&](const std::string& name, unsigned timeSteps, const std::function<RTCGeometry(RTCDevice, const Diced&, unsigned)>& make) {
+  const auto diced = [&](const std::string& name, unsigned timeSteps,
+                         const std::function<RTCGeometry(RTCDevice, const Diced&, unsigned)>& make) {
     all.push_back({name, [=](RTCDevice device) {
       Diced sheet = dicedSheet(4, 32);
-      sheet.motion = [](const Vec& p, unsigned step) { return Vec{p[0] + 0.05f*float(step), p[1], p[2] + 0.1f*float(step)*p[0]}; };
+      sheet.motion = [](const Vec& p, unsigned step) {
+        return Vec{p[0] + 0.05f*float(step), p[1], p[2] + 0.1f*float(step)*p[0]};
+      };
       return make(device, sheet, timeSteps);
     }, timeSteps > 1, true});
   };
@@ -120,20 +131,22 @@ inline std::vector<Saveable> allSaveable()
     });
     for (QuadOrder order : {QuadOrder::Rows, QuadOrder::Shuffled})
       for (bool triangles : {false, true})
-        diced(std::string(triangles ? "triangles" : "quads") + suffix + ", " + nameOf(order), timeSteps, [=](RTCDevice device, const Diced& sheet, unsigned timeSteps) {
-          Random random(5);
-          DicedMesh mesh = meshOf(sheet, order, random);
-          if (triangles) mesh = trianglesOf(mesh, 1, 2);
-          mesh.motion = sheet.motion;
-          return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
-        });
+        diced(std::string(triangles ? "triangles" : "quads") + suffix + ", " + nameOf(order), timeSteps,
+              [=](RTCDevice device, const Diced& sheet, unsigned timeSteps) {
+                Random random(5);
+                DicedMesh mesh = meshOf(sheet, order, random);
+                if (triangles) mesh = trianglesOf(mesh, 1, 2);
+                mesh.motion = sheet.motion;
+                return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
+              });
   }
   for (bool triangles : {false, true})
-    diced(triangles ? "triangles, irregular in part" : "quads, irregular in part", 1, [=](RTCDevice device, const Diced& sheet, unsigned) {
-      Random random(6);
-      return newMesh(device, partlyIrregular(meshOf(sheet, QuadOrder::Rows, random), random, triangles), RTC_COMPRESSION_VERT,
-        RTC_COMPRESSION_FLAG_RELEASE_INPUT);
-    });
+    diced(triangles ? "triangles, irregular in part" : "quads, irregular in part", 1,
+          [=](RTCDevice device, const Diced& sheet, unsigned) {
+            Random random(6);
+            return newMesh(device, partlyIrregular(meshOf(sheet, QuadOrder::Rows, random), random, triangles),
+                           RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+          });
   diced("irregular triangles", 1, [](RTCDevice device, const Diced& sheet, unsigned) {
     Random random(7);
     return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_VERT,

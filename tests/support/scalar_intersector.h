@@ -3,13 +3,12 @@
 
 #pragma once
 
-/* Scalar intersector of a block, for reading and for judging the SIMD ones: in any precision,
- * one child at a time, nothing mirrored, no node skipped for being behind a hit. All that it
- * decides stands in codec/; here is only the walk.
+/* Scalar intersector of a block, a readable reference for the SIMD intersectors: any precision, one child at a time, no
+ * mirrored axes, and no nodes skipped because of a closer hit. Its decisions are functions of the codec; this file only
+ * traverses.
  *
- * The SIMD path widens bounds by the float error of its ray. "widening" says by how many
- * times that this one widens: 0 is the exact answer, and what SIMD finds lies between the
- * answers for 0 and for 2. */
+ * The SIMD path widens bounds by the float error of its ray. "widening" is the multiple of that error by which this
+ * intersector widens: 0 gives the exact result, and SIMD's result lies between the results for 0 and for 2. */
 
 #include "kernels/cbvh/framed/leaf/crossing.h"
 #include "kernels/cbvh/framed/normal.h"
@@ -27,7 +26,7 @@ namespace embree
     {
       bool found = false;
       Real t = std::numeric_limits<Real>::infinity();
-      Real u = 0, v = 0;   //!< of the face
+      Real u = 0, v = 0;   //!< on the face
       Real Ng[3] = {0,0,0};
       uint32_t leaf = 0;   //!< Morton index
     };
@@ -42,7 +41,7 @@ namespace embree
       ScalarIntersector (const Block* block, Real widening = 0)
         : block(block), layout(block->layout()), kind(block->kind()), widening(widening) {}
 
-      /*! the nearest hit; all: gets every hit that the walk meets, NULL for none */
+      /*! Returns the nearest hit. all: receives every hit of the traversal; may be NULL. */
       Hit intersect (const Ray& r, std::vector<Hit>* all = nullptr)
       {
         ray = r;
@@ -55,8 +54,8 @@ namespace embree
       }
 
     private:
-      /*! Children in the order along the ray: mirror x and y so that it ascends, then 0, 1 and
-       *  2 (the one entered first), 3. */
+      /*! Visits children in the order along the ray: mirrors x and y so that the ray ascends, then 0, 1 and 2 (the one
+       *  entered first), 3. */
       void visit (uint32_t level, uint32_t m, const NodeBox& box)
       {
         if (!meets(box,3)) return;
@@ -78,10 +77,10 @@ namespace embree
         }
       }
 
-      /*! whether the segment meets a box in its first axes */
+      /*! True if the segment intersects a box in its first axes. */
       bool meets (const NodeBox& box, int axes) const { return isOnSegment(rangeInBox(segment,box,axes)); }
 
-      /*! of a box whose x and y the segment shares, without meeting it */
+      /*! True if the segment passes above a box with whose x and y range it overlaps. */
       bool isAbove (const NodeBox& box) const
       {
         const Range<Real> range = rangeInBox(segment,box,2);
@@ -170,10 +169,10 @@ namespace embree
         take(at);
       }
 
-      /*! x, y: in leaves from the block's corner */
+      /*! x, y: in leaves, relative to the corner of the block */
       Hit hitOf (uint32_t m, Real t, Real x, Real y) const
       {
-        const Real size = Real(1u << block->height())/Real(layout.leaves); // of a leaf, in quads
+        const Real size = Real(1u << block->height())/Real(layout.leaves); // size of a leaf in quads
         Hit at;
         at.found = true;
         at.t = t;
@@ -199,7 +198,7 @@ namespace embree
       static Real dot (const Point& a, const Point& b) { return a.x[0]*b.x[0]+a.x[1]*b.x[1]+a.x[2]*b.x[2]; }
       static Point minus (const Point& a, const Point& b) { return { { a.x[0]-b.x[0],a.x[1]-b.x[1],a.x[2]-b.x[2] } }; }
 
-      /*! a vertex, in quads, and its position in the quad */
+      /*! a vertex, its coordinates in quads, and its position in the quad */
       struct Corner { Point p; Real x, y; };
 
       Corner corner (uint32_t x, uint32_t y) const
@@ -250,9 +249,9 @@ namespace embree
       std::vector<Hit>* met = nullptr;
       Segment<Real> segment;
 
-      LeafPatch patch;     //!< cLEAF: the leaf that is visited next
+      LeafPatch patch;     //!< cLEAF: the leaf to visit next
       WalkState state;
-      uint32_t exitLeaf;   //!< the leaf that the ray left last
+      uint32_t exitLeaf;   //!< the leaf that the ray left most recently
       LeafPatch exitPatch;
       Real exitS;
     };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Devices, small cages, displacement and rays for the tests that go through the API. */
+/* Devices, small cages, displacements and rays for tests of the API. */
 
 #include "support/random.h"
 
@@ -23,7 +23,7 @@ namespace cbvh::test {
 
 using Vec = std::array<float, 3>;
 
-// Device that keeps the last error, counts errors and what the memory monitor says is live.
+// A device that stores its last error, counts errors, and tracks the live bytes of the memory monitor.
 class Device
 {
 public:
@@ -43,7 +43,7 @@ public:
   operator RTCDevice() const { return device; }
   explicit operator bool() const { return device != nullptr; }
 
-  // The error since the last call, and clears it.
+  // Returns the last error and clears it.
   RTCError takeError() { rtcGetDeviceError(device); return std::exchange(lastError, RTC_ERROR_NONE); }
   std::string message;
   unsigned errors = 0;
@@ -56,7 +56,10 @@ private:
 class Scene
 {
 public:
-  explicit Scene(RTCDevice device, RTCSceneFlags flags = RTC_SCENE_FLAG_NONE) : scene(rtcNewScene(device)) { rtcSetSceneFlags(scene, flags); }
+  explicit Scene(RTCDevice device, RTCSceneFlags flags = RTC_SCENE_FLAG_NONE) : scene(rtcNewScene(device))
+  {
+    rtcSetSceneFlags(scene, flags);
+  }
   ~Scene() { rtcReleaseScene(scene); }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -69,7 +72,7 @@ private:
 struct Cage
 {
   std::vector<Vec> positions;
-  std::vector<unsigned> faces;   // vertices a face
+  std::vector<unsigned> faces;   // number of vertices per face
   std::vector<unsigned> indices;
   std::vector<std::array<unsigned, 2>> creases;
   std::vector<float> creaseWeights;
@@ -153,8 +156,8 @@ inline Cage sheetCage(unsigned n)
   return cage;
 }
 
-// P += scale * amplitude * field((P - offset)/scale): neighbours displace what they
-// share alike, whatever their normals round to.
+// P += scale * amplitude * field((P - offset)/scale). The result does not depend on the normal, so neighboring faces
+// displace shared vertices the same way.
 struct Displacement
 {
   float amplitude = 0.05f, frequency = 7;
@@ -170,7 +173,8 @@ struct Displacement
       float* P[3] = {args->P_x + i, args->P_y + i, args->P_z + i};
       double p[3];
       for (int k = 0; k < 3; k++) p[k] = (double(*P[k]) - d.offset[k])/d.scale*d.frequency;
-      const double f[3] = {std::sin(p[0] + 2*p[1])*std::cos(p[2]), std::sin(p[1] - p[2]), std::cos(p[2] + p[0])*std::sin(p[1])};
+      const double f[3] = {std::sin(p[0] + 2*p[1])*std::cos(p[2]), std::sin(p[1] - p[2]),
+                           std::cos(p[2] + p[0])*std::sin(p[1])};
       for (int k = 0; k < 3; k++) *P[k] = float(*P[k] + double(d.scale)*d.amplitude*f[k]);
       if (d.lattice > 0)
         for (int k = 0; k < 3; k++) *P[k] = std::nearbyint(*P[k]/d.lattice)*d.lattice;
@@ -180,7 +184,7 @@ struct Displacement
   }
 };
 
-// Letters and digits, as GoogleTest wants names.
+// Letters and digits only, as GoogleTest requires.
 inline const char* kindName(RTCCompression compression)
 {
   switch (compression) {
@@ -203,19 +207,20 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCForma
 struct SurfaceSettings
 {
   float rate = 16;
-  std::vector<float> edgeRates;         // one an index of the faces, over rate
-  Displacement* displacement = nullptr; // outlives the scene
+  std::vector<float> edgeRates;         // one per index of the faces; overrides rate
+  Displacement* displacement = nullptr; // must outlive the scene
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
-  float maxError = 0;                   // of automatic frame levels, 0: the device's
-  bool exactFaces = false;              // of cLEAF, which these tests are about
+  float maxError = 0;                   // for automatic frame levels; 0: the device's value
+  bool exactFaces = false;              // for cLEAF; the tests are about approximate leaves
   unsigned timeSteps = 1;
-  std::function<Vec(const Vec& position, unsigned step)> motion; // of the cage's vertices, before scale and offset; by default 0.1 along x each step
-  float begin = 0, end = 1;             // time of the first step and of the last
+  // of the cage's vertices, before scale and offset; by default 0.1 along x per step
+  std::function<Vec(const Vec& position, unsigned step)> motion;
+  float begin = 0, end = 1;             // times of the first and the last step
   unsigned mask = ~0u;
 };
 
-// Committed, not attached; the caller releases it.
+// Returns a committed geometry that is not attached. The caller releases it.
 inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
@@ -258,7 +263,7 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
   return geometry;
 }
 
-// Attaches a geometry that newSurface made, and releases it.
+// Attaches and releases a geometry of newSurface.
 inline unsigned attach(RTCScene scene, RTCGeometry geometry)
 {
   const unsigned id = rtcAttachGeometry(scene, geometry);
@@ -271,7 +276,7 @@ inline unsigned addSurface(RTCDevice device, RTCScene scene, const Cage& cage, c
   return attach(scene, newSurface(device, cage, settings));
 }
 
-// One surface, committed.
+// A scene with one committed surface.
 class SurfaceScene : public Scene
 {
 public:
@@ -282,7 +287,7 @@ public:
   }
 };
 
-// The same surface by GRID, and compressed as the settings say.
+// The same surface as GRID, and compressed with the given settings.
 struct Twins
 {
   Twins(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
@@ -291,7 +296,11 @@ struct Twins
   SurfaceScene grid, scene;
 
 private:
-  static SurfaceSettings uncompressed(SurfaceSettings settings) { settings.compression = RTC_COMPRESSION_NONE; return settings; }
+  static SurfaceSettings uncompressed(SurfaceSettings settings)
+  {
+    settings.compression = RTC_COMPRESSION_NONE;
+    return settings;
+  }
 };
 
 inline RTCCompressionStatistics statisticsOf(RTCScene scene)
@@ -303,7 +312,8 @@ inline RTCCompressionStatistics statisticsOf(RTCScene scene)
   return stats;
 }
 
-inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0, float tfar = std::numeric_limits<float>::infinity())
+inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0,
+                         float tfar = std::numeric_limits<float>::infinity())
 {
   RTCRayHit r;
   std::memset(&r, 0, sizeof(r));
@@ -315,7 +325,7 @@ inline RTCRayHit makeRay(const Vec& org, const Vec& dir, float tnear = 0, float 
   return r;
 }
 
-// From a sphere around the origin, at what is around it.
+// Rays from a sphere around the origin at points near the origin.
 inline std::vector<RTCRayHit> raysAt(Random& random, unsigned count, float spread = 0.45f)
 {
   std::vector<RTCRayHit> rays;

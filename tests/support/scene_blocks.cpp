@@ -10,7 +10,7 @@ namespace cbvh::test {
 
 using namespace embree;
 
-// Calls visit(type, leaf) for what the top level refers to.
+// Calls visit(type, leaf) for all leaves of the top level.
 template<typename Visit>
 static void forEachLeaf(BVH4::NodeRef ref, const Visit& visit)
 {

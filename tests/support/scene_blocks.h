@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The blocks that a committed scene holds, for tests that compare what the library
- * traces with the reference on the very same bytes. Looks into the library's own
- * structures, which have the layout of the patched tree that both are built from. */
+/* Access to the blocks of a committed scene, for tests that compare the library with the reference on the same bytes.
+ * Reads internal structures, whose layout is that of the patched tree from which tests and library are built. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "kernels/cvert/format/block.h"
@@ -13,17 +12,16 @@
 
 #include <vector>
 
-
 namespace cbvh::test {
 
-// Blocks of a scene of nothing but compressed subdivision surfaces; they live as long
-// as its commit.
+// Returns the blocks of a scene with compressed subdivision surfaces only. The blocks are valid until the next
+// commit.
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene);
 
-// The same of cVERT, whose blocks have another form.
+// The same for cVERT, whose blocks have a different layout.
 std::vector<const cvert::VertHeader*> sceneVertBlocks(RTCScene scene);
 
-// ID of the geometry that a block is of, by the number in its header.
+// Returns the ID of the geometry of a block, given the surface number in the block's header.
 unsigned geometryOf(RTCScene scene, uint32_t surface);
 
 } // namespace cbvh::test

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The triangles that a scene of cVERT holds, decoded from its blocks by scalar code. */
+/* The triangles of a cVERT scene, decoded from its blocks by scalar code. */
 
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "support/scene_blocks.h"
@@ -18,11 +18,15 @@ namespace cbvh::test {
 
 struct VertTriangle
 {
-  std::array<std::array<float, 3>, 3> vertices; // in GRID's order
+  std::array<std::array<float, 3>, 3> vertices; // in the order of GRID
   unsigned geomID, primID;
-  double u[3], v[3];                            // of its vertices, in a patch without lower edges
+  // of its vertices; rows and columns of edges with a lower rate are not considered
+  double u[3], v[3];
 
-  bool hasArea() const { return vertices[0] != vertices[1] && vertices[1] != vertices[2] && vertices[2] != vertices[0]; }
+  bool hasArea() const
+  {
+    return vertices[0] != vertices[1] && vertices[1] != vertices[2] && vertices[2] != vertices[0];
+  }
 };
 
 inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
@@ -44,7 +48,7 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
           for (int c = 0; c < 3; c++) {
             const uint32_t i = x + dx[second][c], j = y + dy[second][c];
             std::copy_n(decoded->vertex(i, j), 3, t.vertices[c].begin());
-            for (float& f : t.vertices[c]) f += 0.0f; // -0 is 0
+            for (float& f : t.vertices[c]) f += 0.0f; // maps -0 to 0
             t.u[c] = 0.5*vertCornerU(edges) + (vertX(block->region) + i)/quadsX;
             t.v[c] = 0.5*vertCornerV(edges) + (vertY(block->region) + j)/quadsY;
           }
@@ -54,17 +58,17 @@ inline std::vector<VertTriangle> vertTriangles(RTCScene scene)
   return triangles;
 }
 
-// Of a ray with one of the triangles.
+// Intersection of a ray with one of the triangles.
 struct ExactHit
 {
   const VertTriangle* triangle = nullptr;
   double t = INFINITY, weight[3];
 };
 
-// How far a point is from the nearest edge, in parts of the triangle; negative outside.
+// Distance of a point from the nearest edge relative to the triangle; negative if the point is outside.
 inline double inside(const ExactHit& h) { return std::min({h.weight[0], h.weight[1], h.weight[2]}); }
 
-// In double: the ray's line and the triangle's plane.
+// Intersects the ray's line with the triangle's plane in double precision.
 inline bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit)
 {
   const double o[3] = {r.org_x, r.org_y, r.org_z}, d[3] = {r.dir_x, r.dir_y, r.dir_z};
@@ -90,7 +94,7 @@ inline bool meet(const RTCRay& r, const VertTriangle& triangle, ExactHit& hit)
   return true;
 }
 
-// Edges that are not as often one way as the other, of triangles that have an area.
+// Number of edges of non-degenerate triangles that do not occur equally often in both directions.
 inline size_t countOpenEdges(const std::vector<VertTriangle>& triangles)
 {
   typedef std::array<float, 3> Vertex;

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Displacement that shows a test the vertices that it makes, to the last bit: what rays
- * aim at. */
+/* A displacement that records the exact vertices that it produces, as targets for rays. */
 
 #include "support/scene.h"
 
@@ -17,8 +16,8 @@ class VertexRecorder : public Displacement
 public:
   virtual ~VertexRecorder() = default;
 
-  // Adds a surface of this displacement to a scene, commits it, and records its vertices.
-  // As the displacement of other surfaces this records nothing.
+  // Adds a surface with this displacement to a scene, commits it, and records its vertices. Does not record if it
+  // displaces other surfaces.
   void build(RTCDevice device, RTCScene scene, const Cage& cage, SurfaceSettings settings)
   {
     settings.displacement = this;
@@ -30,7 +29,7 @@ public:
   }
 
 protected:
-  // Some vertices, displaced already. Called by one thread at a time.
+  // Receives displaced vertices. Called by one thread at a time.
   virtual void record(const RTCDisplacementFunctionNArguments& vertices) = 0;
 
 private:

@@ -2,8 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Our library and headers are a superset of Debian's: nothing removed, nothing
-# changed, and what is added is the API of compression.
+# Checks that our library and headers are a superset of Debian's: no function was removed or changed, and the
+# additions are those of our API.
 #
 #   abi.sh ABIDIFF STOCK-LIBRARY OUR-LIBRARY OUR-HEADERS
 set -eu
@@ -21,26 +21,30 @@ symbols "$ours" > "$work/ours"
 comm -23 "$work/stock" "$work/ours" > "$work/removed"
 comm -13 "$work/stock" "$work/ours" | cut -d ' ' -f 2 > "$work/added"
 [ ! -s "$work/removed" ] || { echo "removed:"; cat "$work/removed"; exit 1; }
-# the functions of our headers, below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
-printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene rtcForEachCompressedCluster rtcForEachCompressedPart \
+# functions of our headers, see below, and of kernels/cbvh/flat/flat_scene.h for libembree3_vulkan
+printf '%s\n' rtcAppendCompressedGeometry rtcCommitCompressedFile rtcDiceGeometry rtcFlattenScene \
+  rtcForEachCompressedCluster rtcForEachCompressedPart \
   rtcForEachCompressedPartAtTime rtcGetCompressedFileGeometry rtcGetCompressedFileGeometryCount \
   rtcGetCompressedFileGeometryStatistics \
   rtcGetCompressedFileWriterCount rtcGetCompressedTriangle rtcGetCompressedTriangleAtTime \
-  rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry rtcNewCompressedFileWriter \
-  rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile rtcReleaseCompressedFileWriter \
-  rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression rtcVerifyCompressedFile > "$work/api"
+  rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcLoadCompressedGeometry \
+  rtcNewCompressedFileWriter \
+  rtcNewGeometryFromCompressedFile rtcOpenCompressedFile rtcRaiseDeviceError rtcReleaseCompressedFile \
+  rtcReleaseCompressedFileWriter \
+  rtcReleaseFlatScene rtcResumeCompressedFileWriter rtcSaveCompressedGeometry rtcSetGeometryCompression \
+  rtcVerifyCompressedFile > "$work/api"
 diff "$work/api" "$work/added" || { echo "added symbols are not those of our headers" >&2; exit 1; }
 
 soname() { readelf -d "$1" | sed -n 's/.*soname: //p'; }
 [ "$(soname "$stock")" = "$(soname "$ours")" ]
 
-# Debian's library has no debug information, so abidiff sees no types: the
-# headers have to be the same to the byte.
+# Debian's library has no debug information, so abidiff does not see types: the headers must be identical.
 for header in /usr/include/embree3/*; do
   cmp "$header" "$headers/${header##*/}"
 done
-# Ours is for C and C++.
+# Our headers support C and C++.
 for language in c c++; do
-  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters rtcore_dicing rtcore_compressed_files |
+  printf '#include <embree3/%s.h>\n' rtcore rtcore_compression rtcore_compressed_triangles rtcore_compressed_clusters \
+    rtcore_dicing rtcore_compressed_files |
     cc -x "$language" -Wall -Werror -fsyntax-only -I "${headers%/*}" -
 done

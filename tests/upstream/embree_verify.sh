@@ -2,17 +2,17 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Embree's own verifier, Debian's build of it, on one instruction set of our library: whatever passes on
-# surfaces that are not compressed passes on each kind of compressed ones.
+# Runs Debian's build of Embree's verifier with our library on one instruction set: tests that pass without
+# compression must pass with each kind of compression.
 #
-#   embree_verify.sh DIRECTORY-OF-OUR-LIBRARY ISA [KIND...]      KIND: grid, voxel, leaf, vert; all unless given
+#   embree_verify.sh DIRECTORY-OF-OUR-LIBRARY ISA [KIND...]      KIND: grid, voxel, leaf, vert (default: all)
 #
-# It runs all groups that have subdivision surfaces or grids, for half a minute a kind. Left out are
+# Runs all groups that have subdivision surfaces or grids, for half a minute per kind. Excluded are
 #   - most scene flags of update, instancing, overlapping_primitives and watertight_subdiv, which run for a minute;
-#   - of update, rays in streams and any hits, which intersection_filter has;
-#   - ray_masks, which fails without compression as well;
-#   - memory_consumption and benchmarks, which measure, and get_bounds, which has grids, whose bounds the lattice moves;
-#   - higher intensities: 0.1 is 3 random scenes a regression test, where Embree's default is 30.
+#   - rays in streams and any hits in update; intersection_filter covers them;
+#   - ray_masks, which also fails without compression;
+#   - memory_consumption and benchmarks, which measure, and get_bounds, because the lattice moves bounds of grids;
+#   - higher intensities: 0.1 gives 3 random scenes per regression test; Embree's default gives 30.
 set -euf
 ours=$1 isa=$2
 shift 2
@@ -22,11 +22,11 @@ trap 'rm -rf "$work"' EXIT
 unset EMBREE_CBVH
 cd "$work"
 
-embree_verify --print-tests > tests || true # its exit status says nothing
-# Upstream's tests know only the instruction sets that this machine has.
-grep -q "^ *$isa\\." tests || { echo "this machine does not run $isa"; exit 77; }
+embree_verify --print-tests > tests || true # ignores the exit status, which is not meaningful
+# Upstream's tests include only the instruction sets of this machine.
+grep -q "^ *$isa\\." tests || { echo "this machine does not support $isa"; exit 77; }
 
-# The verifier's options take no parentheses.
+# The verifier's options do not support parentheses.
 tests="buffer_stride.subdivs empty_geometry build.Static build.Dynamic new_delete_geometry enable_disable_geometry
   disable_detach_geometry overlapping_primitives.StaticFast.MediumQuality
   instancing.instancing.StaticFast.MediumQuality instancing.instancing.DynamicCompactRobust.LowQuality
@@ -34,7 +34,9 @@ tests="buffer_stride.subdivs empty_geometry build.Static build.Dynamic new_delet
   buffer_stride.grids interpolate.grid watertight_grids.StaticRobust regression_"
 for rays in 1 4 8 16; do
   for quality in deformable dynamic; do
-    tests="$tests update.$quality.DynamicFast.LowQuality.Intersect$rays update.$quality.DynamicCompactRobust.LowQuality.Intersect$rays"
+    for flags in DynamicFast DynamicCompactRobust; do
+      tests="$tests update.$quality.$flags.LowQuality.Intersect$rays"
+    done
   done
 done
 runs=""
@@ -43,8 +45,8 @@ for test in $tests; do
   runs="$runs --run $isa.$test$end"
 done
 
-# verify NAME OPTION...: runs $runs; writes the names of the tests that pass, one a line, to NAME, and of those that do not to
-# NAME.lost. Names may come twice.
+# verify NAME OPTION...: runs $runs. Writes the names of passing tests, one per line, to NAME, and of failing tests to
+# NAME.lost. Names may occur twice.
 verify() {
   name=$1
   shift
@@ -55,7 +57,7 @@ verify() {
   echo "$isa, $name: $(wc -l < "$name") tests pass, $(wc -l < "$name.lost") do not, status $status"
 }
 
-# What does not pass is run once more without compression; all is, where the verifier did not come to its end.
+# Runs failing tests once more without compression; runs all tests if the verifier did not finish.
 all=$runs
 failed=0
 for kind in $kinds; do
@@ -64,7 +66,8 @@ for kind in $kinds; do
   mv log log.kind
   if [ "$status" != 0 ] || [ "$(wc -l < "cbvh.$kind")" -le 700 ]; then
     verify uncompressed
-    [ "$(wc -l < uncompressed)" -gt 700 ] || { tail -n 20 log; echo "few tests pass without compression, status $status" >&2; exit 1; }
+    [ "$(wc -l < uncompressed)" -gt 700 ] ||
+      { tail -n 20 log; echo "too few tests pass without compression, status $status" >&2; exit 1; }
   elif [ -s "cbvh.$kind.lost" ]; then
     runs=$(sed 's/^/--run /' "cbvh.$kind.lost" | sort -u | tr '\n' ' ')
     verify uncompressed
@@ -74,7 +77,7 @@ for kind in $kinds; do
   comm -23 uncompressed "cbvh.$kind" > lost
   [ -s lost ] || continue
   failed=1
-  echo "pass only without compression, $(wc -l < lost) tests:"
+  echo "$(wc -l < lost) tests pass only without compression:"
   head -n 20 lost
   grep -v PASSED log.kind | tail -n 20
 done

@@ -2,9 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# kernels/upstream/fetch.sh finds the pinned source package on machines of the pinned release and of others, whether
-# their sources are written in one line or as deb822, and says in its last line why it finds none. A mirror in a folder
-# takes the place of the machine's, so that no network is needed.
+# Checks that kernels/upstream/fetch.sh finds the pinned source package on machines of the pinned release and of
+# others, with sources in one line or as deb822, and prints the reason in its last line if it finds none. A mirror in
+# a folder replaces the machine's, so that no network is needed.
 #
 #   fetch.sh FETCH-SCRIPT
 set -eu
@@ -15,11 +15,13 @@ trap 'rm -rf "$work"' EXIT
 chmod 755 "$work"
 fail() { echo "FAILED: $*" >&2; exit 1; }
 
-# suite MIRROR SUITE ORIGIN [VERSION]: with an index of one program, and of the source package `thing` of that version
+# suite MIRROR SUITE ORIGIN [VERSION]: creates an index of one program, and of the source package `thing` in this
+# version
 suite() {
   folder=$work/$1/dists/$2
   mkdir -p "$folder/main/binary-all" "$folder/main/source" "$work/$1/pool"
-  printf 'Package: program\nVersion: 1\nArchitecture: all\nSize: 1\nFilename: pool/program.deb\n\n' > "$folder/main/binary-all/Packages"
+  printf 'Package: program\nVersion: 1\nArchitecture: all\nSize: 1\nFilename: pool/program.deb\n\n' \
+    > "$folder/main/binary-all/Packages"
   for architecture in $(dpkg --print-architecture); do
     mkdir -p "$folder/main/binary-$architecture"
     cp "$folder/main/binary-all/Packages" "$folder/main/binary-$architecture/"
@@ -30,7 +32,8 @@ suite() {
     echo "archive of $2" > "$work/$1/pool/$name.orig.tar.xz"
     echo "description" > "$work/$1/pool/$name-1.dsc"
     {
-      printf 'Package: thing\nBinary: program\nVersion: %s-1\nArchitecture: all\nFormat: 3.0 (quilt)\nDirectory: pool\n' "$4"
+      printf '%s\n' 'Package: thing' 'Binary: program' "Version: $4-1" 'Architecture: all' 'Format: 3.0 (quilt)' \
+        'Directory: pool'
       for kind in Files:md5sum Checksums-Sha256:sha256sum; do
         echo "${kind%:*}:"
         for file in "$name-1.dsc" "$name.orig.tar.xz"; do
@@ -42,7 +45,8 @@ suite() {
     } > "$folder/main/source/Sources"
   fi
   {
-    printf 'Origin: %s\nSuite: %s\nCodename: %s\nComponents: main\nArchitectures: all %s\n' "$3" "$2" "$2" "$(dpkg --print-architecture)"
+    printf 'Origin: %s\nSuite: %s\nCodename: %s\nComponents: main\nArchitectures: all %s\n' "$3" "$2" "$2" \
+      "$(dpkg --print-architecture)"
     printf 'Date: %s\nSHA256:\n' "$(LC_ALL=C date -u '+%a, %d %b %Y %H:%M:%S UTC')"
     (cd "$folder" && find main -type f | while read -r file; do
       echo " $(sha256sum "$file" | cut -d ' ' -f 1) $(wc -c < "$file") $file"
@@ -50,7 +54,7 @@ suite() {
   } > "$folder/Release"
 }
 
-# machine NAME: a folder of sources, and of apt's state, in place of the machine's
+# machine NAME: creates a folder of sources and of apt's state that replaces the machine's
 machine() {
   name=$1
   mkdir -p "$work/$name/sources" "$work/$name/state/lists/partial" "$work/$name/cache/archives/partial"
@@ -64,7 +68,7 @@ CONF
 }
 line() { echo "deb [trusted=yes] file:$work/$1/ $2 main" >> "$work/$name/sources/one.list"; }
 
-# get: what fetch.sh does on the machine of that name
+# get: runs fetch.sh with the sources of the current machine
 get() {
   rm -rf "$work/got"
   mkdir "$work/got"
@@ -72,13 +76,13 @@ get() {
 }
 finds() {
   get || { cat "$work/log"; fail "$name: nothing was found"; }
-  [ "$(cat "$work/got/thing_3.1+dfsg.orig.tar.xz")" = "archive of $1" ] || fail "$name: not the archive of $1"
+  [ "$(cat "$work/got/thing_3.1+dfsg.orig.tar.xz")" = "archive of $1" ] || fail "$name: this is not the archive of $1"
   echo "$name: found"
 }
 refuses() {
   ! get || fail "$name: something was found"
   tail -n 1 "$work/log" | grep -q "$1" || { cat "$work/log"; fail "$name: the last line lacks: $1"; }
-  [ -z "$(ls "$work/got")" ] || fail "$name: left something behind"
+  [ -z "$(ls "$work/got")" ] || fail "$name: files were left"
   echo "$name: $(tail -n 1 "$work/log")"
 }
 
@@ -100,7 +104,8 @@ line mirror new-security
 finds old
 
 machine "another release, as deb822"
-printf 'Types: deb\nURIs: file:%s/mirror/\nSuites: new new-security\nComponents: main\nTrusted: yes\n' "$work" > "$work/$name/sources/debian.sources"
+printf 'Types: deb\nURIs: file:%s/mirror/\nSuites: new new-security\nComponents: main\nTrusted: yes\n' "$work" \
+  > "$work/$name/sources/debian.sources"
 finds old
 
 machine "two mirrors, the first without the pinned release"

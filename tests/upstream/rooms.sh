@@ -2,7 +2,8 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Rooms of the kernels and of the codec include headers of rooms below them only. Lists the includes that do not.
+# Checks that folders of the kernels and of the codec include only headers of lower folders. Lists the includes that
+# do not.
 #
 #   rooms.sh KERNELS
 
@@ -10,14 +11,14 @@ set -eu
 cd "$1"
 failed=0
 
-# within HOUSE: its folders are the rooms of the following checks
+# within HOUSE: selects the folder whose subfolders the following checks refer to
 within() { house=$1 rooms= ; }
 
 # check ROOM LOWER...
 check() {
   room=$1; shift
   rooms="$rooms|$room"
-  [ -d "$house/$room" ] || { echo "there is no room $house/$room"; failed=1; }
+  [ -d "$house/$room" ] || { echo "no folder $house/$room"; failed=1; }
   for folder in "$house"/*/; do
     other=$(basename "$folder")
     case " $room $* " in *" $other "*) continue ;; esac
@@ -26,7 +27,7 @@ check() {
   done
 }
 
-# All folders of the house have been checked.
+# Ends the checks of a house; fails if a folder was not checked.
 end() {
   for folder in "$house"/*/; do
     case "$rooms|" in *"|$(basename "$folder")|"*) ;; *) echo "no check of $folder"; failed=1 ;; esac
@@ -59,7 +60,7 @@ check core files stored framed surface base state embree
 check api core building traversal files flat stored vert framed surface base state embree
 end
 
-# Interfaces outside of libembree3 include the headers of core, which therefore include none of Embree's own.
+# Interfaces outside of libembree3 include the headers of core, which therefore must not include Embree's headers.
 found=$(grep -nE '#include "(\.\./)+(cbvh/)?(embree|common)/' cbvh/core/*.h || true)
 [ -z "$found" ] || { echo "$found"; failed=1; }
 

@@ -1,12 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* With no compression asked for, our library behaves as Debian's libembree3-3:
- * the same rays find the same IDs and misses, and distances a few ulps apart.
+/* Without compression our library behaves as Debian's libembree3-3: the same rays have the same IDs and misses, and
+ * distances that differ by a few ulps.
  *
- * Two libraries of one name do not fit into one process. This program therefore
- * runs itself as `stock_equality --trace CONFIG FILE`, once for each library
- * directory in LD_LIBRARY_PATH, and compares what the two runs write. */
+ * Two libraries with the same name cannot be loaded into one process. Therefore the program runs itself as
+ * `stock_equality --trace CONFIG FILE` once for each library directory in LD_LIBRARY_PATH, and compares the results. */
 
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
@@ -32,17 +31,17 @@
 namespace {
 
 constexpr unsigned seed = 20180717;
-constexpr unsigned numRays = 1 << 14; // of each scene, in each way to ask
+constexpr unsigned numRays = 1 << 14; // per scene and query
 
-// Upstream evaluates patches in code of the lowest ISA it is built for. Where ours
-// is not Debian's (SSE2), fused multiply-adds make other vertices of the same patch:
-// 38 ulps of distance were seen, at 1/8 of the largest coordinate.
+// Upstream evaluates patches in code of the lowest ISA that it is built for. If ours is not Debian's (SSE2), fused
+// multiply-adds give different vertices of the same patch: differences of up to 38 ulps of distance were measured, at
+// 1/8 of the largest coordinate.
 constexpr uint32_t maxUlps = SAME_LOWEST_ISA ? 4 : 64;
 
 struct Vec { float x, y, z; };
 struct Vec4 { float x, y, z, w; };
 
-// What a ray found. `occluded` is what the any-hit query says of the same ray.
+// The hit of a ray. `occluded` is the result of the any-hit query for the same ray.
 struct Record
 {
   uint32_t geomID, primID, instID, occluded;
@@ -51,7 +50,8 @@ struct Record
 
 // --- scenes: all inside [-1,1]^3 ---------------------------------------------------
 
-template<typename T> T* buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, const std::vector<T>& data)
+template<typename T>
+T* buffer(RTCGeometry geometry, RTCBufferType type, unsigned slot, RTCFormat format, const std::vector<T>& data)
 {
   void* memory = rtcSetNewGeometryBuffer(geometry, type, slot, format, sizeof(T), data.size());
   return static_cast<T*>(std::memcpy(memory, data.data(), data.size()*sizeof(T)));
@@ -72,7 +72,8 @@ std::vector<Vec> spherePoints(unsigned n, float radius)
   for (unsigned j = 0; j <= n; j++)
     for (unsigned i = 0; i <= 2*n; i++) {
       const float theta = float(M_PI)*j/n, phi = float(M_PI)*i/n;
-      points.push_back({radius*std::sin(theta)*std::cos(phi), radius*std::cos(theta), radius*std::sin(theta)*std::sin(phi)});
+      points.push_back(
+        {radius*std::sin(theta)*std::cos(phi), radius*std::cos(theta), radius*std::sin(theta)*std::sin(phi)});
     }
   return points;
 }
@@ -134,7 +135,8 @@ void addGrid(RTCDevice device, RTCScene scene)
   const unsigned n = 20;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_GRID);
   buffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, spherePoints(n, 0.65f));
-  buffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2*n+1, uint16_t(2*n+1), uint16_t(n+1)}});
+  buffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
+         std::vector<RTCGrid>{{0, 2*n+1, uint16_t(2*n+1), uint16_t(n+1)}});
   attach(scene, geometry);
 }
 
@@ -165,7 +167,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-// A cube with creases, its faces tessellated `rate` times along an edge.
+// A cube with creases, whose faces are tessellated `rate` times along an edge.
 void addSubdivision(RTCDevice device, RTCScene scene, float rate, bool displaced, unsigned timeSteps = 1)
 {
   std::vector<Vec> points;
@@ -182,13 +184,14 @@ void addSubdivision(RTCDevice device, RTCScene scene, float rate, bool displaced
     std::vector<unsigned>{0,4,6,2, 1,3,7,5, 0,1,5,4, 2,6,7,3, 0,2,3,1, 4,5,7,6});
   struct Edge { unsigned a, b; };
   buffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, std::vector<Edge>{{0,1},{1,3},{3,2},{2,0}});
-  buffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, std::vector<float>{1.5f, 2, 0.5f, INFINITY});
+  buffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT,
+         std::vector<float>{1.5f, 2, 0.5f, INFINITY});
   rtcSetGeometryTessellationRate(geometry, rate);
   if (displaced) rtcSetGeometryDisplacementFunction(geometry, displace);
   attach(scene, geometry);
 }
 
-// Lets every other quarter of the surface through.
+// Accepts hits on every other quarter of the surface.
 void filter(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned i = 0; i < args->N; i++)
@@ -215,28 +218,56 @@ void addInstances(RTCDevice device, RTCScene scene)
 using Build = std::function<void(RTCDevice, RTCScene)>;
 
 const std::map<std::string, Build> scenes = {
-  {"triangles",     [](RTCDevice d, RTCScene s) { addTriangles(d, s); addTriangleSoup(d, s, ~0u); }},
-  {"masked",        [](RTCDevice d, RTCScene s) { addTriangleSoup(d, s, 2); addTriangles(d, s); }},
-  {"robust",        [](RTCDevice d, RTCScene s) { rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST); addTriangles(d, s); addQuads(d, s); }},
-  {"dynamic",       [](RTCDevice d, RTCScene s) { rtcSetSceneFlags(s, RTC_SCENE_FLAG_DYNAMIC); addTriangles(d, s); addTriangleSoup(d, s, ~0u); }},
+  {"triangles",
+   [](RTCDevice d, RTCScene s) {
+     addTriangles(d, s);
+     addTriangleSoup(d, s, ~0u);
+   }},
+  {"masked",
+   [](RTCDevice d, RTCScene s) {
+     addTriangleSoup(d, s, 2);
+     addTriangles(d, s);
+   }},
+  {"robust",
+   [](RTCDevice d, RTCScene s) {
+     rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+     addTriangles(d, s);
+     addQuads(d, s);
+   }},
+  {"dynamic",
+   [](RTCDevice d, RTCScene s) {
+     rtcSetSceneFlags(s, RTC_SCENE_FLAG_DYNAMIC);
+     addTriangles(d, s);
+     addTriangleSoup(d, s, ~0u);
+   }},
   {"quads",         [](RTCDevice d, RTCScene s) { addQuads(d, s); }},
   {"grid",          [](RTCDevice d, RTCScene s) { addGrid(d, s); }},
-  {"curves",        [](RTCDevice d, RTCScene s) { addCurves(d, s, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE); addCurves(d, s, RTC_GEOMETRY_TYPE_FLAT_BSPLINE_CURVE); }},
+  {"curves",
+   [](RTCDevice d, RTCScene s) {
+     addCurves(d, s, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);
+     addCurves(d, s, RTC_GEOMETRY_TYPE_FLAT_BSPLINE_CURVE);
+   }},
   {"instances",     [](RTCDevice d, RTCScene s) { addInstances(d, s); }},
   {"subdivision",   [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 16, false); }},
   {"displaced",     [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 37, true); }},
   {"moving",        [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 8, true, 2); }},
-  {"subdivisions",  [](RTCDevice d, RTCScene s) { addSubdivision(d, s, 16, true); addSubdivision(d, s, 1, false); addTriangles(d, s); }},
-  {"filtered",      [](RTCDevice d, RTCScene s) {
-    addSubdivision(d, s, 16, true);
-    addTriangles(d, s);
-    for (unsigned id : {0u, 1u}) {
-      RTCGeometry geometry = rtcGetGeometry(s, id);
-      rtcSetGeometryIntersectFilterFunction(geometry, filter);
-      rtcSetGeometryOccludedFilterFunction(geometry, filter);
-      rtcCommitGeometry(geometry);
-    }
-  }},
+  {"subdivisions",
+   [](RTCDevice d, RTCScene s) {
+     addSubdivision(d, s, 16, true);
+     addSubdivision(d, s, 1, false);
+     addTriangles(d, s);
+   }},
+  {"filtered",
+   [](RTCDevice d, RTCScene s) {
+     addSubdivision(d, s, 16, true);
+     addTriangles(d, s);
+     for (unsigned id : {0u, 1u}) {
+       RTCGeometry geometry = rtcGetGeometry(s, id);
+       rtcSetGeometryIntersectFilterFunction(geometry, filter);
+       rtcSetGeometryOccludedFilterFunction(geometry, filter);
+       rtcCommitGeometry(geometry);
+     }
+   }},
 };
 
 // --- queries ------------------------------------------------------------------------
@@ -267,7 +298,7 @@ std::vector<RTCRayHit> makeRays()
 
 template<typename Packet, unsigned N, typename F> void packets(std::vector<RTCRayHit>& rays, F ask)
 {
-  // All packet types are arrays of N after arrays of N, as RTCRayHitN is.
+  // All packet types consist of arrays of N, like RTCRayHitN.
   alignas(64) Packet packet;
   alignas(64) int valid[N];
   for (size_t i = 0; i + N <= rays.size(); i += N) {
@@ -295,7 +326,9 @@ const std::map<std::string, Query> queries = {
   {#N, [](RTCScene scene, std::vector<RTCRayHit>& rays, bool occluded) { \
     RTCIntersectContext context; rtcInitIntersectContext(&context); \
     packets<RTCRayHit##N, N>(rays, [&](int* valid, RTCRayHit##N& p) { \
-      if (occluded) rtcOccluded##N(valid, scene, &context, &p.ray); else rtcIntersect##N(valid, scene, &context, &p); }); \
+      if (occluded) rtcOccluded##N(valid, scene, &context, &p.ray); \
+      else rtcIntersect##N(valid, scene, &context, &p); \
+    }); \
   }}
   PACKET(4), PACKET(8), PACKET(16),
 #undef PACKET
@@ -306,7 +339,7 @@ const std::map<std::string, Query> queries = {
   }},
 };
 
-// --- the traced side ----------------------------------------------------------------
+// --- tracing process ------------------------------------------------------------------
 
 void writeString(FILE* file, const std::string& s)
 {
@@ -351,7 +384,7 @@ int trace(const char* config, const char* path)
   return error == RTC_ERROR_NONE ? 0 : 3;
 }
 
-// --- the comparing side ---------------------------------------------------------------
+// --- comparing process ------------------------------------------------------------------
 
 struct Trace
 {
@@ -367,13 +400,14 @@ bool readString(FILE* file, std::string& s)
   return fread(&s[0], 1, size, file) == size;
 }
 
-// Exit status of the tracing run; 2 where the device refuses the configuration.
+// Returns the exit status of the tracing process; 2 if the device rejects the configuration.
 int run(const std::string& directory, const std::string& config, Trace& result)
 {
   char self[4096] = {}, path[] = "/tmp/stock_equality_XXXXXX";
   if (readlink("/proc/self/exe", self, sizeof(self) - 1) < 0) return 1;
   close(mkstemp(path));
-  const std::string command = "env -u EMBREE_CBVH LD_LIBRARY_PATH='" + directory + "' '" + self + "' --trace '" + config + "' " + path;
+  const std::string command = "env -u EMBREE_CBVH LD_LIBRARY_PATH='" + directory + "' '" + self + "' --trace '" +
+                              config + "' " + path;
   const int status = WEXITSTATUS(std::system(command.c_str()));
   FILE* file = fopen(path, "rb");
   readString(file, result.library);
@@ -387,7 +421,7 @@ int run(const std::string& directory, const std::string& config, Trace& result)
   return status;
 }
 
-// Distance of two floats of one sign in units of the last place.
+// Difference of two floats with the same sign, in ulps.
 uint32_t ulps(float a, float b)
 {
   int32_t i, j;
@@ -403,7 +437,7 @@ TEST_P(StockEquality, FindsTheSameHits)
   Trace ours, stock;
   const std::string config = GetParam();
   const int status = run(OUR_LIBRARY_DIR, config, ours);
-  if (status == 2) GTEST_SKIP() << "this machine does not run " << config;
+  if (status == 2) GTEST_SKIP() << "this machine does not support " << config;
   ASSERT_EQ(status, 0);
   ASSERT_EQ(run(STOCK_LIBRARY_DIR, config, stock), 0);
   ASSERT_NE(ours.library, stock.library);
@@ -421,15 +455,15 @@ TEST_P(StockEquality, FindsTheSameHits)
       hits += a.geomID != RTC_INVALID_GEOMETRY_ID;
       if (a.geomID != b.geomID || a.primID != b.primID || a.instID != b.instID || a.occluded != b.occluded) {
         if (different++ < 3)
-          ADD_FAILURE() << "ray " << i << ": geometry, primitive, instance, occluded " << b.geomID << " " << b.primID << " "
-            << b.instID << " " << b.occluded << " at " << b.tfar << ", expected " << a.geomID << " " << a.primID << " "
-            << a.instID << " " << a.occluded << " at " << a.tfar;
+          ADD_FAILURE() << "ray " << i << ": geometry, primitive, instance, occluded " << b.geomID << " " << b.primID
+                        << " " << b.instID << " " << b.occluded << " at " << b.tfar << ", expected " << a.geomID << " "
+                        << a.primID << " " << a.instID << " " << a.occluded << " at " << a.tfar;
         continue;
       }
       worst = std::max(worst, ulps(a.tfar, b.tfar));
     }
     EXPECT_EQ(different, 0u);
-    EXPECT_GT(hits, numRays/20) << "the rays miss the scene";
+    EXPECT_GT(hits, numRays/20) << "too many rays miss the scene";
     EXPECT_LE(worst, maxUlps);
   }
 }

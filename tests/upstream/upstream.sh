@@ -2,10 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The patch series applies twice without harm and fails loudly when it does not
-# fit; a spoiled archive is refused. Every failure is one clear line and leaves
-# nothing half-written. A configure that is interrupted leaves a CMake package
-# with our version.
+# Checks that the patch series can be applied twice without effect and fails with an error if it does not fit, and
+# that corrupted archives are rejected. Every failure is one clear line and leaves no partial files. An interrupted
+# configure leaves a CMake package with our version.
 #
 #   upstream.sh CMAKE ARCHIVE
 set -eu
@@ -16,7 +15,7 @@ trap 'rm -rf "$work"' EXIT
 cp -r "$here/../../kernels/upstream" "$work/upstream"
 cd "$work"
 
-# provide ARCHIVE [CMAKE-OPTION...]: what configuring does, into $work/tree.
+# provide ARCHIVE [CMAKE-OPTION...]: performs the steps of a configure, into $work/tree.
 cat > provide.cmake <<'CMAKE'
 include(${CMAKE_CURRENT_LIST_DIR}/upstream/upstream.cmake)
 upstream_provide(${CMAKE_CURRENT_LIST_DIR}/tree)
@@ -26,7 +25,8 @@ provide() {
   "$cmake" -DEMBREE_UPSTREAM_ARCHIVE="$file" -DEMBREE_UPSTREAM_CACHE="$work/cache" "$@" -P provide.cmake
 }
 fail() { echo "FAILED: $*" >&2; exit 1; }
-# refuses TEXT PROVIDE-ARGUMENT...: fails with one line that has the text; no tree, no leftovers.
+# refuses TEXT PROVIDE-ARGUMENT...: expects a failure with one line that contains the text, without a tree or other
+# files.
 refuses() {
   text=$1; shift
   ! provide "$@" > log 2>&1 || fail "accepted: $text"
@@ -35,7 +35,7 @@ refuses() {
   for left in tree* cache/.download* cache/*.part; do
     [ ! -e "$left" ] || fail "left behind: $left"
   done
-  echo "refused: $(grep -m 1 'upstream: ' log)"
+  echo "rejected: $(grep -m 1 'upstream: ' log)"
 }
 
 lines=$(cat upstream/patches/*.patch | wc -l)
@@ -45,10 +45,11 @@ sed '/^#/d' upstream/patches/series | sort > named
 (cd upstream/patches && printf "%s\n" *.patch | sort) > present
 diff named present || fail "series and patches differ"
 
-# Spoiled archives.
+# Corrupted archives.
 sum=$(sha256sum "$archive" | cut -d ' ' -f 1)
 head -c 1000000 "$archive" > truncated.tar.xz
-refuses "truncated.tar.xz: SHA-256 is $(sha256sum truncated.tar.xz | cut -d ' ' -f 1) (1000000 bytes), expected $sum" "$work/truncated.tar.xz"
+refuses "truncated.tar.xz: SHA-256 is $(sha256sum truncated.tar.xz | cut -d ' ' -f 1) (1000000 bytes), expected $sum" \
+  "$work/truncated.tar.xz"
 { cat "$archive"; echo; } > longer.tar.xz
 refuses "longer.tar.xz: SHA-256 is .*, expected $sum" "$work/longer.tar.xz"
 : > empty.tar.xz
@@ -56,7 +57,7 @@ refuses "empty.tar.xz: SHA-256 is .* (0 bytes), expected $sum" "$work/empty.tar.
 refuses "absent.tar.xz: no such file" "$work/absent.tar.xz"
 refuses "not a source tree of Embree" "" -DEMBREE_UPSTREAM_SOURCE_DIR="$work/upstream"
 
-# A registry that does not answer, a registry with something else.
+# A registry that does not answer, and a registry with different data.
 mkdir bin
 printf '#!/bin/sh\necho "no answer" >&2\nexit 1\n' > bin/fetch.sh
 cp upstream/fetch.sh kept.sh
@@ -67,15 +68,16 @@ install -m 755 bin/fetch.sh upstream/fetch.sh
 refuses "downloaded with SHA-256 .*, expected $sum" ""
 mv kept.sh upstream/fetch.sh
 
-# A series that does not fit, a patch that is missing.
+# A series that does not fit, and a missing patch.
 cp upstream/patches/subdiv-accel.patch kept
-sed -i 's/^ #include "\.\.\/bvh\/bvh8_factory\.h"/ #include "..\/bvh\/bvh9_factory.h"/' upstream/patches/subdiv-accel.patch
+sed -i 's/^ #include "\.\.\/bvh\/bvh8_factory\.h"/ #include "..\/bvh\/bvh9_factory.h"/' \
+  upstream/patches/subdiv-accel.patch
 refuses "subdiv-accel.patch does not fit embree .*Hunk #1 FAILED" "$archive"
 rm upstream/patches/subdiv-accel.patch
 refuses "subdiv-accel.patch: named in series, no such file" "$archive"
 mv kept upstream/patches/subdiv-accel.patch
 
-# Applied, and applied again: the second time touches nothing.
+# Applied twice: the second time must not touch any file.
 contents() { find tree -type f -printf '%p %T@ ' -exec md5sum {} +; }
 provide "$archive"
 grep -q createCompressedAccel tree/kernels/common/scene.cpp || fail "not patched"
@@ -84,25 +86,25 @@ provide "$archive"
 contents > twice
 cmp once twice || fail "applying twice changes the tree"
 
-# A tree unpacked elsewhere gives the same.
+# A tree that was unpacked elsewhere must give the same result.
 mkdir elsewhere
 (cd elsewhere && "$cmake" -E tar xf "$archive")
 mv tree first
 provide "" -DEMBREE_UPSTREAM_SOURCE_DIR="$(echo "$work"/elsewhere/*)"
-diff -r --exclude=.cbvh-stamp first tree || fail "EMBREE_UPSTREAM_SOURCE_DIR gives another tree"
+diff -r --exclude=.cbvh-stamp first tree || fail "EMBREE_UPSTREAM_SOURCE_DIR gives a different tree"
 rm -rf tree first
 
-# Another series: only what it changes is written.
+# A different series: only changed files are written.
 provide "$archive"
 sed -i '/packet-masks/d' upstream/patches/series
 touch -d '1 hour ago' mark
 find tree -exec touch -d '2 hours ago' {} +
 provide "$archive"
-! grep -q OnlyActiveRays tree/kernels/common/rtcore.cpp || fail "the old patch is still in"
+! grep -q OnlyActiveRays tree/kernels/common/rtcore.cpp || fail "the old patch is still applied"
 changed=$(find tree -type f -newer mark ! -name .cbvh-stamp)
 [ "$changed" = tree/kernels/common/rtcore.cpp ] || fail "written: $changed"
 
-# Interrupted when upstream has configured its files, and nothing of ours that follows.
+# Interrupted after upstream has configured its files, before our files follow.
 echo 'cmake_language(DEFER CALL message FATAL_ERROR "interrupted")' > interrupt.cmake
 ! "$cmake" -S "$here/../.." -B interrupted -DEMBREE_UPSTREAM_ARCHIVE="$archive" \
   -DCMAKE_PROJECT_embree3_INCLUDE="$work/interrupt.cmake" > log 2>&1 || fail "the configure was not interrupted"

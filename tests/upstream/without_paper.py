@@ -2,8 +2,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""The sources that choose by representation compile without the paper's (EMBREE_CBVH_PAPER=OFF), and then include of their folder only the layout of
-their blocks. Also, a ray through cVERT alone includes few files of ours.
+"""Checks that sources which choose by representation compile without the paper's representations
+(EMBREE_CBVH_PAPER=OFF), and then
+include only headers for the layout of their blocks. Also checks that rays through cVERT depend on few of our files.
 
     without_paper.py COMPILE_COMMANDS
 
@@ -17,14 +18,16 @@ import shlex
 import subprocess
 import sys
 
-SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp", "building/builder.cpp", "files/loaded_surface.cpp",
+SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp",
+           "building/builder.cpp", "files/loaded_surface.cpp",
            "core/compression.cpp", "api/settings.cpp")
-LAYOUT = {"block.h", "morton.h"}  # of framed/: what a file with such blocks is recognized by
-MOST_FILES_OF_A_RAY = 46  # still and moving
+LAYOUT = {"block.h", "morton.h"}  # in framed/: headers that identify blocks with frames in files
+MOST_FILES_OF_A_RAY = 46  # static and moving
 
 
 def command_of(commands, source):
-    """The compiler's arguments for the first build of a source, to check its syntax without the paper's representations."""
+    """Returns the compiler's arguments to check the syntax of a source without the paper's representations, from its
+    first build."""
     entry = next(entry for entry in commands if entry["file"].endswith("/kernels/cbvh/" + source))
     arguments = shlex.split(entry["command"])
     output = arguments.index("-o")
@@ -44,13 +47,15 @@ def main():
             errors = [line for line in run.stderr.splitlines() if not line.startswith((".", "/usr/"))]
             failures.append(f"{source} does not compile:\n" + "\n".join(errors[:20]))
         paths = map(os.path.normpath, re.findall(r"^\.+ (\S+)$", run.stderr, re.MULTILINE))
-        ours = {match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths) if match}
+        ours = {match.group(1) for match in (re.search(r"/kernels/(c(?:bvh|vert)/.*)$", path) for path in paths)
+                if match}
         framed = sorted(path for path in ours if "/framed/" in path and path.rsplit("/", 1)[1] not in LAYOUT)
         if framed:
             failures.append(f"{source} includes {', '.join(framed)}")
         print(f"{source}: {len(ours)} files of ours")
         if source == "traversal/intersector1.cpp" and len(ours) > MOST_FILES_OF_A_RAY:
-            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " ".join(sorted(ours)))
+            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " "
+                            f"".join(sorted(ours)))
     print("\n".join(failures))
     sys.exit(bool(failures))
 

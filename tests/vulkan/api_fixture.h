@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The fixture of tests of the errors that a program gets. */
+/* The fixture for tests of reported errors. */
 
 #include "small_scenes.h"
 
@@ -14,7 +14,8 @@ class VulkanAPI : public VulkanTest
 protected:
   void expectMessage(const std::vector<std::string>& parts)
   {
-    for (const std::string& part : parts) EXPECT_TRUE(has(embree.message, part)) << "'" << embree.message << "' has no '" << part << "'";
+    for (const std::string& part : parts)
+      EXPECT_TRUE(has(embree.message, part)) << "'" << embree.message << "' has no '" << part << "'";
   }
 
   void expectError(RTCError code, const std::vector<std::string>& parts)
@@ -25,7 +26,10 @@ protected:
 
   void expectNoError() { EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message; }
 
-  VulkanScene upload(RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO) { return newVulkanScene(device, scene, memory); }
+  VulkanScene upload(RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
+  {
+    return newVulkanScene(device, scene, memory);
+  }
 };
 
 } // namespace cbvh::test

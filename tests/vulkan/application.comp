@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A shader of an application that uses the names of our headers for things of its own. It is
- * compiled, not run. */
+/* A shader of an application that uses the names of our headers for its own purposes. It is compiled, not run. */
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -34,6 +33,7 @@ void main ()
   CbvhRay ray = CbvhRay(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 1e30, 0xFFFFFFFFu, 0.5);
   CbvhHit hit;
   uint i = gl_GlobalInvocationID.x;
-  if (cbvhIntersect(arguments.scene, ray, hit)) t[i] = lesser(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;
+  if (cbvhIntersect(arguments.scene, ray, hit))
+    t[i] = lesser(hit.t) + float(hit.primID + hit.geomID + hit.instID) + hit.u + hit.v + hit.Ng.x;
   if (cbvhOccluded(arguments.scene, ray)) t[i] = float(referenceType(uint32_t(maxLevel)));
 }

@@ -35,25 +35,29 @@ template<> constexpr const char* kindOf<VkFence> = "fence";
 template<typename Handle>
 void created(const Handle* handles, uint32_t count)
 {
-  static_assert(kindOf<Handle> != nullptr, "a kind of object that this file does not know");
+  static_assert(kindOf<Handle> != nullptr, "add the kind of this object to kindOf");
   for (uint32_t i = 0; i < count; i++) faults->created(kindOf<Handle>, handles[i]);
 }
 
 template<typename Handle>
 void destroyed(Handle handle)
 {
-  static_assert(kindOf<Handle> != nullptr, "a kind of object that this file does not know");
+  static_assert(kindOf<Handle> != nullptr, "add the kind of this object to kindOf");
   if (handle) faults->destroyed(kindOf<Handle>, handle);
 }
 
-// --- what is seen of calls, by their arguments -------------------------------------------------
+// --- observing calls by their arguments --------------------------------------------------------
 
 // before the call
 template<typename... Arguments>
 void begins(Arguments...) {}
 
-template<typename Owner, typename Handle, typename = std::enable_if_t<std::is_pointer_v<Handle> && kindOf<Handle> != nullptr>>
-void begins(Owner, Handle handle, const VkAllocationCallbacks*) { destroyed(handle); }
+template<typename Owner, typename Handle,
+          typename = std::enable_if_t<std::is_pointer_v<Handle> && kindOf<Handle> != nullptr>>
+void begins(Owner, Handle handle, const VkAllocationCallbacks*)
+{
+  destroyed(handle);
+}
 
 void begins(VkDevice device, const VkAllocationCallbacks*) { destroyed(device); }
 
@@ -74,9 +78,12 @@ void begins(VkDevice, const VkMemoryAllocateInfo* info, const VkAllocationCallba
   if (faults->onAllocation) faults->onAllocation(*info);
 }
 
-void begins(VkDevice, const VkPipelineCacheCreateInfo* info, const VkAllocationCallbacks*, VkPipelineCache*) { faults->askedCache(info->initialDataSize); }
+void begins(VkDevice, const VkPipelineCacheCreateInfo* info, const VkAllocationCallbacks*, VkPipelineCache*)
+{
+  faults->askedCache(info->initialDataSize);
+}
 
-// behind the call, if it went well
+// after a successful call
 template<typename... Arguments>
 void ends(Arguments...) {}
 
@@ -89,21 +96,34 @@ void ends(const VkInstanceCreateInfo*, const VkAllocationCallbacks*, VkInstance*
   if (faults->onInstance) faults->onInstance(*instance);
 }
 
-void ends(VkDevice, VkPipelineCache, uint32_t count, const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*, VkPipeline* pipelines) { created(pipelines, count); }
+void ends(VkDevice, VkPipelineCache, uint32_t count, const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+          VkPipeline* pipelines)
+{
+  created(pipelines, count);
+}
 
-void ends(VkDevice, const VkCommandBufferAllocateInfo* info, VkCommandBuffer* commands) { created(commands, info->commandBufferCount); }
+void ends(VkDevice, const VkCommandBufferAllocateInfo* info, VkCommandBuffer* commands)
+{
+  created(commands, info->commandBufferCount);
+}
 
 void ends(VkPhysicalDevice, VkPhysicalDeviceProperties* properties)
 {
   if (faults->isDiscrete) properties->deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
   if (faults->onProperties) faults->onProperties(*properties);
 }
-void ends(VkPhysicalDevice, VkPhysicalDeviceProperties2* properties) { if (faults->onProperties2) faults->onProperties2(*properties); }
-void ends(VkPhysicalDevice, VkPhysicalDeviceFeatures2* features) { if (faults->onFeatures) faults->onFeatures(*features); }
+void ends(VkPhysicalDevice, VkPhysicalDeviceProperties2* properties)
+{
+  if (faults->onProperties2) faults->onProperties2(*properties);
+}
+void ends(VkPhysicalDevice, VkPhysicalDeviceFeatures2* features)
+{
+  if (faults->onFeatures) faults->onFeatures(*features);
+}
 
-// --- discrete devices: every type of memory is there twice, for the device and for the host ---------
+// --- discrete devices: every memory type exists twice, for the device and for the host -------------
 
-uint32_t numMemoryTypes = 0;   // that there really are
+uint32_t numMemoryTypes = 0;   // number of actual types
 
 void ends(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties* memory)
 {
@@ -112,7 +132,9 @@ void ends(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties* memory)
   memory->memoryTypeCount = std::min(2*numMemoryTypes, uint32_t(VK_MAX_MEMORY_TYPES));
   for (uint32_t i = 0; i < numMemoryTypes; i++) {
     const uint32_t heap = memory->memoryTypes[i].heapIndex;
-    if (i + numMemoryTypes < memory->memoryTypeCount) memory->memoryTypes[i + numMemoryTypes] = {memory->memoryTypes[i].propertyFlags & ~VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT), heap};
+    if (i + numMemoryTypes < memory->memoryTypeCount)
+      memory->memoryTypes[i + numMemoryTypes] = {
+        memory->memoryTypes[i].propertyFlags & ~VkMemoryPropertyFlags(VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT), heap};
     memory->memoryTypes[i].propertyFlags &= VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   }
 }
@@ -122,7 +144,7 @@ void ends(VkDevice, VkBuffer, VkMemoryRequirements* requirements)
   if (faults->isDiscrete) requirements->memoryTypeBits |= requirements->memoryTypeBits << numMemoryTypes;
 }
 
-// --- lists that are changed ----------------------------------------------------------------------
+// --- modified lists ------------------------------------------------------------------------------
 
 template<typename Item, typename List, typename Change>
 VkResult changedList(List list, const Change& change, uint32_t* count, Item* items)
@@ -140,41 +162,50 @@ VkResult changedList(List list, const Change& change, uint32_t* count, Item* ite
   return *count < changed.size() ? VK_INCOMPLETE : VK_SUCCESS;
 }
 
-// By default the call itself.
+// By default, only calls the function.
 template<typename Result, typename... Arguments>
 Result forwarded(Result (VKAPI_PTR* next)(Arguments...), Arguments... arguments) { return next(arguments...); }
 
 VkResult forwarded(PFN_vkEnumeratePhysicalDevices next, VkInstance instance, uint32_t* count, VkPhysicalDevice* devices)
 {
   if (!faults->onDevices) return next(instance, count, devices);
-  return changedList([&](uint32_t* n, VkPhysicalDevice* to) { return next(instance, n, to); }, faults->onDevices, count, devices);
+  return changedList([&](uint32_t* n, VkPhysicalDevice* to) { return next(instance, n, to); }, faults->onDevices, count,
+                     devices);
 }
 
-VkResult forwarded(PFN_vkEnumerateDeviceExtensionProperties next, VkPhysicalDevice device, const char* layer, uint32_t* count, VkExtensionProperties* extensions)
+VkResult forwarded(PFN_vkEnumerateDeviceExtensionProperties next, VkPhysicalDevice device, const char* layer,
+                   uint32_t* count, VkExtensionProperties* extensions)
 {
   if (!faults->onExtensions) return next(device, layer, count, extensions);
-  return changedList([&](uint32_t* n, VkExtensionProperties* to) { return next(device, layer, n, to); }, faults->onExtensions, count, extensions);
+  return changedList([&](uint32_t* n, VkExtensionProperties* to) { return next(device, layer, n, to); },
+                     faults->onExtensions, count, extensions);
 }
 
-VkResult forwarded(PFN_vkCreateInstance next, const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks, VkInstance* instance)
+VkResult forwarded(PFN_vkCreateInstance next, const VkInstanceCreateInfo* info, const VkAllocationCallbacks* callbacks,
+                   VkInstance* instance)
 {
   if (!faults->onInstanceInfo) return next(info, callbacks, instance);
   const VkInstanceCreateInfo changed = faults->onInstanceInfo(*info);
   return next(&changed, callbacks, instance);
 }
 
-VkResult forwarded(PFN_vkAllocateMemory next, VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory)
+VkResult forwarded(PFN_vkAllocateMemory next, VkDevice device, const VkMemoryAllocateInfo* info,
+                   const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory)
 {
   VkMemoryAllocateInfo changed = *info;
   if (faults->isDiscrete && changed.memoryTypeIndex >= numMemoryTypes) changed.memoryTypeIndex -= numMemoryTypes;
   return next(device, &changed, callbacks, memory);
 }
 
-PFN_vkVoidFunction VKAPI_CALL getDeviceProcAddr(VkDevice device, const char* name) { return faults->find(device, name); }
+PFN_vkVoidFunction VKAPI_CALL getDeviceProcAddr(VkDevice device, const char* name)
+{
+  return faults->find(device, name);
+}
 
 // --- wrappers --------------------------------------------------------------------------------------
 
-#define CBVH_TEST_FUNCTIONS(F) F(CreateInstance) CBVH_INSTANCE_FUNCTIONS(F) CBVH_DEVICE_FUNCTIONS(F) F(GetMemoryHostPointerPropertiesEXT)
+#define CBVH_TEST_FUNCTIONS(F) \
+  F(CreateInstance) CBVH_INSTANCE_FUNCTIONS(F) CBVH_DEVICE_FUNCTIONS(F) F(GetMemoryHostPointerPropertiesEXT)
 
 #define CBVH_NAME(NAME) of##NAME,
 enum FunctionIndex { CBVH_TEST_FUNCTIONS(CBVH_NAME) numFunctions };
@@ -210,7 +241,7 @@ struct Wrapper<index, Result (VKAPI_PTR*)(Arguments...)>
     }
   }
 };
-// The wrapper of a function that `found` is, or `found`.
+// Returns the wrapper of a function, or `found` if there is none.
 PFN_vkVoidFunction wrapped(const char* name, PFN_vkVoidFunction found)
 {
   if (!found) return nullptr;
@@ -229,7 +260,10 @@ PFN_vkVoidFunction wrapped(const char* name, PFN_vkVoidFunction found)
 template<typename Result, typename... Arguments>
 constexpr bool isFallible(Result (VKAPI_PTR*)(Arguments...)) { return std::is_same_v<Result, VkResult>; }
 
-PFN_vkVoidFunction VKAPI_CALL getInstanceProcAddrOfFaults(VkInstance instance, const char* name) { return faults->find(instance, name); }
+PFN_vkVoidFunction VKAPI_CALL getInstanceProcAddrOfFaults(VkInstance instance, const char* name)
+{
+  return faults->find(instance, name);
+}
 
 } // namespace
 
@@ -237,7 +271,7 @@ PFN_vkVoidFunction VKAPI_CALL getInstanceProcAddrOfFaults(VkInstance instance, c
 
 Faults::Faults(PFN_vkGetInstanceProcAddr next) : next(next)
 {
-  if (faults) throw std::logic_error("there are Faults already");
+  if (faults) throw std::logic_error("only one Faults object may exist");
   faults = this;
 }
 
@@ -333,7 +367,8 @@ unsigned Faults::calls(const std::string& name) const
 
 } // namespace cbvh::test
 
-extern "C" __attribute__((visibility("default"))) PFN_vkVoidFunction cbvhTestGetInstanceProcAddr(VkInstance instance, const char* name)
+extern "C" __attribute__((visibility("default"))) PFN_vkVoidFunction cbvhTestGetInstanceProcAddr(VkInstance instance,
+                                                                                                 const char* name)
 {
   return cbvh::test::faults ? cbvh::test::faults->find(instance, name) : nullptr;
 }

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Vulkan that fails when a test wants it to. All functions that the library calls are fetched
- * through a wrapper of vkGetInstanceProcAddr, which counts what is created and destroyed, makes a
- * chosen call fail, and changes what a device says of itself. There is one at a time. */
+/* A Vulkan that fails on request. The library obtains all functions through a wrapper of vkGetInstanceProcAddr, which
+ * counts created and destroyed objects, makes a chosen call fail, and changes properties that a device reports. Only
+ * one object may exist at a time. */
 
 #include <vulkan/vulkan_core.h>
 
@@ -26,31 +26,30 @@ public:
   Faults(const Faults&) = delete;
   Faults& operator=(const Faults&) = delete;
 
-  // In place of `next`.
+  // Replaces `next`.
   PFN_vkGetInstanceProcAddr getInstanceProcAddr() const;
 
-  // Functions that the library calls and that return a VkResult, without "vk", those of
-  // instances and those of devices.
+  // Names, without "vk", of functions of instances and devices that the library calls and that return a VkResult.
   static std::vector<std::string> fallible();
 
-  // --- failing ---
+  // --- failures ---
 
   enum When
   {
     INSTEAD, // the function is not called
-    BEHIND   // it is, and its result is lost: as when a device is lost while something waits for it
+    BEHIND   // the function is called, but its result is replaced, as if a device is lost during a wait
   };
 
-  // The n-th call from now of a function fails, counted from 1; after it no other, or all.
+  // Makes the n-th call of a function from now on fail, counted from 1; only this call, or all later ones too.
   void fail(const std::string& function, unsigned n, VkResult result, When when = INSTEAD, bool forever = false);
   void failNothing();
   bool hasFailed() const { return failed; }
 
-  // The driver does not have a function.
+  // Hides a function, as if the driver did not provide it.
   void hide(const std::string& function) { hidden.insert(function); }
   void show(const std::string& function) { hidden.erase(function); }
 
-  // --- changing what is said; behind the call ---
+  // --- modified results, after the call ---
 
   std::function<void(VkPhysicalDeviceProperties&)> onProperties;
   std::function<void(VkPhysicalDeviceProperties2&)> onProperties2;
@@ -61,26 +60,26 @@ public:
   // before the call
   std::function<void(const VkMemoryAllocateInfo&)> onAllocation;
 
-  // The device has memory of its own that the host does not see, and memory of the host, as most GPUs.
+  // The device has memory that is not visible to the host, and host memory, like most GPUs.
   bool isDiscrete = false;
 
-  // around vkCreateInstance, and before vkDestroyInstance
+  // before vkCreateInstance, after it, and before vkDestroyInstance
   std::function<VkInstanceCreateInfo(const VkInstanceCreateInfo&)> onInstanceInfo;
   std::function<void(VkInstance)> onInstance, onInstanceEnd;
 
-  // --- what was called ---
+  // --- counters ---
 
-  // Live objects by kind, "buffer" for instance; kinds of which there are none are not listed.
+  // Live objects by kind, for example "buffer". Kinds without objects are not listed.
   std::map<std::string, size_t> live() const;
 
-  // Objects that were destroyed and did not live.
+  // Number of destroyed handles that were not live.
   size_t strangers() const { return numStrangers; }
 
   unsigned calls(const std::string& function) const;   // since the beginning
-  VkDeviceSize lastAllocation() const { return allocated; }  // bytes asked for, also in vain
-  size_t lastCache() const { return cacheBytes; }            // bytes that a pipeline cache was made from
+  VkDeviceSize lastAllocation() const { return allocated; }  // requested bytes, including failed requests
+  size_t lastCache() const { return cacheBytes; }            // size of the data from which a pipeline cache was created
 
-  // --- of the wrapper ---
+  // --- used by the wrapper ---
 
   struct Failure { bool now; VkResult result; When when; };
   Failure called(const char* function);
@@ -110,5 +109,5 @@ private:
 
 } // namespace cbvh::test
 
-// For the loader of loader.cpp: vkGetInstanceProcAddr of the Faults there are.
+// For the loader of loader.cpp: vkGetInstanceProcAddr of the current Faults.
 extern "C" PFN_vkVoidFunction cbvhTestGetInstanceProcAddr(VkInstance instance, const char* name);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The fixture of tests whose Vulkan device is behind Faults. */
+/* The fixture for tests whose Vulkan device uses Faults. */
 
 #include "faults.h"
 #include "small_scenes.h"
@@ -12,20 +12,24 @@
 
 namespace cbvh::test {
 
-// What the test makes a function return, and what Embree's error is then.
+// A result that a test returns from a function, and the expected error of Embree.
 struct Fault { VkResult result; const char* name; RTCError error; };
 
 inline Fault faultOf(const std::string& function)
 {
-  if (function == "MapMemory") return {VK_ERROR_MEMORY_MAP_FAILED, "VK_ERROR_MEMORY_MAP_FAILED", RTC_ERROR_OUT_OF_MEMORY};
-  if (function == "GetMemoryHostPointerPropertiesEXT") return {VK_ERROR_INVALID_EXTERNAL_HANDLE, "VK_ERROR_INVALID_EXTERNAL_HANDLE", RTC_ERROR_UNKNOWN};
-  if (function == "CreateInstance" || function == "CreateDevice") return {VK_ERROR_INITIALIZATION_FAILED, "VK_ERROR_INITIALIZATION_FAILED", RTC_ERROR_UNKNOWN};
-  if (function == "AllocateMemory") return {VK_ERROR_OUT_OF_DEVICE_MEMORY, "VK_ERROR_OUT_OF_DEVICE_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
+  if (function == "MapMemory")
+    return {VK_ERROR_MEMORY_MAP_FAILED, "VK_ERROR_MEMORY_MAP_FAILED", RTC_ERROR_OUT_OF_MEMORY};
+  if (function == "GetMemoryHostPointerPropertiesEXT")
+    return {VK_ERROR_INVALID_EXTERNAL_HANDLE, "VK_ERROR_INVALID_EXTERNAL_HANDLE", RTC_ERROR_UNKNOWN};
+  if (function == "CreateInstance" || function == "CreateDevice")
+    return {VK_ERROR_INITIALIZATION_FAILED, "VK_ERROR_INITIALIZATION_FAILED", RTC_ERROR_UNKNOWN};
+  if (function == "AllocateMemory")
+    return {VK_ERROR_OUT_OF_DEVICE_MEMORY, "VK_ERROR_OUT_OF_DEVICE_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
   return {VK_ERROR_OUT_OF_HOST_MEMORY, "VK_ERROR_OUT_OF_HOST_MEMORY", RTC_ERROR_OUT_OF_MEMORY};
 }
 
-// Whose failure costs nothing but a file of the cache, or a time.
-inline bool isForgiven(const std::string& function)
+// True for functions whose failure is not an error: it only affects the cache file or a time.
+inline bool isOptional(const std::string& function)
 {
   return function == "GetPipelineCacheData" || function == "GetQueryPoolResults" || function == "GetFenceStatus";
 }
@@ -33,7 +37,7 @@ inline bool isForgiven(const std::string& function)
 class VulkanFaults : public VulkanTest
 {
 protected:
-  // The fixture's Vulkan device, behind Faults.
+  // The fixture's Vulkan device, which uses Faults.
   void SetUp() override
   {
     VulkanTest::SetUp();
@@ -50,14 +54,14 @@ protected:
     if (faults) {
       faults->failNothing();
       device.reset();
-      EXPECT_EQ(faults->live(), (std::map<std::string, size_t>())) << "something is left";
-      EXPECT_EQ(faults->strangers(), 0u) << "something was destroyed twice, or never made";
+      EXPECT_EQ(faults->live(), (std::map<std::string, size_t>())) << "objects were not destroyed";
+      EXPECT_EQ(faults->strangers(), 0u) << "an object was destroyed twice, or never created";
     }
     VulkanTest::TearDown();
     faults.reset();
   }
 
-  // The device anew, with what Faults say of it now.
+  // Opens the device again, with the properties that Faults now reports.
   void reopen()
   {
     device.reset();
@@ -65,8 +69,8 @@ protected:
     ASSERT_TRUE(device) << embree.message;
   }
 
-  // Makes the first call of a function fail that a step makes, then the second, until the step has no more
-  // of them. The step returns whether it went well. Returns the number of calls.
+  // Makes the first call of a function within a step fail, then the second, until a step has fewer calls. The step
+  // returns true on success. Returns the number of calls.
   unsigned failEachCall(const std::string& function, const std::function<bool()>& step)
   {
     const Fault fault = faultOf(function);
@@ -82,7 +86,7 @@ protected:
         EXPECT_TRUE(done) << embree.message;
         return n - 1;
       }
-      if (isForgiven(function)) {
+      if (isOptional(function)) {
         EXPECT_TRUE(done) << embree.message;
         EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
         continue;
@@ -95,13 +99,13 @@ protected:
         EXPECT_TRUE(has(embree.message, " " + size + " bytes for ")) << embree.message;
       }
       EXPECT_EQ(faults->live(), before) << embree.message;
-      EXPECT_TRUE(step()) << "it does not go on: " << embree.message;
+      EXPECT_TRUE(step()) << "the step fails afterwards: " << embree.message;
       EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << embree.message;
       if (HasFailure()) return n;
     }
   }
 
-  // Every function in turn. Returns those that were called.
+  // Tests every function in turn. Returns the names of the called functions.
   std::vector<std::string> failEverything(const std::function<bool()>& step)
   {
     std::vector<std::string> called;
@@ -116,7 +120,8 @@ protected:
 inline void expectAll(const std::vector<std::string>& called, const std::vector<std::string>& expected)
 {
   for (const std::string& function : expected)
-    EXPECT_TRUE(std::find(called.begin(), called.end(), function) != called.end()) << "vk" << function << " was not called: nothing is tested of it";
+    EXPECT_TRUE(std::find(called.begin(), called.end(), function) != called.end())
+      << "vk" << function << " was not called, so it is not tested";
 }
 
 } // namespace cbvh::test

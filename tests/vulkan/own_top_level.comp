@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A shader of an application with a top level of its own, in which a compressed scene is beside triangles. Rays are RTCRayHit;
- * triangles have the application's name as geomID. */
+/* A shader of an application whose own top level contains a compressed scene next to triangles. Rays are RTCRayHit;
+ * triangles have the application's geomID. */
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Arguments
   uvec2 topLevel;
   uvec2 rays;
   uint count;
-  float offset;   // of the scene in the application's world, along x
+  float offset;   // position of the scene in the application's world, along x
 } arguments;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Rays { float at[]; };
@@ -31,14 +31,18 @@ void main ()
   if (i >= arguments.count) return;
   Rays rays = Rays(arguments.rays);
   uint w = 20u*i;
-  vec3 origin = vec3(rays.at[w], rays.at[w + 1u], rays.at[w + 2u]), direction = vec3(rays.at[w + 4u], rays.at[w + 5u], rays.at[w + 6u]);
-  CbvhRay ray = CbvhRay(origin - vec3(arguments.offset, 0.0, 0.0), rays.at[w + 3u], direction, rays.at[w + 8u], floatBitsToUint(rays.at[w + 9u]), rays.at[w + 7u]);
+  vec3 origin = vec3(rays.at[w], rays.at[w + 1u], rays.at[w + 2u]),
+       direction = vec3(rays.at[w + 4u], rays.at[w + 5u], rays.at[w + 6u]);
+  CbvhRay ray = CbvhRay(origin - vec3(arguments.offset, 0.0, 0.0), rays.at[w + 3u], direction, rays.at[w + 8u],
+                        floatBitsToUint(rays.at[w + 9u]), rays.at[w + 7u]);
 
   CbvhCandidates found = cbvhNoCandidates(ray);
   rayQueryEXT query;
-  rayQueryInitializeEXT(query, accelerationStructureEXT(arguments.topLevel), gl_RayFlagsNoneEXT, 0xFFu, origin, ray.tnear, direction, min(ray.tfar, 3.0e38));
+  rayQueryInitializeEXT(query, accelerationStructureEXT(arguments.topLevel), gl_RayFlagsNoneEXT, 0xFFu, origin,
+                        ray.tnear, direction, min(ray.tfar, 3.0e38));
   while (rayQueryProceedEXT(query))
-    if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionAABBEXT) cbvhIntersectCandidate(query, arguments.scene, ray, found);
+    if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionAABBEXT)
+      cbvhIntersectCandidate(query, arguments.scene, ray, found);
     else rayQueryConfirmIntersectionEXT(query);
 
   uint type = rayQueryGetIntersectionTypeEXT(query, true);

@@ -14,17 +14,20 @@ namespace {
 
 void check(VkResult result, const char* doing)
 {
-  if (result != VK_SUCCESS) throw std::runtime_error(std::string(doing) + " failed: VkResult " + std::to_string(result));
+  if (result != VK_SUCCESS)
+    throw std::runtime_error(std::string(doing) + " failed: VkResult " + std::to_string(result));
 }
 
 } // namespace
 
-RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage) : handles(handles)
+RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage)
+  : handles(handles)
 {
   VkBufferCreateInfo info = {};
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   info.size = bytes;
-  info.usage = usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  info.usage = usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   check(vkCreateBuffer(handles.device, &info, nullptr, &buffer), "vkCreateBuffer");
   VkMemoryRequirements requirements;
   vkGetBufferMemoryRequirements(handles.device, buffer, &requirements);
@@ -38,8 +41,9 @@ RayBuffer::RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t b
   allocation.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
   allocation.pNext = &flags;
   allocation.allocationSize = requirements.size;
-  while (!(requirements.memoryTypeBits & (1u << allocation.memoryTypeIndex)) || (types.memoryTypes[allocation.memoryTypeIndex].propertyFlags & host) != host)
-    if (++allocation.memoryTypeIndex == types.memoryTypeCount) throw std::runtime_error("there is no memory that the host sees");
+  while (!(requirements.memoryTypeBits & (1u << allocation.memoryTypeIndex)) ||
+         (types.memoryTypes[allocation.memoryTypeIndex].propertyFlags & host) != host)
+    if (++allocation.memoryTypeIndex == types.memoryTypeCount) throw std::runtime_error("no host-visible memory");
   check(vkAllocateMemory(handles.device, &allocation, nullptr, &memory), "vkAllocateMemory");
   check(vkBindBufferMemory(handles.device, buffer, memory, 0), "vkBindBufferMemory");
   check(vkMapMemory(handles.device, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
@@ -82,7 +86,8 @@ void RecordedTrace::record(const std::function<void(VkCommandBuffer)>& trace)
   barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
   barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
   barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0,
+                       nullptr, 0, nullptr);
   check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An application's own buffer of rays and its own commands. */
+/* A buffer of rays and a command buffer of the application. */
 
 #include <embree3/rtcore_vulkan.h>
 
@@ -11,12 +11,12 @@
 
 namespace cbvh::test {
 
-// Memory with an address that the host sees.
+// Host-visible memory with a device address.
 class RayBuffer
 {
 public:
-  // Throws std::runtime_error with what failed.
-  // data: may be NULL; usage: besides storage, address and copies
+  // Throws std::runtime_error with the name of the failed call.
+  // data: may be NULL; usage: in addition to storage, address and copies
   RayBuffer(const RTCVulkanHandles& handles, const void* data, size_t bytes, VkBufferUsageFlags usage = 0);
   ~RayBuffer();
   RayBuffer(const RayBuffer&) = delete;
@@ -31,7 +31,7 @@ private:
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
-// One command buffer, recorded once.
+// A command buffer that is recorded once.
 class RecordedTrace
 {
 public:
@@ -40,11 +40,11 @@ public:
   RecordedTrace(const RecordedTrace&) = delete;
   RecordedTrace& operator=(const RecordedTrace&) = delete;
 
-  // With the barriers to the host around it that are the caller's.
+  // Adds the host barriers that the API requires from the caller.
   void record(const std::function<void(VkCommandBuffer)>& commands);
   void submitAndWait();
 
-  // Without barriers.
+  // Does not record barriers.
   static void copy(VkCommandBuffer commands, const RayBuffer& from, const RayBuffer& to, size_t bytes);
 
 private:

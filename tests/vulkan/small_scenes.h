@@ -3,33 +3,35 @@
 
 #pragma once
 
-/* Scenes that are quickly built, and rays at them. */
+/* Small scenes that are built quickly, and rays at them. */
 
 #include "support/random.h"
 #include "validated_device.h"
 
 namespace cbvh::test {
 
-// A triangle at a height, over a part of [-1,1]^2; committed, not attached.
+// A triangle at a height over a part of [-1,1]^2; committed, not attached.
 inline RTCGeometry newTriangle(RTCDevice device, float z, unsigned timeSteps = 1)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
   for (unsigned t = 0; t < timeSteps; t++)
-    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, std::vector<Vec>{{-1, -1, z}, {1, -1, z}, {-1, 1, z}});
+    setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3,
+              std::vector<Vec>{{-1, -1, z}, {1, -1, z}, {-1, 1, z}});
   setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, std::vector<std::array<unsigned, 3>>{{0, 1, 2}});
   rtcCommitGeometry(geometry);
   return geometry;
 }
 
-// Committed, not attached.
+// A committed instance that is not attached.
 inline RTCGeometry newInstance(RTCDevice device, RTCScene scene, float z, unsigned timeSteps = 1)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, scene);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
   const float transform[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,z};
-  for (unsigned t = 0; t < timeSteps; t++) rtcSetGeometryTransform(geometry, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
+  for (unsigned t = 0; t < timeSteps; t++)
+    rtcSetGeometryTransform(geometry, t, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
   rtcCommitGeometry(geometry);
   return geometry;
 }
@@ -44,9 +46,10 @@ inline SurfaceSettings smallSurface(RTCCompression compression)
   return settings;
 }
 
-const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+const RTCCompression allKinds[] = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL,
+                                   RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
 
-// With displacement, which outlives what is made.
+// With a displacement that must outlive the surface.
 inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompression compression, float rate)
 {
   SurfaceSettings settings;
@@ -57,7 +60,7 @@ inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompress
   return settings;
 }
 
-// 30 instances of 1 to 4 time steps, some of a part of the time, with masks of one bit of four.
+// 30 instances with 1 to 4 time steps, some with a part of the time range, with one of four mask bits.
 inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene inside, Random& random)
 {
   for (unsigned i = 0; i < 30; i++) {
@@ -67,7 +70,8 @@ inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene ins
     rtcSetGeometryTimeStepCount(instance, timeSteps);
     if (timeSteps > 1 && i % 3 == 0) rtcSetGeometryTimeRange(instance, 0.2f, 0.7f);
     float transform[12];
-    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06*random.normal()); // not nearly flat
+    // not nearly singular
+    for (int k = 0; k < 9; k++) transform[k] = (k % 4 == 0 ? 0.35f : 0) + float(0.06*random.normal());
     for (int k = 9; k < 12; k++) transform[k] = float(random.uniform(-1.2, 1.2));
     for (unsigned t = 0; t < timeSteps; t++) {
       for (float& x : transform) x += float(0.05*random.normal());
@@ -79,7 +83,7 @@ inline void attachMovingInstances(RTCDevice device, RTCScene scene, RTCScene ins
   }
 }
 
-// Geometry 0 is a compressed surface around z = 0, geometry 1 a triangle at z = 1 over a half of it.
+// Geometry 0 is a compressed surface around z = 0; geometry 1 is a triangle at z = 1 above one half of it.
 class SmallScene : public Scene
 {
 public:
@@ -91,11 +95,12 @@ public:
   }
 };
 
-// Rays from above: at the triangle, at the surface, past both.
+// Rays from above: at the triangle, at the surface, and past both.
 inline std::vector<RTCRayHit> raysFromAbove()
 {
   std::vector<RTCRayHit> rays;
-  for (const Vec& org : {Vec{-0.5f, -0.4f, 5}, Vec{0.4f, 0.5f, 5}, Vec{7, 7, 5}, Vec{-0.6f, 0.2f, 5}, Vec{0.3f, 0.7f, 0.5f}})
+  for (const Vec& org :
+       {Vec{-0.5f, -0.4f, 5}, Vec{0.4f, 0.5f, 5}, Vec{7, 7, 5}, Vec{-0.6f, 0.2f, 5}, Vec{0.3f, 0.7f, 0.5f}})
     rays.push_back(makeRay(org, {0.01f, 0.02f, -1}));
   return rays;
 }
@@ -107,14 +112,14 @@ inline std::vector<RTCRay> withoutHits(const std::vector<RTCRayHit>& rays)
   return out;
 }
 
-// To the last bit.
+// Compares bits.
 template<typename Ray>
 bool areSame(const std::vector<Ray>& a, const std::vector<Ray>& b)
 {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()*sizeof(Ray)) == 0);
 }
 
-// Traces rays, which become their hits. False, and the rays as they were, if it fails.
+// Traces rays and replaces them by their hits. Returns false on failure, with unchanged rays.
 inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTimes* times = nullptr)
 {
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(scene, rays.data(), rays.size());
@@ -132,7 +137,7 @@ inline std::vector<RTCRayHit> traceAll(RTCVulkanScene scene, std::vector<RTCRayH
   return rays;
 }
 
-// What a Vulkan device found is what the CPU finds.
+// Expects that the hits of a Vulkan device match those of the CPU.
 inline void expectAsOnTheCPU(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::vector<RTCRayHit>& traced)
 {
   for (size_t i = 0; i < rays.size(); i++) {

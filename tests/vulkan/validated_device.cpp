@@ -11,8 +11,8 @@
 #include <exception>
 #include <stdexcept>
 
-/* Of a sanitizer: what the loader and the driver keep is reported as theirs no more once they are
- * unloaded. What the library keeps of Vulkan's, faults.h counts. */
+/* Options of a sanitizer: it cannot attribute memory of the loader and the driver once they are unloaded. faults.h
+ * counts the Vulkan objects of the library. */
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
@@ -21,18 +21,21 @@ namespace {
 
 constexpr const char* layerName = "VK_LAYER_KHRONOS_validation";
 
-VKAPI_ATTR VkBool32 VKAPI_CALL keep(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT, const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages)
+VKAPI_ATTR VkBool32 VKAPI_CALL keep(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages)
 {
-  static_cast<Messages*>(messages)->add(std::string(data->pMessageIdName ? data->pMessageIdName : "") + ": " + (data->pMessage ? data->pMessage : ""));
+  static_cast<Messages*>(messages)->add(std::string(data->pMessageIdName ? data->pMessageIdName : "") + ": " +
+                                        (data->pMessage ? data->pMessage : ""));
   return VK_FALSE;
 }
 
 void check(VkResult result, const char* doing)
 {
-  if (result != VK_SUCCESS) throw std::runtime_error(std::string(doing) + " failed: VkResult " + std::to_string(result));
+  if (result != VK_SUCCESS)
+    throw std::runtime_error(std::string(doing) + " failed: VkResult " + std::to_string(result));
 }
 
-// All items of a function of Vulkan that lists some.
+// Returns all items of a Vulkan function that lists some.
 template<typename T, typename List>
 std::vector<T> listed(const List& list)
 {
@@ -46,13 +49,17 @@ std::vector<T> listed(const List& list)
 
 std::vector<VkPhysicalDevice> devicesOf(VkInstance instance)
 {
-  return listed<VkPhysicalDevice>([&](uint32_t* count, VkPhysicalDevice* devices) { return vkEnumeratePhysicalDevices(instance, count, devices); });
+  return listed<VkPhysicalDevice>(
+    [&](uint32_t* count, VkPhysicalDevice* devices) { return vkEnumeratePhysicalDevices(instance, count, devices); });
 }
 
 bool hasExtension(VkPhysicalDevice device, const char* name)
 {
-  const auto extensions = listed<VkExtensionProperties>([&](uint32_t* count, VkExtensionProperties* to) { return vkEnumerateDeviceExtensionProperties(device, nullptr, count, to); });
-  return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& e) { return std::string(e.extensionName) == name; });
+  const auto extensions = listed<VkExtensionProperties>([&](uint32_t* count, VkExtensionProperties* to) {
+    return vkEnumerateDeviceExtensionProperties(device, nullptr, count, to);
+  });
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const VkExtensionProperties& e) { return std::string(e.extensionName) == name; });
 }
 
 VkInstance newInstance(Validation* validation)
@@ -69,13 +76,14 @@ VkInstance newInstance(Validation* validation)
   return instance;
 }
 
-// What the library asks of a device, as its header says.
+// Extensions that the library requires of a device according to its header.
 const char* const rayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_QUERY_EXTENSION_NAME,
                                           VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
 
 bool hasRayQuery(VkPhysicalDevice device)
 {
-  return std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions), [&](const char* name) { return hasExtension(device, name); });
+  return std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions),
+                     [&](const char* name) { return hasExtension(device, name); });
 }
 
 bool isUsable(VkPhysicalDevice device)
@@ -110,10 +118,14 @@ std::vector<std::string> Messages::take()
 
 Validation::Validation(bool gpuAssisted) : enabled{VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT}
 {
-  if (gpuAssisted) enabled.insert(enabled.end(), {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT, VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT});
+  if (gpuAssisted)
+    enabled.insert(enabled.end(), {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+                                   VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT});
   messengerInfo.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
-  messengerInfo.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-  messengerInfo.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  messengerInfo.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                                  VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  messengerInfo.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                              VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
   messengerInfo.pfnUserCallback = keep;
   messengerInfo.pUserData = &messages;
   features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
@@ -126,7 +138,7 @@ VkInstanceCreateInfo Validation::extended(VkInstanceCreateInfo info)
   layers.push_back(layerName);
   extensions.assign(info.ppEnabledExtensionNames, info.ppEnabledExtensionNames + info.enabledExtensionCount);
   extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-  // this messenger is of vkCreateInstance and vkDestroyInstance, where no other can be
+  // this messenger reports errors of vkCreateInstance and vkDestroyInstance
   messengerInfo.pNext = info.pNext;
   features.pNext = &messengerInfo;
   features.enabledValidationFeatureCount = uint32_t(enabled.size());
@@ -144,7 +156,8 @@ void Validation::attach(PFN_vkGetInstanceProcAddr from, VkInstance to)
   if (!isInstalled()) return;
   getInstanceProcAddr = from;
   instance = to;
-  const auto create = PFN_vkCreateDebugUtilsMessengerEXT(getInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+  const auto create = PFN_vkCreateDebugUtilsMessengerEXT(
+    getInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
   VkDebugUtilsMessengerCreateInfoEXT info = messengerInfo;
   info.pNext = nullptr;
   check(create(instance, &info, nullptr, &messenger), "vkCreateDebugUtilsMessengerEXT");
@@ -153,7 +166,8 @@ void Validation::attach(PFN_vkGetInstanceProcAddr from, VkInstance to)
 void Validation::detach()
 {
   if (!messenger) return;
-  const auto destroy = PFN_vkDestroyDebugUtilsMessengerEXT(getInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
+  const auto destroy = PFN_vkDestroyDebugUtilsMessengerEXT(
+    getInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
   destroy(instance, messenger, nullptr);
   messenger = VK_NULL_HANDLE;
 }
@@ -162,8 +176,10 @@ bool Validation::isInstalled()
 {
   static const bool installed = [] {
     const std::vector<VkLayerProperties> layers = listed<VkLayerProperties>(vkEnumerateInstanceLayerProperties);
-    const bool found = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) { return std::string(layer.layerName) == layerName; });
-    if (!found) std::printf("%s is not installed: nothing is validated\n", layerName);
+    const bool found = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+      return std::string(layer.layerName) == layerName;
+    });
+    if (!found) std::printf("%s is not installed: no validation\n", layerName);
     return found;
   }();
   return installed;
@@ -175,11 +191,18 @@ std::string ValidatedDevice::missing()
 {
   static const std::string reason = []() -> std::string {
     VkInstance instance;
-    try { instance = newInstance(nullptr); } catch (const std::exception& error) { return std::string("there is no driver of Vulkan: ") + error.what(); }
+    try {
+      instance = newInstance(nullptr);
+    } catch (const std::exception& error) {
+      return std::string("no Vulkan driver: ") + error.what();
+    }
     const std::vector<VkPhysicalDevice> devices = devicesOf(instance);
     const bool found = std::any_of(devices.begin(), devices.end(), isUsable);
     vkDestroyInstance(instance, nullptr);
-    return found ? "" : "of " + std::to_string(devices.size()) + " Vulkan devices none has Vulkan 1.2, bufferDeviceAddress, scalarBlockLayout and shaderFloat64";
+    return found
+             ? ""
+             : "of " + std::to_string(devices.size()) +
+                 " Vulkan devices, none supports Vulkan 1.2, bufferDeviceAddress, scalarBlockLayout and shaderFloat64";
   }();
   return reason;
 }
@@ -202,7 +225,7 @@ void ValidatedDevice::open(const Options& options)
 
   const std::vector<VkPhysicalDevice> devices = devicesOf(handles.instance);
   const auto found = std::find_if(devices.begin(), devices.end(), isUsable);
-  if (found == devices.end()) throw std::runtime_error("there is no Vulkan device");
+  if (found == devices.end()) throw std::runtime_error("no Vulkan device");
   handles.physicalDevice = *found;
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(handles.physicalDevice, &properties);
@@ -212,10 +235,12 @@ void ValidatedDevice::open(const Options& options)
   vkGetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, families.data());
-  while (handles.queueFamily < count && !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT)) handles.queueFamily++;
+  while (handles.queueFamily < count && !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT))
+    handles.queueFamily++;
 
   std::vector<const char*> extensions;
-  handles.hasHostImport = options.hasHostImport && hasExtension(handles.physicalDevice, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
+  handles.hasHostImport = options.hasHostImport &&
+                          hasExtension(handles.physicalDevice, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
   if (handles.hasHostImport) extensions.push_back(VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
   handles.hasFloat64 = options.hasFloat64;
 
@@ -233,8 +258,9 @@ void ValidatedDevice::open(const Options& options)
   features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
   features.pNext = &features12;
   features.features.shaderFloat64 = options.hasFloat64;
-  if (options.isGpuAssisted) // what the instrumentation stores with, and reads addresses by
-    features.features.fragmentStoresAndAtomics = features.features.vertexPipelineStoresAndAtomics = features.features.shaderInt64 = VK_TRUE;
+  if (options.isGpuAssisted) // features that the instrumentation requires for stores and addresses
+    features.features.fragmentStoresAndAtomics = features.features.vertexPipelineStoresAndAtomics =
+      features.features.shaderInt64 = VK_TRUE;
   VkPhysicalDeviceRayQueryFeaturesKHR query = {};
   query.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR;
   VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {};
@@ -259,7 +285,7 @@ void ValidatedDevice::open(const Options& options)
 
 std::vector<std::string> ValidatedDevice::destroy()
 {
-  // the layer reports here what was not destroyed
+  // the layer reports objects that were not destroyed here
   if (handles.device) vkDestroyDevice(handles.device, nullptr);
   validation.detach();
   if (handles.instance) vkDestroyInstance(handles.instance, nullptr);

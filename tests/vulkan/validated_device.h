@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A Vulkan device of the test's own, with the validation layer over it where that is installed.
- * What the layer says is kept, and is a failure of the test when the device goes. */
+/* A Vulkan device created by the test, with the validation layer if it is installed. Messages of the layer are
+ * collected and fail the test when the device is destroyed. */
 
 #include "support/scene.h"
 
@@ -21,31 +21,31 @@ namespace cbvh::test {
 
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// Warnings and errors of the validation layer, which may come from any thread.
+// Warnings and errors of the validation layer, from any thread.
 class Messages
 {
 public:
   void add(const std::string& message);
-  std::vector<std::string> take();   // those since the last call
+  std::vector<std::string> take();   // messages since the last call
 
 private:
   std::mutex mutex;
   std::vector<std::string> messages;
 };
 
-// What an instance needs so that its messages are kept.
+// Adds the validation layer and its messenger to an instance.
 class Validation
 {
 public:
-  // gpuAssisted: shaders are instrumented, too, so that what they read and write is checked.
+  // gpuAssisted: instruments shaders to check their memory accesses.
   explicit Validation(bool gpuAssisted = false);
   Validation(const Validation&) = delete;
   Validation& operator=(const Validation&) = delete;
 
-  // The description of an instance, with the layer. It refers to this object.
+  // Returns a description of an instance with the layer. It refers to this object.
   VkInstanceCreateInfo extended(VkInstanceCreateInfo info);
 
-  // Once there is an instance, and before it is destroyed.
+  // Call after the instance was created, and before it is destroyed.
   void attach(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance);
   void detach();
 
@@ -63,7 +63,7 @@ private:
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
 };
 
-// What is enabled of what the device has.
+// Features of the device to enable.
 struct DeviceOptions
 {
   bool hasFloat64 = true;
@@ -77,21 +77,22 @@ class ValidatedDevice
 public:
   using Options = DeviceOptions;
 
-  // Why there is no device to test with, or "".
+  // Returns the reason why there is no device for tests, or "".
   static std::string missing();
 
-  // Throws std::runtime_error with what failed.
+  // Throws std::runtime_error with the name of the failed call.
   explicit ValidatedDevice(const Options& options = Options());
 
-  // Everything that was made with it is gone by now. Fails the test if there are messages.
+  // All objects of the device must have been destroyed. Fails the test if there are messages.
   ~ValidatedDevice();
   ValidatedDevice(const ValidatedDevice&) = delete;
   ValidatedDevice& operator=(const ValidatedDevice&) = delete;
 
-  // For rtcNewVulkanDeviceFromHandles.
+  // Handles for rtcNewVulkanDeviceFromHandles.
   RTCVulkanHandles handles{};
 
-  // Destroys it now. Returns what the layer has said since the beginning, of objects that were left, too.
+  // Destroys the device now. Returns all messages of the layer, including those about objects that were not
+  // destroyed.
   std::vector<std::string> destroy();
 
   Validation validation;
@@ -101,10 +102,10 @@ private:
   void open(const Options& options);
 };
 
-// Points the library at a folder of the tests for its compiled shaders, not at the user's.
+// Makes the library store compiled shaders in a folder of the tests instead of the user's.
 void useCacheFolderOfTests();
 
-// --- objects of the library that are released by themselves ---------------------------------
+// --- owners of the library's objects ----------------------------------------------------------
 
 struct VulkanRelease
 {
@@ -114,14 +115,15 @@ struct VulkanRelease
 using VulkanDevice = std::unique_ptr<RTCVulkanDeviceTy, VulkanRelease>;
 using VulkanScene = std::unique_ptr<RTCVulkanSceneTy, VulkanRelease>;
 
-inline VulkanScene newVulkanScene(const VulkanDevice& device, RTCScene scene, RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
+inline VulkanScene newVulkanScene(const VulkanDevice& device, RTCScene scene,
+                                  RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO)
 {
   RTCVulkanSceneArguments args = {};
   args.memory = memory;
   return VulkanScene(rtcNewVulkanScene(device.get(), scene, &args));
 }
 
-// For ray queries.
+// A scene for ray queries.
 inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTCVulkanScene previous = nullptr)
 {
   RTCVulkanSceneArguments args = {};
@@ -132,17 +134,20 @@ inline VulkanScene newQueryScene(const VulkanDevice& device, RTCScene scene, RTC
 
 // --- fixture ---------------------------------------------------------------------------------
 
-// An Embree device, and a Vulkan device that has been handed to the library. Skipped if there is none.
+// An Embree device, and a Vulkan device that the library uses. Skips the test if there is none.
 class VulkanTest : public testing::Test
 {
 protected:
   void SetUp() override;
   void TearDown() override;
 
-  // Another one on the same VkDevice.
-  VulkanDevice open(const RTCVulkanHandles& handles) { return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles)); }
+  // Opens another library device on the same VkDevice.
+  VulkanDevice open(const RTCVulkanHandles& handles)
+  {
+    return VulkanDevice(rtcNewVulkanDeviceFromHandles(embree, &handles));
+  }
 
-  // Errors that the test has not taken fail it.
+  // Errors that the test does not retrieve fail the test.
   Device embree;
   std::unique_ptr<ValidatedDevice> vulkan;
   VulkanDevice device;

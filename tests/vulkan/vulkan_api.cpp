@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libembree3_vulkan as a program sees it, under validation: arguments, and what keeps what. */
+/* libembree3_vulkan with validation: arguments, and lifetimes of objects. */
 
 #include "api_fixture.h"
 #include "recorded_trace.h"
@@ -18,7 +18,7 @@ namespace {
 
 // --- validation itself ---------------------------------------------------------------------------
 
-TEST(Validation, TellsOfWhatIsLeftAndOfWhatIsNotSynchronised)
+TEST(Validation, ReportsLeaksAndMissingSynchronization)
 {
   useCacheFolderOfTests();
   if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
@@ -29,7 +29,8 @@ TEST(Validation, TellsOfWhatIsLeftAndOfWhatIsNotSynchronised)
     RayBuffer from(device.handles, rays.data(), 64), to(device.handles, rays.data(), 64);
     RecordedTrace recorded(device.handles);
     recorded.record([&](VkCommandBuffer commands) {
-      for (int i = 0; i < 2; i++) recorded.copy(commands, from, to, 64); // the second writes what the first has written
+      // the second copy writes the same memory as the first
+      for (int i = 0; i < 2; i++) recorded.copy(commands, from, to, 64);
     });
   }
   VkBufferCreateInfo info = {};
@@ -46,7 +47,7 @@ TEST(Validation, TellsOfWhatIsLeftAndOfWhatIsNotSynchronised)
 
 // --- arguments ---------------------------------------------------------------------------------
 
-TEST_F(VulkanAPI, ArgumentsThatAreNullAreNamed)
+TEST_F(VulkanAPI, NullArgumentsAreReportedByName)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -70,7 +71,7 @@ TEST_F(VulkanAPI, ArgumentsThatAreNullAreNamed)
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"commands"});
 }
 
-// What comes before a device: needs neither one nor a loader.
+// Checks that precede opening a device require neither a device nor a loader.
 TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
 {
   Device embree;
@@ -100,7 +101,7 @@ TEST(VulkanStructSizes, AreCheckedBeforeALoaderIsOpened)
   EXPECT_TRUE(has(embree.message, "getInstanceProcAddr")) << embree.message;
 }
 
-// A struct of a newer application. more: what a later version appends.
+// A struct of a newer application. more: members of a later version.
 template<typename T>
 struct Newer
 {
@@ -146,7 +147,7 @@ TEST_F(VulkanAPI, StructsOfNewerApplicationsAreFilledWithZeros)
   expectNoError();
 }
 
-TEST_F(VulkanAPI, StructsOfTheWrongSizeAreNamedAndNotWritten)
+TEST_F(VulkanAPI, StructsOfTheWrongSizeAreReportedAndNotWritten)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -176,8 +177,8 @@ TEST_F(VulkanAPI, StructsOfTheWrongSizeAreNamedAndNotWritten)
   EXPECT_TRUE(areSame(rays, before));
 }
 
-// structSize is the distance of the entries of an array.
-TEST_F(VulkanAPI, ListsOfDevicesHaveEntriesOfTheApplicationsSize)
+// structSize is the stride of an array's entries.
+TEST_F(VulkanAPI, ListsOfDevicesUseTheApplicationsEntrySize)
 {
   const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
   ASSERT_GE(count, 1u);
@@ -202,7 +203,7 @@ TEST_F(VulkanAPI, ListsOfDevicesHaveEntriesOfTheApplicationsSize)
   EXPECT_STREQ(infos[0].name, "");
 }
 
-TEST_F(VulkanAPI, ArgumentsOfOrdersOfRaysAreChecked)
+TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -214,16 +215,22 @@ TEST_F(VulkanAPI, ArgumentsOfOrdersOfRaysAreChecked)
   EXPECT_EQ(rtcGetVulkanRayOrderBytes(most + 1), 0u);
   EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   recorded.record([&](VkCommandBuffer commands) {
-    const struct { VkCommandBuffer commands; VkDeviceAddress rays; size_t stride, count; VkDeviceAddress order; std::vector<std::string> message; } wrong[] = {
-      {nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
-      {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
-      {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
-      {commands, 0, 80, 1, 0x2000, {"rays", "is 0"}},
-      {commands, 0x1000, 80, 1, 0, {"order", "is 0"}},
-      {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
-      {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
-      {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
-      {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16)}}};
+    const struct
+    {
+      VkCommandBuffer commands;
+      VkDeviceAddress rays;
+      size_t stride, count;
+      VkDeviceAddress order;
+      std::vector<std::string> message;
+    } wrong[] = {{nullptr, 0x1000, 80, 1, 0x2000, {"commands"}},
+                 {commands, 0x1004, 80, 1, 0x2000, {"rays", "4100"}},
+                 {commands, 0x1000, 80, 1, 0x2004, {"order", "8196"}},
+                 {commands, 0, 80, 1, 0x2000, {"rays", "is 0"}},
+                 {commands, 0x1000, 80, 1, 0, {"order", "is 0"}},
+                 {commands, 0x1000, 24, 1, 0x2000, {"stride 24"}},
+                 {commands, 0x1000, 50, 1, 0x2000, {"stride 50"}},
+                 {commands, 0x1000, 80, most + 1, 0x2000, {std::to_string(most + 1)}},
+                 {commands, 0x1000, 4096, most/16, 0x2000, {"stride 4096", std::to_string(most/16)}}};
     for (const auto& w : wrong) {
       EXPECT_FALSE(rtcRecordVulkanRayOrder(uploaded.get(), w.commands, w.rays, w.stride, w.count, w.order));
       expectError(RTC_ERROR_INVALID_ARGUMENT, w.message);
@@ -232,13 +239,14 @@ TEST_F(VulkanAPI, ArgumentsOfOrdersOfRaysAreChecked)
     expectError(RTC_ERROR_INVALID_ARGUMENT, {"order", "8196"});
     EXPECT_FALSE(rtcRecordVulkanOccludedInOrder(uploaded.get(), commands, 0x1000, most + 1, 0x2000));
     expectError(RTC_ERROR_INVALID_ARGUMENT, {std::to_string(most + 1)});
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0, 80, 0, 0)) << "no rays are in order: " << embree.message;
+    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0, 80, 0, 0))
+      << "zero rays are valid: " << embree.message;
   });
 }
 
-// As many as the API takes are more than a device takes in one dispatch. Nothing is submitted: the layer looks at limits as
-// commands are recorded.
-TEST_F(VulkanAPI, ManyRaysAreRecordedWithinTheLimitsOfTheDevice)
+// The API supports more rays than a device supports in one dispatch. Nothing is submitted: the layer checks limits
+// when commands are recorded.
+TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits)
 {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
@@ -252,12 +260,13 @@ TEST_F(VulkanAPI, ManyRaysAreRecordedWithinTheLimitsOfTheDevice)
     EXPECT_TRUE(rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, 0x1000, most, 0x2000)) << embree.message;
     if (!rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), most, 0x2000))
       expectError(RTC_ERROR_INVALID_ARGUMENT, {std::to_string(most), "maxComputeWorkGroupCount"});
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), size_t(1) << 20, 0x2000)) << embree.message;
+    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, 0x1000, sizeof(RTCRayHit), size_t(1) << 20, 0x2000))
+      << embree.message;
   });
 }
 
-// Their bytes would be a small number again in 64 bits.
-TEST_F(VulkanAPI, MoreRaysThanMemoryCouldHaveAreAnError)
+// Their size in bytes would overflow 64 bits.
+TEST_F(VulkanAPI, MoreRaysThanFitIntoMemoryAreAnError)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -269,8 +278,8 @@ TEST_F(VulkanAPI, MoreRaysThanMemoryCouldHaveAreAnError)
   expectError(RTC_ERROR_INVALID_ARGUMENT, {"count " + std::to_string(any)});
 }
 
-// Without an object there is no RTCDevice either: the error is the thread's.
-TEST_F(VulkanAPI, ObjectsThatAreNullAreAnErrorOfTheThread)
+// Without an object there is no RTCDevice: the error belongs to the thread.
+TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
 {
   RTCVulkanDeviceInfo info;
   RTCVulkanHandles handles;
@@ -306,8 +315,8 @@ TEST_F(VulkanAPI, ObjectsThatAreNullAreAnErrorOfTheThread)
   }
 }
 
-// Nor is there one of a Vulkan device that was made without.
-TEST_F(VulkanAPI, ADeviceWithoutAnRTCDeviceTellsTheThread)
+// A Vulkan device without an RTCDevice also reports errors to the thread.
+TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
 {
   const VulkanDevice mine(rtcNewVulkanDeviceFromHandles(nullptr, &vulkan->handles));
   ASSERT_TRUE(mine);
@@ -326,7 +335,7 @@ TEST_F(VulkanAPI, ADeviceWithoutAnRTCDeviceTellsTheThread)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanAPI, HandlesThatAreMissingOrWrongAreNamed)
+TEST_F(VulkanAPI, MissingOrInvalidHandlesAreReported)
 {
   const std::pair<const char*, void (*)(RTCVulkanHandles&)> removals[] = {
     {"getInstanceProcAddr", [](RTCVulkanHandles& h) { h.getInstanceProcAddr = nullptr; }},
@@ -343,7 +352,7 @@ TEST_F(VulkanAPI, HandlesThatAreMissingOrWrongAreNamed)
   }
 }
 
-TEST_F(VulkanAPI, AddressesOfRaysThatAreNoneOrNotAlignedAreErrors)
+TEST_F(VulkanAPI, NullAndUnalignedRayAddressesAreErrors)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -358,18 +367,18 @@ TEST_F(VulkanAPI, AddressesOfRaysThatAreNoneOrNotAlignedAreErrors)
   });
 }
 
-TEST_F(VulkanAPI, KindsOfMemoryThatDoNotExistAreErrors)
+TEST_F(VulkanAPI, InvalidMemoryKindsAreErrors)
 {
   const SmallScene scene(embree);
   for (int memory : {-1, 3, 1000}) {
     RTCVulkanSceneArguments args;
-    std::memcpy(&args.memory, &memory, sizeof(memory)); // as C may write it
+    std::memcpy(&args.memory, &memory, sizeof(memory)); // possible in C
     EXPECT_EQ(rtcNewVulkanScene(device.get(), scene, &args), nullptr);
     expectError(RTC_ERROR_INVALID_ARGUMENT, {"memory", std::to_string(memory)});
   }
 }
 
-TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByAPartOfTheirName)
+TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByPartOfTheirName)
 {
   const unsigned count = rtcGetVulkanDevices(embree, nullptr, 0);
   ASSERT_GE(count, 1u);
@@ -381,7 +390,8 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByAPartOfTheirName)
   EXPECT_EQ(rtcGetVulkanDevices(nullptr, nullptr, 0), count) << "device may be NULL";
 
   for (unsigned i = 0; i < count; i++)
-    for (const std::string& which : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"), std::string("no such device")}) {
+    for (const std::string& which : {std::to_string(count), std::to_string(count + 100), std::string("4294967296"),
+                                     std::string("no such device")}) {
       EXPECT_EQ(rtcNewVulkanDevice(embree, which.c_str()), nullptr);
       expectError(RTC_ERROR_INVALID_ARGUMENT, {"'" + which + "'", std::to_string(i) + " " + infos[i].name});
     }
@@ -400,7 +410,8 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByAPartOfTheirName)
       EXPECT_TRUE(has(info.name, which == part ? part.substr(0, 0) : which) || which == std::to_string(i));
       RTCVulkanHandles handles;
       rtcGetVulkanDeviceHandles(opened.get(), &handles);
-      EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device && handles.queue);
+      EXPECT_TRUE(handles.getInstanceProcAddr && handles.instance && handles.physicalDevice && handles.device &&
+                  handles.queue);
     }
   }
   for (const char* which : {"", static_cast<const char*>(nullptr)}) {
@@ -409,7 +420,7 @@ TEST_F(VulkanAPI, DevicesAreFoundByIndexAndByAPartOfTheirName)
   }
 }
 
-TEST_F(VulkanAPI, ADeviceIsWhatWasGiven)
+TEST_F(VulkanAPI, DeviceReportsGivenHandles)
 {
   RTCVulkanHandles handles;
   rtcGetVulkanDeviceHandles(device.get(), &handles);
@@ -424,9 +435,9 @@ TEST_F(VulkanAPI, ADeviceIsWhatWasGiven)
   EXPECT_GT(info.memoryBytes, 0u);
 }
 
-// --- what keeps what -----------------------------------------------------------------------------
+// --- lifetimes -----------------------------------------------------------------------------------
 
-TEST_F(VulkanAPI, EverythingKeepsWhatItNeeds)
+TEST_F(VulkanAPI, ObjectsKeepTheirDependenciesAlive)
 {
   const std::vector<RTCRayHit> rays = raysFromAbove();
   std::vector<RTCRayHit> traced = rays, expected = rays;
@@ -437,7 +448,7 @@ TEST_F(VulkanAPI, EverythingKeepsWhatItNeeds)
       const VulkanDevice other = open(vulkan->handles);
       const SmallScene scene(embree);
       for (RTCRayHit& ray : expected) ray = intersect(scene, ray);
-      const VulkanScene uploaded = newVulkanScene(other, scene); // imported, where that can be
+      const VulkanScene uploaded = newVulkanScene(other, scene); // imported if possible
       ASSERT_TRUE(uploaded) << embree.message;
       rtcRetainVulkanScene(uploaded.get());
       kept = uploaded.get();
@@ -453,7 +464,7 @@ TEST_F(VulkanAPI, EverythingKeepsWhatItNeeds)
   EXPECT_TRUE(areSame(again, traced));
 }
 
-TEST_F(VulkanAPI, ADeviceLivesAsLongAsItIsRetained)
+TEST_F(VulkanAPI, DeviceLivesUntilItIsReleased)
 {
   RTCVulkanDevice other = open(vulkan->handles).release();
   rtcRetainVulkanDevice(other);
@@ -465,8 +476,8 @@ TEST_F(VulkanAPI, ADeviceLivesAsLongAsItIsRetained)
   expectNoError();
 }
 
-// Its copy is of what the scene was.
-TEST_F(VulkanAPI, ASceneOnADeviceDoesNotChangeWithTheSceneItIsOf)
+// The device has a copy of the scene at the time of the upload.
+TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
 {
   Scene scene(embree);
   const unsigned id = attach(scene, newTriangle(embree, 1));

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Whatever shaders read and write lies in a buffer, by the validation layer's own instrumentation of
- * them. It makes them many times as large: lavapipe compiles those of cVERT for four minutes, which is too
- * long for a test, and the others in seconds. */
+/* Checks with the validation layer's instrumentation that shaders access memory only inside of buffers. Instrumentation
+ * makes shaders many times larger: lavapipe compiles those of cVERT for four minutes, which is too long for a test, and
+ * the others in seconds. */
 
 #include "recorded_trace.h"
 #include "small_scenes.h"
@@ -20,7 +20,7 @@ protected:
   {
     useCacheFolderOfTests();
     if (const std::string reason = ValidatedDevice::missing(); !reason.empty()) GTEST_SKIP() << reason;
-    if (!Validation::isInstalled()) GTEST_SKIP() << "there is no validation layer";
+    if (!Validation::isInstalled()) GTEST_SKIP() << "no validation layer";
     DeviceOptions options;
     options.isGpuAssisted = true;
     vulkan = std::make_unique<ValidatedDevice>(options);
@@ -29,7 +29,7 @@ protected:
   }
 };
 
-TEST_F(VulkanBounds, RaysBesideTheirBufferAreSeen)
+TEST_F(VulkanBounds, RaysOutsideOfTheirBufferAreDetected)
 {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
@@ -40,7 +40,9 @@ TEST_F(VulkanBounds, RaysBesideTheirBufferAreSeen)
   {
     RayBuffer buffer(vulkan->handles, rays.data(), 2*sizeof(RTCRayHit));
     RecordedTrace recorded(vulkan->handles);
-    recorded.record([&](VkCommandBuffer commands) { EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, buffer.address, 3)); });
+    recorded.record([&](VkCommandBuffer commands) {
+      EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, buffer.address, 3));
+    });
     recorded.submitAndWait();
   }
   std::string said;
@@ -48,21 +50,23 @@ TEST_F(VulkanBounds, RaysBesideTheirBufferAreSeen)
   EXPECT_TRUE(has(said, "out of bounds")) << said;
 }
 
-TEST_F(VulkanBounds, ScenesAreReadWhereTheyAre)
+TEST_F(VulkanBounds, ScenesAreAccessedWithinBounds)
 {
   Scene scene(embree), surfaces(embree);
   Displacement displacements[4];
   Random random(233);
   std::vector<RTCRayHit> rays;
   int i = 0;
-  for (RTCCompression compression : {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
+  for (RTCCompression compression :
+       {RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF}) {
     const float x = 3.0f*float(i);
     SurfaceSettings settings = smallSurface(compression);
     settings.displacement = &displacements[i];
     displacements[i].offset = {x, 0, 0};
     addSurface(embree, surfaces, sheetCage(4), settings);
     for (int k = 0; k < 200; k++)
-      rays.push_back(makeRay({x + float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 2}, {float(random.uniform(-0.1, 0.1)), float(random.uniform(-0.1, 0.1)), -1}));
+      rays.push_back(makeRay({x + float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 2},
+                             {float(random.uniform(-0.1, 0.1)), float(random.uniform(-0.1, 0.1)), -1}));
     i++;
   }
   attach(surfaces, newTriangle(embree, 1));

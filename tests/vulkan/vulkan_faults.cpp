@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A device that fails: every call of every function of Vulkan that can, in turn. The caller gets
- * an error that says what failed, nothing is left behind, and what there was before goes on. */
+/* A failing device: makes every call of every fallible Vulkan function fail in turn. The caller gets an error that
+ * names the failed operation, nothing leaks, and existing objects continue to work. */
 
 #include "faults_fixture.h"
 
@@ -11,24 +11,26 @@
 
 #include <vulkan/vulkan.h>
 
-
 namespace cbvh::test {
 namespace {
 
 // --- every call fails in turn ------------------------------------------------------------------
 
-TEST_F(VulkanFaults, OpeningADeviceLeavesNothingBehind)
+TEST_F(VulkanFaults, OpeningADeviceDoesNotLeak)
 {
   device.reset();
-  expectAll(failEverything([&] { return bool(open(vulkan->handles)); }), {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
+  expectAll(failEverything([&] { return bool(open(vulkan->handles)); }),
+            {"CreateCommandPool", "CreatePipelineLayout", "CreatePipelineCache", "GetPipelineCacheData"});
 }
 
 class VulkanUploadFaults : public VulkanFaults, public testing::WithParamInterface<bool> {};
 
 INSTANTIATE_TEST_SUITE_P(Memory, VulkanUploadFaults, testing::Values(false, true),
-                         [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
+                         [](const testing::TestParamInfo<bool>& info) {
+                           return info.param ? "OfADiscreteDevice" : "OfTheHost";
+                         });
 
-TEST_P(VulkanUploadFaults, UploadingASceneLeavesNothingBehind)
+TEST_P(VulkanUploadFaults, UploadingASceneDoesNotLeak)
 {
   faults->isDiscrete = GetParam();
   reopen();
@@ -43,16 +45,18 @@ TEST_P(VulkanUploadFaults, UploadingASceneLeavesNothingBehind)
     SCOPED_TRACE(testing::Message() << "memory " << int(memory));
     const std::vector<std::string> called = failEverything([&] {
       const VulkanScene uploaded = newVulkanScene(device, scene, memory);
-      EXPECT_TRUE(isHit(intersect(scene, raysFromAbove()[0]))) << "the CPU goes on";
+      EXPECT_TRUE(isHit(intersect(scene, raysFromAbove()[0]))) << "the CPU scene still works";
       return uploaded != nullptr;
     });
     expectAll(called, {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory"});
     if (memory == RTC_VULKAN_MEMORY_IMPORT) expectAll(called, {"GetMemoryHostPointerPropertiesEXT"});
-    if (GetParam()) expectAll(called, {"AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence", "QueueSubmit", "WaitForFences"});
+    if (GetParam())
+      expectAll(called, {"AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence",
+                         "QueueSubmit", "WaitForFences"});
   }
 }
 
-// Traces rays of a scene; they are as they were if it fails.
+// Traces rays of a scene. The rays remain unchanged if it fails.
 template<typename Ray>
 std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& rays, const std::vector<Ray>& expected)
 {
@@ -69,9 +73,11 @@ std::function<bool()> tracing(const VulkanScene& scene, const std::vector<Ray>& 
 class VulkanTraceFaults : public VulkanUploadFaults {};
 
 INSTANTIATE_TEST_SUITE_P(Memory, VulkanTraceFaults, testing::Values(false, true),
-                         [](const testing::TestParamInfo<bool>& info) { return info.param ? "OfADiscreteDevice" : "OfTheHost"; });
+                         [](const testing::TestParamInfo<bool>& info) {
+                           return info.param ? "OfADiscreteDevice" : "OfTheHost";
+                         });
 
-TEST_P(VulkanTraceFaults, TracingLeavesNothingBehindAndRaysAsTheyWere)
+TEST_P(VulkanTraceFaults, TracingDoesNotLeakAndKeepsRaysUnchanged)
 {
   faults->isDiscrete = GetParam();
   reopen();
@@ -85,8 +91,10 @@ TEST_P(VulkanTraceFaults, TracingLeavesNothingBehindAndRaysAsTheyWere)
   ASSERT_TRUE(trace(uploaded.get(), hits) && trace(uploaded.get(), occluded)) << embree.message;
   expectAsOnTheCPU(scene, rays, hits);
 
-  const char* const functions[] = {"AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory", "AllocateCommandBuffers", "BeginCommandBuffer",
-                                   "EndCommandBuffer", "CreateFence", "CreateQueryPool", "QueueSubmit", "WaitForFences", "GetQueryPoolResults"};
+  const char* const functions[] = {
+    "AllocateMemory", "CreateBuffer", "BindBufferMemory", "MapMemory",
+    "AllocateCommandBuffers", "BeginCommandBuffer", "EndCommandBuffer", "CreateFence",
+    "CreateQueryPool", "QueueSubmit", "WaitForFences", "GetQueryPoolResults"};
   const std::vector<std::string> expected(std::begin(functions), std::end(functions));
   expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
   expectAll(failEverything(tracing(uploaded, shadowRays, occluded)), expected);
@@ -97,8 +105,8 @@ TEST_P(VulkanTraceFaults, TracingLeavesNothingBehindAndRaysAsTheyWere)
   expectAll(failEverything(tracing(uploaded, rays, hits)), expected);
 }
 
-// Each of them: of the trace, and of the sort of rays before it.
-TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
+// Each shader: those for tracing, and those for sorting rays beforehand.
+TEST_F(VulkanFaults, FailedShadersAreCreatedByTheNextTrace)
 {
   SmallScene scene(embree, RTC_COMPRESSION_VOXEL);
   const std::vector<RTCRayHit> rays = raysFromAbove();
@@ -111,7 +119,7 @@ TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
     const std::map<std::string, size_t> before = faults->live();
     std::vector<RTCRayHit> traced = rays;
     size_t made = 0;
-    // one more is made each time, and then the next one fails
+    // each attempt creates one more shader, and then the next one fails
     for (bool done = false; !done && made < 100; made += !done) {
       for (unsigned n : {1, 1, 2}) {
         faults->fail(function, n, fault.result);
@@ -126,7 +134,7 @@ TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
         EXPECT_EQ(faults->live(), expected);
       }
     }
-    EXPECT_EQ(made, 4u) << "and the fifth was the last";
+    EXPECT_EQ(made, 4u) << "the fifth was the last";
     expectAsOnTheCPU(scene, rays, traced);
     reopen();
   }
@@ -134,8 +142,8 @@ TEST_F(VulkanFaults, AShaderThatCannotBeMadeIsMadeAtTheNextTrace)
 
 // --- memory --------------------------------------------------------------------------------------
 
-// What an error says: sizes are those of the call, names are from the scene.
-TEST_F(VulkanFaults, AnAllocationThatFailsIsNamed)
+// The message contains the size of the failed call and the name of the buffer.
+TEST_F(VulkanFaults, FailedAllocationsAreReported)
 {
   SmallScene scene(embree);
   std::vector<std::string> messages;
@@ -150,18 +158,22 @@ TEST_F(VulkanFaults, AnAllocationThatFailsIsNamed)
     }
   };
   collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY) != nullptr; });
-  if (vulkan->handles.hasHostImport) collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT) != nullptr; });
+  if (vulkan->handles.hasHostImport)
+    collect([&] { return newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT) != nullptr; });
   const VulkanScene uploaded = newVulkanScene(device, scene);
   const std::vector<RTCRayHit> rays = raysFromAbove();
   collect([&] { std::vector<RTCRayHit> traced = rays; return trace(uploaded.get(), traced); });
   for (const char* what : {"blocks", "rays"})
-    EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); })) << what;
+    EXPECT_TRUE(
+      std::any_of(messages.begin(), messages.end(),
+                  [&](const std::string& message) { return has(message, std::string(" bytes for ") + what); }))
+      << what;
 }
 
-// NVIDIA's driver refuses to import mapped files.
+// NVIDIA's driver rejects imports of mapped files.
 TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
 {
-  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "memory cannot be imported";
+  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
   const SmallScene scene(embree, RTC_COMPRESSION_VERT);
   faults->fail("GetMemoryHostPointerPropertiesEXT", 1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
   EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_IMPORT));
@@ -180,12 +192,13 @@ TEST_F(VulkanFaults, BlocksThatTheDriverDoesNotImportAreCopied)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
+TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
 {
   size_t limit = 100000;
   faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
     for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
-      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = limit;
+      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES)
+        ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = limit;
   };
   reopen();
   {
@@ -195,7 +208,9 @@ TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
     std::vector<RTCRayHit> rays(limit/sizeof(RTCRayHit) + 1, raysFromAbove()[0]);
     EXPECT_FALSE(trace(uploaded.get(), rays));
     EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
-    EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100000 bytes") && has(embree.message, "rays need " + std::to_string(rays.size()*sizeof(RTCRayHit)) + " bytes")) << embree.message;
+    EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100000 bytes") &&
+                has(embree.message, "rays need " + std::to_string(rays.size()*sizeof(RTCRayHit)) + " bytes"))
+      << embree.message;
     rays.pop_back();
     EXPECT_TRUE(trace(uploaded.get(), rays)) << embree.message;
   }
@@ -205,11 +220,12 @@ TEST_F(VulkanFaults, ALimitOnAllocationsIsNamedWithItsValue)
   SmallScene scene(embree);
   EXPECT_FALSE(newVulkanScene(device, scene, RTC_VULKAN_MEMORY_COPY));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_OUT_OF_MEMORY);
-  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100 bytes") && has(embree.message, "blocks need ")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "maxMemoryAllocationSize is 100 bytes") && has(embree.message, "blocks need "))
+    << embree.message;
 }
 
-// Blocks lie in as many buffers as the limit asks for, and are found.
-TEST_F(VulkanFaults, BlocksAreInSeveralBuffersWhereTheLimitIsLow)
+// Blocks are distributed over as many buffers as the limit requires.
+TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_GRID);
   settings.rate = 64;
@@ -217,10 +233,12 @@ TEST_F(VulkanFaults, BlocksAreInSeveralBuffersWhereTheLimitIsLow)
   SurfaceScene scene(embree, sheetCage(8), settings);
   std::vector<RTCRayHit> rays;
   Random random(211);
-  for (int i = 0; i < 200; i++) rays.push_back(makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1}));
+  for (int i = 0; i < 200; i++)
+    rays.push_back(makeRay({float(random.uniform(-1, 1)), float(random.uniform(-1, 1)), 3}, {0.01f, 0.02f, -1}));
   faults->onProperties2 = [&](VkPhysicalDeviceProperties2& properties) {
     for (VkBaseOutStructure* p = (VkBaseOutStructure*)&properties; p; p = p->pNext)
-      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES) ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = 1 << 20;
+      if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES)
+        ((VkPhysicalDeviceMaintenance3Properties*)p)->maxMemoryAllocationSize = 1 << 20;
   };
   for (const bool isDiscrete : {false, true})
     for (RTCVulkanMemory memory : {RTC_VULKAN_MEMORY_COPY, RTC_VULKAN_MEMORY_IMPORT}) {
@@ -231,23 +249,25 @@ TEST_F(VulkanFaults, BlocksAreInSeveralBuffersWhereTheLimitIsLow)
       const size_t before = faults->live()["buffer"];
       const VulkanScene uploaded = newVulkanScene(device, scene, memory);
       ASSERT_TRUE(uploaded) << embree.message;
-      EXPECT_GE(faults->live()["buffer"], before + 4) << "3 MB of blocks, in pieces of 1 MiB, and what describes them";
+      EXPECT_GE(faults->live()["buffer"], before + 4) << "3 MB of blocks in pieces of 1 MiB, and their descriptions";
       const std::vector<RTCRayHit> traced = traceAll(uploaded.get(), rays);
       expectAsOnTheCPU(scene, rays, traced);
     }
 }
 
-// Bits of cVERT are read in words, which may reach over the last byte of a block: kernels/cbvh has memory there, and
-// the next page is imported, too, where it is on that. Scenes of all sizes, so that some blocks end at the end of a page.
-TEST_F(VulkanFaults, WhatLiesBehindABlockOfBitsIsImportedWithIt)
+// Bits of cVERT are read in words, which may extend beyond the last byte of a block. kernels/cbvh allocates memory
+// there, and the next page is imported as well if necessary. Scenes of all sizes, so that some blocks end at the end
+// of a page.
+TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
 {
-  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "memory cannot be imported";
+  if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";
   struct Range { const char* begin; size_t bytes; };
   std::vector<Range> ranges;
   faults->onAllocation = [&](const VkMemoryAllocateInfo& info) {
     for (const VkBaseInStructure* p = (const VkBaseInStructure*)&info; p; p = p->pNext)
       if (p->sType == VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT)
-        ranges.push_back({(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
+        ranges.push_back(
+          {(const char*)((const VkImportMemoryHostPointerInfoEXT*)p)->pHostPointer, size_t(info.allocationSize)});
   };
   const size_t readBehind = 16;
   size_t overEndOfPage[2] = {0, 0}; // of blocks of grids, and of mesh blocks
@@ -273,7 +293,10 @@ TEST_F(VulkanFaults, WhatLiesBehindABlockOfBitsIsImportedWithIt)
     for (size_t b = 0; b < flat->numBlocks; b++) {
       const char* begin = (const char*)flat->blocks[b].data;
       const char* end = begin + flat->blocks[b].bytes;
-      EXPECT_TRUE(std::any_of(ranges.begin(), ranges.end(), [&](const Range& r) { return begin >= r.begin && end + readBehind <= r.begin + r.bytes; })) << "scene " << i << ", block " << b;
+      EXPECT_TRUE(
+        std::any_of(ranges.begin(), ranges.end(),
+                    [&](const Range& r) { return begin >= r.begin && end + readBehind <= r.begin + r.bytes; }))
+        << "scene " << i << ", block " << b;
       const bool isMesh = flat->blocks[b].type == embree::cbvh::meshBlockReference;
       overEndOfPage[isMesh] += (size_t(end) - 1)/4096 != (size_t(end) + readBehind - 1)/4096;
     }
@@ -283,9 +306,9 @@ TEST_F(VulkanFaults, WhatLiesBehindABlockOfBitsIsImportedWithIt)
   EXPECT_GT(overEndOfPage[true], 0u);
 }
 
-// --- devices that are lost ---------------------------------------------------------------------
+// --- lost devices ------------------------------------------------------------------------------
 
-TEST_F(VulkanFaults, ADeviceThatIsLostWhenATraceStartsIsAnError)
+TEST_F(VulkanFaults, DeviceLostAtTheStartOfATraceIsAnError)
 {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
@@ -294,11 +317,12 @@ TEST_F(VulkanFaults, ADeviceThatIsLostWhenATraceStartsIsAnError)
   faults->fail("QueueSubmit", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
   EXPECT_EQ(rtcStartVulkanIntersect(uploaded.get(), rays.data(), rays.size()), nullptr);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
-  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU goes on";
+  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost"))
+    << embree.message;
+  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
 }
 
-TEST_F(VulkanFaults, ADeviceThatIsLostDuringATraceLeavesRaysAsTheyWere)
+TEST_F(VulkanFaults, DeviceLostDuringATraceKeepsRaysUnchanged)
 {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
@@ -313,17 +337,18 @@ TEST_F(VulkanFaults, ADeviceThatIsLostDuringATraceLeavesRaysAsTheyWere)
   RTCVulkanTimes times = {sizeof(times), -1, -1, -1};
   EXPECT_FALSE(rtcWaitVulkanTrace(one, traced.data(), &times));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "VK_ERROR_DEVICE_LOST") && has(embree.message, "the device is lost"))
+    << embree.message;
   EXPECT_TRUE(areSame(traced, rays));
   EXPECT_EQ(times.seconds, -1);
   EXPECT_FALSE(rtcWaitVulkanTrace(other, occluded.data(), nullptr));
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(areSame(occluded, withoutHits(rays)));
-  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU goes on";
+  EXPECT_TRUE(isHit(intersect(scene, rays[0]))) << "the CPU scene still works";
   faults->fail("GetPipelineCacheData", 1, VK_ERROR_DEVICE_LOST, Faults::INSTEAD, true);
 }
 
-TEST_F(VulkanFaults, ATraceOfALostDeviceIsDone)
+TEST_F(VulkanFaults, TraceOfALostDeviceIsDone)
 {
   SmallScene scene(embree);
   VulkanScene uploaded = newVulkanScene(device, scene);
@@ -337,12 +362,13 @@ TEST_F(VulkanFaults, ATraceOfALostDeviceIsDone)
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
 }
 
-TEST_F(VulkanFaults, ADeviceThatIsLostDuringAnUploadIsAnError)
+TEST_F(VulkanFaults, DeviceLostDuringAnUploadIsAnError)
 {
   faults->isDiscrete = true;
   reopen();
   SmallScene scene(embree);
-  for (const auto& [function, when] : {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::BEHIND)}) {
+  for (const auto& [function, when] :
+       {std::make_pair("QueueSubmit", Faults::INSTEAD), std::make_pair("WaitForFences", Faults::BEHIND)}) {
     faults->fail(function, 1, VK_ERROR_DEVICE_LOST, when, true);
     EXPECT_FALSE(newVulkanScene(device, scene));
     EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
@@ -350,8 +376,8 @@ TEST_F(VulkanFaults, ADeviceThatIsLostDuringAnUploadIsAnError)
   }
 }
 
-// The trace is the last that holds everything, the RTCDevice that gets the error included.
-TEST_F(VulkanFaults, AnErrorOfATraceThatOutlivesEverythingIsTold)
+// The trace holds the last references to all objects, including the RTCDevice that receives the error.
+TEST_F(VulkanFaults, ErrorOfATraceThatOutlivesAllObjectsIsReported)
 {
   std::string message;
   {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What is loaded from a file has the hits on the device that it had before it was saved: in compute shaders, with blocks that are copied and
- * that are used where the file is mapped, and by ray queries. */
+/* Loaded geometry has the same hits on the device as before it was saved: in compute shaders, with copied blocks and
+ * with blocks used from the mapped file, and in ray queries. */
 
 #include "small_scenes.h"
 #include "vulkan_tracer.h"
@@ -24,10 +24,10 @@ protected:
   }
 };
 
-TEST_F(VulkanFiles, WhatIsLoadedHasTheHitsOfWhatWasSaved)
+TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits)
 {
   const Folder folder;
-  std::string refused; // what the driver did not import: it need not import mapped files
+  std::string refused; // memory that the driver did not import; imports of mapped files are optional
   const std::string path = folder/"surface.cbvh";
   for (const Saveable& form : allSaveable()) {
     SCOPED_TRACE(form.name);
@@ -64,7 +64,8 @@ TEST_F(VulkanFiles, WhatIsLoadedHasTheHitsOfWhatWasSaved)
     if (!vulkan->handles.hasRayQuery) continue;
     const std::vector<RTCRayHit> byQuery = traced(newQueryScene(device, loaded), rays);
     size_t others = 0;
-    for (size_t i = 0; i < rays.size() && i < byQuery.size(); i++) others += std::memcmp(&expected[i], &byQuery[i], sizeof(RTCRayHit)) != 0;
+    for (size_t i = 0; i < rays.size() && i < byQuery.size(); i++)
+      others += std::memcmp(&expected[i], &byQuery[i], sizeof(RTCRayHit)) != 0;
     EXPECT_LE(others, 1u); // blocks of cVOXEL overlap
   }
   if (!refused.empty() && !HasFailure())

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The same rays have the same hits on the device as on the processor: every representation on
- * cages of every sort, and what surrounds surfaces in a scene. */
+/* The same rays have the same hits on the device and on the CPU: every representation, different cages, and other
+ * features of scenes. */
 
 #include "agreement.h"
 #include "support/diced_mesh.h"
@@ -18,7 +18,10 @@ class VulkanHits : public VulkanAgreement
 protected:
   Displacement displacement;
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16) { return displacedSettings(displacement, compression, rate); }
+  SurfaceSettings settings(RTCCompression compression, float rate = 16)
+  {
+    return displacedSettings(displacement, compression, rate);
+  }
 };
 
 struct NamedCage
@@ -38,7 +41,7 @@ std::vector<NamedCage> cagesOfEverySort()
     {"pentagons", prismCage(5)}, {"heptagons", prismCage(7)}, {"valence 9", trapezohedronCage(9)}};
 }
 
-TEST_F(VulkanHits, OfCagesOfEverySortAreTheProcessors)
+TEST_F(VulkanHits, CagesMatchCpu)
 {
   for (RTCCompression kind : allKinds) {
     Agreement sum;
@@ -53,14 +56,14 @@ TEST_F(VulkanHits, OfCagesOfEverySortAreTheProcessors)
   }
 }
 
-TEST_F(VulkanHits, OfEdgesOfDifferentRatesAreTheProcessors)
+TEST_F(VulkanHits, DifferentEdgeRatesMatchCpu)
 {
   for (RTCCompression kind : allKinds) {
     Agreement sum;
     for (int i = 0; i < 8; i++) {
       SurfaceSettings s = settings(kind);
       const Cage cage = cubeCage();
-      /* the same on both sides of an edge, whose sum of vertices no other edge has that is as long */
+      /* the same rate on both sides of an edge: the sum of its vertices is unique among edges of the same length */
       for (size_t f = 0, k = 0; f < cage.faces.size(); k += cage.faces[f++])
         for (unsigned e = 0; e < cage.faces[f]; e++) {
           const unsigned a = cage.indices[k + e], b = cage.indices[k + (e + 1) % cage.faces[f]];
@@ -74,21 +77,24 @@ TEST_F(VulkanHits, OfEdgesOfDifferentRatesAreTheProcessors)
   }
 }
 
-// Vertices that are not finite: the quads around them are left out. A fallen-back block is GRID's.
-TEST_F(VulkanHits, OfSurfacesWithHolesOfNaNAreTheProcessors)
+// Quads around vertices that are not finite are left out. Blocks without a usable frame are left to GRID.
+TEST_F(VulkanHits, SurfacesWithNaNHolesMatchCpu)
 {
-  displacement.poison = [](unsigned primID, float u, float v) { return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f; };
-  for (RTCCompression kind : {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
+  displacement.poison = [](unsigned primID, float u, float v) {
+    return primID % 2 == 0 && u > 0.3f && u < 0.45f && v > 0.4f && v < 0.6f;
+  };
+  for (RTCCompression kind :
+       {RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT}) {
     Agreement sum;
     const SurfaceScene scene(embree, cubeCage(), settings(kind, 32));
-    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // which says so
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
     compare(scene, raysAt(random, 20000), sum);
     SCOPED_TRACE(kindName(kind));
     sum.expect();
   }
 }
 
-TEST_F(VulkanHits, OfFlatLinesThatAreLeftToGridAreTheProcessors)
+TEST_F(VulkanHits, DegenerateBlocksLeftToGridMatchCpu)
 {
   Cage cage = quadCage();
   for (Vec& p : cage.positions) p[1] = p[2] = 0;
@@ -103,7 +109,7 @@ TEST_F(VulkanHits, OfFlatLinesThatAreLeftToGridAreTheProcessors)
   sum.expect();
 }
 
-// --- what surrounds surfaces ------------------------------------------------------------------
+// --- other features of scenes -----------------------------------------------------------------
 
 void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned count, unsigned mask = ~0u)
 {
@@ -121,7 +127,7 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
     triangles.push_back({3*i, 3*i + 1, 3*i + 2});
   }
   vertices.push_back({NAN, 0, 0});
-  triangles.push_back({0, 1, unsigned(vertices.size() - 1)}); // left out
+  triangles.push_back({0, 1, unsigned(vertices.size() - 1)}); // is left out
   triangles.push_back({0, 1, 1u << 30});
   setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices);
   setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles);
@@ -130,10 +136,11 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
   attach(scene, geometry);
 }
 
-TEST_F(VulkanHits, OfCompressedGridsAreTheProcessors)
+TEST_F(VulkanHits, CompressedGridsMatchCpu)
 {
   Agreement sum;
-  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16), dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
+  for (const Diced& diced : {dicedSheet(1, 50), dicedSheet(12, 4), dicedSheet(6, 8), dicedSheet(3, 16),
+                             dicedSheet(1, 64), dicedSheet(1, 1000), dicedBall(2, 11)}) {
     Scene scene(embree);
     rtcAttachGeometryByID(scene, newGrids(embree, diced, RTC_COMPRESSION_VERT), 3);
     rtcReleaseGeometry(rtcGetGeometry(scene, 3));
@@ -144,7 +151,7 @@ TEST_F(VulkanHits, OfCompressedGridsAreTheProcessors)
   sum.expect();
 }
 
-TEST_F(VulkanHits, OfCompressedMeshesAreTheProcessors)
+TEST_F(VulkanHits, CompressedMeshesMatchCpu)
 {
   Agreement sum;
   for (QuadOrder order : allQuadOrders) {
@@ -163,8 +170,8 @@ TEST_F(VulkanHits, OfCompressedMeshesAreTheProcessors)
   sum.expect();
 }
 
-// Vertices with all bits of floats: blocks with remainders.
-TEST_F(VulkanHits, OfWhatIsStoredWithoutLossAreTheProcessors)
+// Vertices that use all bits of floats: blocks with remainders.
+TEST_F(VulkanHits, LosslessGeometryMatchesCpu)
 {
   const Device exact("cbvh_max_error=0");
   Agreement sum;
@@ -183,7 +190,7 @@ TEST_F(VulkanHits, OfWhatIsStoredWithoutLossAreTheProcessors)
   sum.expect();
 }
 
-TEST_F(VulkanHits, OfTrianglesAreTheProcessorsRobustOrNot)
+TEST_F(VulkanHits, TrianglesMatchCpuInRobustAndFastMode)
 {
   for (RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_ROBUST}) {
     Agreement sum;
@@ -196,7 +203,7 @@ TEST_F(VulkanHits, OfTrianglesAreTheProcessorsRobustOrNot)
   }
 }
 
-TEST_F(VulkanHits, OfScenesOfEverythingAreTheProcessors)
+TEST_F(VulkanHits, MixedScenesMatchCpu)
 {
   Scene scene(embree);
   Displacement displacements[5];
@@ -227,7 +234,7 @@ void copyTo(float out[12], const double columns[3][3], const Vec& origin)
   for (int r = 0; r < 3; r++) out[9 + r] = origin[r];
 }
 
-TEST_F(VulkanHits, OfInstancesAreTheProcessors)
+TEST_F(VulkanHits, InstancesMatchCpu)
 {
   Scene leaves(embree), triangles(embree), scene(embree);
   SurfaceSettings s = settings(RTC_COMPRESSION_LEAF);
@@ -245,7 +252,8 @@ TEST_F(VulkanHits, OfInstancesAreTheProcessors)
     for (auto& column : m)
       for (double& x : column) x = 0.25*random.normal();
     float transform[12];
-    copyTo(transform, m, {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))});
+    copyTo(transform, m,
+           {float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2)), float(random.uniform(-1.2, 1.2))});
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, transform);
     rtcSetGeometryMask(instance, 1u << (i % 4));
     rtcCommitGeometry(instance);
@@ -261,12 +269,12 @@ TEST_F(VulkanHits, OfInstancesAreTheProcessors)
   }
 }
 
-TEST_F(VulkanHits, AreBetweenTnearAndTfar)
+TEST_F(VulkanHits, HitsAreBetweenTnearAndTfar)
 {
   for (RTCCompression kind : allKinds) {
     const SurfaceScene scene(embree, cubeCage(), settings(kind));
     std::vector<RTCRayHit> rays = raysAt(random, 20000);
-    for (RTCRayHit& ray : rays) { // directions are about 4 long
+    for (RTCRayHit& ray : rays) { // directions have a length of about 4
       ray.ray.tnear = float(random.uniform(0.5, 1.3));
       ray.ray.tfar = ray.ray.tnear + float(random.uniform(0, 0.5));
     }
@@ -279,7 +287,7 @@ TEST_F(VulkanHits, AreBetweenTnearAndTfar)
   }
 }
 
-TEST_F(VulkanHits, OfRaysThatAreNotFiniteAreNone)
+TEST_F(VulkanHits, NonFiniteRaysMiss)
 {
   for (RTCCompression kind : allKinds) {
     const SurfaceScene scene(embree, cubeCage(), settings(kind));
@@ -297,13 +305,14 @@ TEST_F(VulkanHits, OfRaysThatAreNotFiniteAreNone)
       ASSERT_EQ(std::memcmp(&any[i], &rays[i].ray, sizeof(RTCRay)), 0) << kindName(kind) << ", any hit, ray " << i;
     }
     size_t others = 0;
-    for (size_t i = 1; i < rays.size(); i += 2) others += isHit(found[i]) != isHit(intersect(scene, rays[i])) || (any[i].tfar < 0) != isHit(found[i]);
+    for (size_t i = 1; i < rays.size(); i += 2)
+      others += isHit(found[i]) != isHit(intersect(scene, rays[i])) || (any[i].tfar < 0) != isHit(found[i]);
     EXPECT_LE(others, 1u) << kindName(kind);
   }
 }
 
-// From inside of a closed surface: all hit, but for those that GRID's triangles let through at their edges.
-TEST_F(VulkanHits, OfDirectionsOfEveryLengthAreTheSame)
+// Rays from inside a closed surface: all of them hit, except for those that pass through edges of GRID's triangles.
+TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
 {
   for (RTCCompression kind : allKinds) {
     AllVertices recorder;
@@ -311,7 +320,7 @@ TEST_F(VulkanHits, OfDirectionsOfEveryLengthAreTheSame)
     recorder.build(embree, scene, cubeCage(), settings(kind, 32));
     const VulkanScene onDevice = newVulkanScene(device, scene);
     ASSERT_NE(onDevice, nullptr) << embree.message;
-    const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 4096);
+    const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 4096);
     std::vector<RTCRayHit> ofUnitLength = rays;
     intersectOnDevice(onDevice, ofUnitLength);
     for (int exponent : oddExponents) {
@@ -331,8 +340,8 @@ TEST_F(VulkanHits, OfDirectionsOfEveryLengthAreTheSame)
   }
 }
 
-// A number of them that is no multiple of anything.
-TEST_F(VulkanHits, OfRaysThatAreSortedAreTheSame)
+// A number of rays that is not a multiple of any group size.
+TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
 {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_LEAF));
   const VulkanScene onDevice = newVulkanScene(device, scene);
@@ -354,8 +363,8 @@ TEST_F(VulkanHits, OfRaysThatAreSortedAreTheSame)
   }
 }
 
-// Three surfaces in one place: of hits at the same distance both report the first.
-TEST_F(VulkanHits, OfHitsAtTheSameDistanceTheSameOneCounts)
+// Three surfaces at the same position: for equal distances both must report the first surface.
+TEST_F(VulkanHits, EqualDistancesReportTheSameSurface)
 {
   Scene scene(embree);
   for (int i = 0; i < 3; i++) addSurface(embree, scene, cubeCage(), settings(RTC_COMPRESSION_VERT));

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Irregular meshes, which are stored in mesh blocks, have the same hits on the device as on the processor. */
+/* Irregular meshes, which are stored in mesh blocks, have the same hits on the device and on the CPU. */
 
 #include "agreement.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -15,7 +15,7 @@
 namespace cbvh::test {
 namespace {
 
-// Blocks of a scene.
+// Numbers of blocks of a scene.
 struct BlockCounts
 {
   size_t grids = 0, meshes = 0;
@@ -44,7 +44,7 @@ struct BlockCounts
 class VulkanMeshes : public VulkanAgreement
 {
 protected:
-  // Distances and normals are computed in double, by the same operations as on the processor.
+  // Distances and normals are computed in double precision, by the same operations as on the CPU.
   void expectSameDistances(RTCScene scene, const std::vector<RTCRayHit>& rays)
   {
     const VulkanScene onDevice = newVulkanScene(device, scene);
@@ -58,13 +58,13 @@ protected:
       others += expected.ray.tfar != traced[i].ray.tfar || a.primID != b.primID || a.geomID != b.geomID
         || (isHit(expected) && (a.Ng_x != b.Ng_x || a.Ng_y != b.Ng_y || a.Ng_z != b.Ng_z));
     }
-    EXPECT_GT(hits, rays.size()/10) << "the rays miss";
+    EXPECT_GT(hits, rays.size()/10) << "too many rays miss";
     EXPECT_LE(others, 1u) << "of " << rays.size();
   }
 };
 
-// Of blocks of every form.
-TEST_F(VulkanMeshes, HitsAreTheProcessors)
+// Blocks of all forms.
+TEST_F(VulkanMeshes, HitsMatchCpu)
 {
   const Device exact("cbvh_max_error=0");
   Agreement sum;
@@ -87,7 +87,7 @@ TEST_F(VulkanMeshes, HitsAreTheProcessors)
   EXPECT_GT(blocks.ofQuads, 20u);
 }
 
-TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndOfGeometriesThatAreSeen)
+TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndRespectMasks)
 {
   Agreement sum;
   Scene scene(embree);
@@ -103,7 +103,7 @@ TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndOfGeometriesThatAreSeen)
   attach(scene, newTriangle(embree, 0.1f));
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
-  for (RTCRayHit& ray : rays) { // directions are about 4 long
+  for (RTCRayHit& ray : rays) { // directions have a length of about 4
     ray.ray.mask = unsigned(random.below(mask));
     ray.ray.tnear = float(random.uniform(0.5, 1.1));
     ray.ray.tfar = ray.ray.tnear + float(random.uniform(0, 0.5));
@@ -112,7 +112,7 @@ TEST_F(VulkanMeshes, HitsAreBetweenTnearAndTfarAndOfGeometriesThatAreSeen)
   sum.expect();
 }
 
-TEST_F(VulkanMeshes, HitsOfInstancesAreTheProcessors)
+TEST_F(VulkanMeshes, InstancesMatchCpu)
 {
   Scene inside(embree), scene(embree);
   const DicedMesh ball = jittered(meshOf(dicedBall(2, 12), QuadOrder::Rows, random), random, 0.01);
@@ -130,8 +130,8 @@ TEST_F(VulkanMeshes, HitsOfInstancesAreTheProcessors)
   sum.expect();
 }
 
-// The same meshes several times: of hits at the same distance both report the first.
-TEST_F(VulkanMeshes, OfHitsAtTheSameDistanceTheSameOneCounts)
+// The same meshes several times: for equal distances both must report the first.
+TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
 {
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
     SCOPED_TRACE(shape.name);
@@ -152,8 +152,8 @@ TEST_F(VulkanMeshes, OfHitsAtTheSameDistanceTheSameOneCounts)
   }
 }
 
-// Rays at edges and vertices from inside of a closed surface, in part of grids, at any precision, of any length.
-TEST_F(VulkanMeshes, AreClosed)
+// Rays from inside a closed surface, partly of grids, at edges and vertices, with any precision and direction length.
+TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
 {
   const Device exact("cbvh_max_error=0"), coarse("cbvh_max_error=0.02");
   const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
@@ -185,8 +185,8 @@ TEST_F(VulkanMeshes, AreClosed)
     }
 }
 
-// There are shaders for devices without 64-bit floats.
-TEST_F(VulkanMeshes, HitsOfDevicesWithoutDoublesAreTheProcessors)
+// Devices without 64-bit floats use separate shaders.
+TEST_F(VulkanMeshes, DevicesWithoutDoublesMatchCpu)
 {
   DeviceOptions options;
   options.hasFloat64 = false;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* What moves has the same hits on the device as on the processor, at every time. */
+/* Moving geometry has the same hits on the device and on the CPU at every time. */
 
 #include "agreement.h"
 #include "support/diced.h"
@@ -28,7 +28,7 @@ protected:
   }
 };
 
-TEST_F(VulkanMotion, OfCagesIsTheProcessors)
+TEST_F(VulkanMotion, MovingCagesMatchCpu)
 {
   Agreement sum;
   Cage creased = cubeCage();
@@ -47,8 +47,8 @@ TEST_F(VulkanMotion, OfCagesIsTheProcessors)
   sum.expect();
 }
 
-// Shaken by so much that residuals are not those of the first step turned, and blocks lie behind each other.
-TEST_F(VulkanMotion, OfNoiseIsTheProcessors)
+// Strong random motion: residuals of later steps cannot be predicted from the first, and blocks overlap along rays.
+TEST_F(VulkanMotion, RandomMotionMatchesCpu)
 {
   Agreement sum;
   displacement.amplitude = 0.2f;
@@ -60,7 +60,7 @@ TEST_F(VulkanMotion, OfNoiseIsTheProcessors)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, OfWhatIsStoredWithoutLossIsTheProcessors)
+TEST_F(VulkanMotion, LosslessMotionMatchesCpu)
 {
   const Device exact("cbvh_max_error=0");
   Agreement sum;
@@ -72,8 +72,8 @@ TEST_F(VulkanMotion, OfWhatIsStoredWithoutLossIsTheProcessors)
   sum.expect();
 }
 
-// With times before, at and behind the ends of ranges, and some that are no numbers.
-TEST_F(VulkanMotion, IsWithinItsTimes)
+// Times before, at and after the ends of ranges, and NaN.
+TEST_F(VulkanMotion, TimeRangesMatchCpu)
 {
   Agreement sum;
   Displacement others[3];
@@ -90,13 +90,16 @@ TEST_F(VulkanMotion, IsWithinItsTimes)
   rtcCommitScene(scene);
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
   for (size_t i = 0; i < rays.size(); i++)
-    rays[i].ray.time = i % 4 == 0 ? float(random.uniform()) : i % 4 == 1 ? 0.125f*float(random.below(9)) : i % 4 == 2 ? std::nextafter(0.25f*float(random.below(5)), float(random.below(2))) : float(random.uniform(0.2, 0.3));
+    rays[i].ray.time = i % 4 == 0 ? float(random.uniform())
+                       : i % 4 == 1 ? 0.125f*float(random.below(9))
+                       : i % 4 == 2 ? std::nextafter(0.25f*float(random.below(5)), float(random.below(2)))
+                                    : float(random.uniform(0.2, 0.3));
   for (size_t i = 0; i < rays.size(); i += 97) rays[i].ray.time = i % 2 ? NAN : INFINITY;
   compare(scene, rays, sum);
   sum.expect();
 }
 
-TEST_F(VulkanMotion, BesideWhatStandsStillIsTheProcessors)
+TEST_F(VulkanMotion, MovingNextToStaticGeometryMatchesCpu)
 {
   Scene scene(embree);
   Displacement others[4];
@@ -118,7 +121,7 @@ TEST_F(VulkanMotion, BesideWhatStandsStillIsTheProcessors)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, OfGridsAndMeshesIsTheProcessors)
+TEST_F(VulkanMotion, MovingGridsAndMeshesMatchCpu)
 {
   Agreement sum;
   for (unsigned timeSteps : {2u, 4u}) {
@@ -141,7 +144,7 @@ TEST_F(VulkanMotion, OfGridsAndMeshesIsTheProcessors)
   sum.expect();
 }
 
-TEST_F(VulkanMotion, OfInstancesIsTheProcessors)
+TEST_F(VulkanMotion, MovingInstancesMatchCpu)
 {
   Scene inside(embree), scene(embree);
   SurfaceSettings still = settings(1);
@@ -158,27 +161,30 @@ TEST_F(VulkanMotion, OfInstancesIsTheProcessors)
 }
 
 // A vertex that is not finite at one step, so that blocks are raw there.
-TEST_F(VulkanMotion, OfStepsThatAreNotFiniteIsTheProcessors)
+TEST_F(VulkanMotion, NonFiniteStepsMatchCpu)
 {
   Agreement sum;
   for (unsigned bad : {0u, 1u, 3u}) {
     SurfaceSettings s = settings(4);
-    s.motion = [bad](const Vec& p, unsigned i) { return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i); };
+    s.motion = [bad](const Vec& p, unsigned i) {
+      return i == bad && p[0] < 0 && p[1] < 0 && p[2] < 0 ? Vec{NAN, 0, 0} : twisted(p, 0.2*i);
+    };
     const SurfaceScene scene(embree, cubeCage(), s);
-    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // which says so
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT); // reports the vertices
     compare(scene, timedRays(random, 4000), sum);
   }
   sum.expect();
 }
 
-TEST_F(VulkanMotion, OfClosedSurfacesLetsNoRayThrough)
+TEST_F(VulkanMotion, ClosedMovingSurfacesDoNotLeak)
 {
   size_t rays = 0;
   for (const Cage& cage : {cubeCage(), prismCage(7), trapezohedronCage(5)})
     for (unsigned timeSteps : {2u, 4u}) {
       displacement.amplitude = 0.1f;
       SurfaceSettings s = settings(timeSteps);
-      for (size_t i = 0; i < cage.indices.size(); i++) s.edgeRates.push_back(float(1 + (7*i) % 23)); // rates and owners differ
+      // rates and owners differ
+      for (size_t i = 0; i < cage.indices.size(); i++) s.edgeRates.push_back(float(1 + (7*i) % 23));
       RTCGeometry geometry = newSurface(embree, cage, s);
       Scene scene(embree);
       rtcAttachGeometry(scene, geometry);
@@ -189,7 +195,8 @@ TEST_F(VulkanMotion, OfClosedSurfacesLetsNoRayThrough)
       ASSERT_NE(onDevice, nullptr) << embree.message;
       intersectOnDevice(onDevice, found);
       occludedOnDevice(onDevice, any);
-      for (size_t i = 0; i < found.size(); i++) ASSERT_TRUE(isHit(found[i]) && any[i].tfar < 0) << "ray " << i << " at time " << found[i].ray.time;
+      for (size_t i = 0; i < found.size(); i++)
+        ASSERT_TRUE(isHit(found[i]) && any[i].tfar < 0) << "ray " << i << " at time " << found[i].ray.time;
       rays += found.size();
       rtcReleaseGeometry(geometry);
     }

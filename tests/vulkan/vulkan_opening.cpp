@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Opening devices: those that lack something, the loader and the drivers of the machine, and the file
- * of compiled shaders. */
+/* Opening devices: missing features, the machine's loader and drivers, and the file of compiled shaders. */
 
 #include "faults_fixture.h"
 
@@ -19,26 +18,37 @@ namespace {
 
 using VulkanOpening = VulkanFaults;
 
-// --- devices that lack something ---------------------------------------------------------------
+// --- devices with missing features -----------------------------------------------------------------
 
-TEST_F(VulkanOpening, AnOldDriverIsRefused)
+TEST_F(VulkanOpening, OldDriversAreRejected)
 {
-  faults->onProperties = [](VkPhysicalDeviceProperties& properties) { properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 42); };
+  faults->onProperties = [](VkPhysicalDeviceProperties& properties) {
+    properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 1, 42);
+  };
   EXPECT_FALSE(open(vulkan->handles));
   EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_TRUE(has(embree.message, "Vulkan 1.1.42, 1.2 is needed") && has(embree.message, vulkan->name)) << embree.message;
+  EXPECT_TRUE(has(embree.message, "Vulkan 1.1.42, 1.2 is needed") && has(embree.message, vulkan->name))
+    << embree.message;
 }
 
-TEST_F(VulkanOpening, AFeatureThatIsMissingIsNamed)
+TEST_F(VulkanOpening, MissingFeaturesAreReported)
 {
-  const struct { const char* name; void (*remove)(VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features&); } features[] = {
-    {"bufferDeviceAddress", [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
-    {"scalarBlockLayout", [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
-    {"shaderFloat64", [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
+  const struct
+  {
+    const char* name;
+    void (*remove)(VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features&);
+  } features[] = {
+    {"bufferDeviceAddress",
+     [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.bufferDeviceAddress = VK_FALSE; }},
+    {"scalarBlockLayout",
+     [](VkPhysicalDeviceFeatures2&, VkPhysicalDeviceVulkan12Features& f) { f.scalarBlockLayout = VK_FALSE; }},
+    {"shaderFloat64",
+     [](VkPhysicalDeviceFeatures2& f, VkPhysicalDeviceVulkan12Features&) { f.features.shaderFloat64 = VK_FALSE; }}};
   for (const auto& feature : features) {
     faults->onFeatures = [&](VkPhysicalDeviceFeatures2& f) {
       for (VkBaseOutStructure* p = (VkBaseOutStructure*)&f; p; p = p->pNext)
-        if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES) feature.remove(f, *(VkPhysicalDeviceVulkan12Features*)p);
+        if (p->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES)
+          feature.remove(f, *(VkPhysicalDeviceVulkan12Features*)p);
     };
     EXPECT_FALSE(open(vulkan->handles)) << feature.name;
     EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_ARGUMENT);
@@ -54,8 +64,8 @@ TEST_F(VulkanOpening, AFeatureThatIsMissingIsNamed)
   EXPECT_TRUE(has(embree.message, "VK_EXT_external_memory_host")) << embree.message;
 }
 
-// What is not enabled is not used.
-TEST_F(VulkanOpening, ADeviceWithoutWhatSomeScenesNeedTakesTheOthers)
+// Features that are not enabled are not used.
+TEST_F(VulkanOpening, DeviceWithoutOptionalFeaturesSupportsOtherScenes)
 {
   device.reset();
   faults.reset();
@@ -74,7 +84,7 @@ TEST_F(VulkanOpening, ADeviceWithoutWhatSomeScenesNeedTakesTheOthers)
   const std::vector<RTCRayHit> rays = raysFromAbove();
   expectAsOnTheCPU(leaf, rays, traceAll(uploaded.get(), rays));
 
-  // signs of cVERT are exact in integers
+  // cVERT computes exact signs with integers
   const VulkanScene exact = newVulkanScene(device, vert);
   ASSERT_TRUE(exact) << embree.message;
   expectAsOnTheCPU(vert, rays, traceAll(exact.get(), rays));
@@ -82,7 +92,7 @@ TEST_F(VulkanOpening, ADeviceWithoutWhatSomeScenesNeedTakesTheOthers)
 
 // --- the library's own loading of Vulkan ---------------------------------------------------------
 
-// rtcNewVulkanDevice and rtcGetVulkanDevices, behind Faults.
+// rtcNewVulkanDevice and rtcGetVulkanDevices with Faults.
 class VulkanLoader : public VulkanFaults
 {
 protected:
@@ -109,7 +119,7 @@ protected:
   Validation validation;
 };
 
-TEST_F(VulkanLoader, ADeviceOfTheLibrarysOwnTracesUnderValidation)
+TEST_F(VulkanLoader, OwnDeviceTracesUnderValidation)
 {
   device = openOwn();
   ASSERT_TRUE(device) << embree.message;
@@ -122,15 +132,18 @@ TEST_F(VulkanLoader, ADeviceOfTheLibrarysOwnTracesUnderValidation)
   expectAsOnTheCPU(scene, rays, traceAll(uploaded.get(), rays));
 }
 
-TEST_F(VulkanLoader, OpeningLeavesNothingBehind)
+TEST_F(VulkanLoader, OpeningDoesNotLeak)
 {
-  expectAll(failEverything([&] { return bool(openOwn()); }), {"CreateInstance", "EnumeratePhysicalDevices", "EnumerateDeviceExtensionProperties", "CreateDevice", "CreateCommandPool"});
+  expectAll(failEverything([&] { return bool(openOwn()); }),
+            {"CreateInstance", "EnumeratePhysicalDevices", "EnumerateDeviceExtensionProperties", "CreateDevice",
+             "CreateCommandPool"});
 }
 
-TEST_F(VulkanLoader, AFunctionThatIsMissingIsNamed)
+TEST_F(VulkanLoader, MissingFunctionsAreReported)
 {
-  for (const char* name : {"CreateInstance", "EnumeratePhysicalDevices", "GetPhysicalDeviceProperties2", "GetPhysicalDeviceFeatures2", "CreateDevice",
-                           "GetDeviceProcAddr", "GetBufferDeviceAddress", "GetMemoryHostPointerPropertiesEXT", "QueueSubmit"}) {
+  for (const char* name : {"CreateInstance", "EnumeratePhysicalDevices", "GetPhysicalDeviceProperties2",
+                           "GetPhysicalDeviceFeatures2", "CreateDevice", "GetDeviceProcAddr", "GetBufferDeviceAddress",
+                           "GetMemoryHostPointerPropertiesEXT", "QueueSubmit"}) {
     SCOPED_TRACE(name);
     faults->hide(name);
     EXPECT_FALSE(openOwn());
@@ -142,7 +155,7 @@ TEST_F(VulkanLoader, AFunctionThatIsMissingIsNamed)
   EXPECT_TRUE(openOwn()) << embree.message;
 }
 
-TEST_F(VulkanLoader, ListingDevicesLeavesNothingBehind)
+TEST_F(VulkanLoader, ListingDevicesDoesNotLeak)
 {
   EXPECT_GE(rtcGetVulkanDevices(embree, nullptr, 0), 1u);
   EXPECT_TRUE(faults->live().empty());
@@ -152,19 +165,21 @@ TEST_F(VulkanLoader, ListingDevicesLeavesNothingBehind)
   EXPECT_TRUE(faults->live().empty());
 }
 
-TEST_F(VulkanLoader, AMachineWithoutADeviceIsAnError)
+TEST_F(VulkanLoader, MachineWithoutADeviceIsAnError)
 {
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.clear(); };
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
-  EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << "there are none: that is an answer";
+  EXPECT_EQ(embree.takeError(), RTC_ERROR_NONE) << "an empty list is not an error";
   EXPECT_FALSE(openOwn());
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(has(embree.message, "finds no device")) << embree.message;
 }
 
-TEST_F(VulkanLoader, ADeviceThatCannotBeUsedIsListedWithTheReasonAndNotChosen)
+TEST_F(VulkanLoader, UnusableDeviceIsListedWithTheReasonAndNotChosen)
 {
-  faults->onProperties = [](VkPhysicalDeviceProperties& properties) { properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 0, 3); };
+  faults->onProperties = [](VkPhysicalDeviceProperties& properties) {
+    properties.apiVersion = VK_MAKE_API_VERSION(0, 1, 0, 3);
+  };
   std::vector<RTCVulkanDeviceInfo> infos(rtcGetVulkanDevices(embree, nullptr, 0));
   ASSERT_EQ(rtcGetVulkanDevices(embree, infos.data(), unsigned(infos.size())), infos.size());
   for (const RTCVulkanDeviceInfo& info : infos) EXPECT_TRUE(has(info.unsupported, "1.2 is needed")) << info.name;
@@ -175,23 +190,29 @@ TEST_F(VulkanLoader, ADeviceThatCannotBeUsedIsListedWithTheReasonAndNotChosen)
   }
 }
 
-// Two devices: the second is discrete.
+// Two devices; the second is discrete.
 TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
 {
   int calls = 0;
   faults->onDevices = [](std::vector<VkPhysicalDevice>& devices) { devices.push_back(devices[0]); };
   faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
-    if (calls++ % 2) { properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU; std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete"); }
+    if (calls++ % 2) {
+      properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+      std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete");
+    }
   };
   RTCVulkanDeviceInfo infos[2];
-  if (rtcGetVulkanDevices(embree, infos, 2) != 2) GTEST_SKIP() << "there are more devices";
+  if (rtcGetVulkanDevices(embree, infos, 2) != 2) GTEST_SKIP() << "the machine has more devices";
   EXPECT_FALSE(infos[0].isDiscrete);
   EXPECT_TRUE(infos[1].isDiscrete);
-  // the third and fifth call are of the device that is opened
+  // the third and fifth calls belong to the opened device
   for (const char* which : {"", "discrete", "1"}) {
     calls = 0;
     faults->onProperties = [&](VkPhysicalDeviceProperties& properties) {
-      if (calls++) { properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU; std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete"); }
+      if (calls++) {
+        properties.deviceType = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+        std::snprintf(properties.deviceName, sizeof(properties.deviceName), "Discrete");
+      }
     };
     const VulkanDevice opened = openOwn(which);
     ASSERT_TRUE(opened) << embree.message;
@@ -202,24 +223,25 @@ TEST_F(VulkanLoader, DiscreteDevicesAreChosenFirst)
   }
 }
 
-TEST_F(VulkanLoader, ALoaderThatIsNotThereIsNamed)
+TEST_F(VulkanLoader, MissingLoaderIsReported)
 {
   setenv("EMBREE_VULKAN_LOADER", "/nowhere/libvulkan.so.1", 1);
   EXPECT_FALSE(openOwn());
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER")) << embree.message;
+  EXPECT_TRUE(has(embree.message, "/nowhere/libvulkan.so.1") && has(embree.message, "EMBREE_VULKAN_LOADER"))
+    << embree.message;
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
-  // one without vkGetInstanceProcAddr
+  // a library without vkGetInstanceProcAddr
   setenv("EMBREE_VULKAN_LOADER", "libm.so.6", 1);
   EXPECT_FALSE(openOwn());
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   EXPECT_TRUE(has(embree.message, "vkGetInstanceProcAddr")) << embree.message;
   setenv("EMBREE_VULKAN_LOADER", "", 1);
-  EXPECT_TRUE(openOwn()) << "an empty name is none: " << embree.message;
+  EXPECT_TRUE(openOwn()) << "an empty name selects the default: " << embree.message;
 }
 
-TEST_F(VulkanLoader, AMachineWithoutADriverIsAnError)
+TEST_F(VulkanLoader, MachineWithoutADriverIsAnError)
 {
   for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) setenv(variable, "/nowhere/none.json", 1);
   EXPECT_FALSE(openOwn());
@@ -229,13 +251,13 @@ TEST_F(VulkanLoader, AMachineWithoutADriverIsAnError)
   EXPECT_EQ(rtcGetVulkanDevices(embree, nullptr, 0), 0u);
   EXPECT_NE(embree.takeError(), RTC_ERROR_NONE);
   for (const char* variable : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) unsetenv(variable);
-  EXPECT_TRUE(openOwn()) << "and then there is one again: " << embree.message;
+  EXPECT_TRUE(openOwn()) << "with a driver again: " << embree.message;
 }
 
 // --- compiled shaders ---------------------------------------------------------------------------
 
-// One that is damaged, or no file at all, is as none. That nothing can be written is no error.
-TEST_F(VulkanOpening, CompiledShadersAreKeptInAFileThatIsReadIfItIsWhole)
+// A damaged file, or something else than a file, is ignored. A failed write is not an error.
+TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
 {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(testing::TempDir())/("vulkan_faults_cache." + std::to_string(getpid()));
@@ -243,9 +265,9 @@ TEST_F(VulkanOpening, CompiledShadersAreKeptInAFileThatIsReadIfItIsWhole)
   setenv("XDG_CACHE_HOME", folder.c_str(), 1);
   reopen();
   EXPECT_EQ(faults->lastCache(), 0u);
-  reopen(); // the one before has written it
+  reopen(); // the previous device has written the file
   const std::vector<fs::path> files(fs::directory_iterator(folder/"embree-cbvh"), fs::directory_iterator());
-  ASSERT_EQ(files.size(), 1u) << "one a driver, and nothing else is left";
+  ASSERT_EQ(files.size(), 1u) << "one file per driver, and no other files";
   const size_t whole = faults->lastCache();
   ASSERT_GT(whole, 0u);
   EXPECT_LT(whole, fs::file_size(files[0])) << "with a checksum";
@@ -254,7 +276,7 @@ TEST_F(VulkanOpening, CompiledShadersAreKeptInAFileThatIsReadIfItIsWhole)
     fs::copy_file(files[0], folder/"copy", fs::copy_options::overwrite_existing);
     how(files[0]);
     device.reset();
-    how(files[0]); // and what it has written
+    how(files[0]); // modifies the written file
     device = open(vulkan->handles);
     EXPECT_TRUE(device) << embree.message;
     const size_t read = faults->lastCache();
@@ -267,7 +289,12 @@ TEST_F(VulkanOpening, CompiledShadersAreKeptInAFileThatIsReadIfItIsWhole)
   EXPECT_EQ(damage([](const fs::path& file) { fs::resize_file(file, 5); }), 0u);
   EXPECT_EQ(damage([&](const fs::path& file) { fs::resize_file(file, whole); }), 0u);
   EXPECT_EQ(damage([&](const fs::path& file) { fs::resize_file(file, whole + 100); }), 0u);
-  EXPECT_EQ(damage([](const fs::path& file) { std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary); f.seekp(20); f.put(char(0x5A)); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) {
+              std::fstream f(file, std::ios::in | std::ios::out | std::ios::binary);
+              f.seekp(20);
+              f.put(char(0x5A));
+            }),
+            0u);
   EXPECT_EQ(damage([](const fs::path& file) { fs::remove_all(file); fs::create_directories(file/"folder"); }), 0u);
 
   device.reset();

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* An application that puts a compressed scene into a top level of its own, beside its own triangles, by what
- * rtcGetVulkanSceneInstances gives, and queries it by a shader of its own, own_top_level.comp. */
+/* An application that adds a compressed scene to its own top level next to its triangles with
+ * rtcGetVulkanSceneInstances, and queries it with its own shader, own_top_level.comp. */
 
 #include "small_scenes.h"
 #include "recorded_trace.h"
@@ -27,7 +27,7 @@ struct Functions
   {
     const auto get = [&](const char* name) {
       const PFN_vkVoidFunction found = vkGetDeviceProcAddr(device, name);
-      if (!found) throw std::runtime_error(std::string("there is no ") + name);
+      if (!found) throw std::runtime_error(std::string("missing function ") + name);
       return found;
     };
     create = PFN_vkCreateAccelerationStructureKHR(get("vkCreateAccelerationStructureKHR"));
@@ -47,11 +47,12 @@ struct Functions
 constexpr VkBufferUsageFlags inputUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
 constexpr VkBufferUsageFlags storageUsage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR;
 
-// A structure of one geometry, built at once.
+// An acceleration structure of one geometry, built immediately.
 class OwnStructure
 {
 public:
-  OwnStructure(const RTCVulkanHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type, const VkAccelerationStructureGeometryKHR& geometry, uint32_t count)
+  OwnStructure(const RTCVulkanHandles& handles, const Functions& functions, VkAccelerationStructureTypeKHR type,
+               const VkAccelerationStructureGeometryKHR& geometry, uint32_t count)
     : handles(handles), functions(functions)
   {
     VkAccelerationStructureBuildGeometryInfoKHR info = {};
@@ -70,7 +71,8 @@ public:
     create.buffer = memory->buffer;
     create.size = sizes.accelerationStructureSize;
     create.type = type;
-    if (functions.create(handles.device, &create, nullptr, &handle) != VK_SUCCESS) throw std::runtime_error("vkCreateAccelerationStructureKHR failed");
+    if (functions.create(handles.device, &create, nullptr, &handle) != VK_SUCCESS)
+      throw std::runtime_error("vkCreateAccelerationStructureKHR failed");
     info.dstAccelerationStructure = handle;
     info.scratchData.deviceAddress = (scratch.address + alignment - 1)/alignment*alignment;
     const VkAccelerationStructureBuildRangeInfoKHR range = {count, 0, 0, 0}, *ranges = &range;
@@ -147,12 +149,12 @@ protected:
   void SetUp() override
   {
     VulkanTest::SetUp();
-    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " has no ray queries";
+    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " does not support ray queries";
   }
 };
 
-// The scene is moved along x by the application, and its triangle cuts through it.
-TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
+// The application moves the scene along x, and its triangle intersects the scene.
+TEST_F(VulkanOwnTopLevel, SceneNextToTrianglesMatchesCpu)
 {
   const RTCVulkanHandles& handles = vulkan->handles;
   const Functions functions(handles.device);
@@ -163,7 +165,7 @@ TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
   settings.compression = RTC_COMPRESSION_VERT;
   settings.rate = 16;
 
-  /* an instance besides a surface */
+  /* an instance next to a surface */
   Scene inside(embree), scene(embree);
   addSurface(embree, inside, cubeCage(), settings);
   rtcCommitScene(inside);
@@ -203,14 +205,16 @@ TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
   list.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
   list.geometry.instances.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR;
   list.geometry.instances.data.deviceAddress = instanceInput.address;
-  const OwnStructure topLevel(handles, functions, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, list, uint32_t(instances.size()));
+  const OwnStructure topLevel(handles, functions, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, list,
+                              uint32_t(instances.size()));
 
   std::vector<RTCRayHit> rays = raysAt(random, 20000);
   const RayBuffer buffer(handles, rays.data(), sizeof(RTCRayHit)*rays.size());
-  query(handles, {rtcGetVulkanSceneAddress(onDevice.get()), topLevel.address, buffer.address, uint32_t(rays.size()), offset});
+  query(handles,
+        {rtcGetVulkanSceneAddress(onDevice.get()), topLevel.address, buffer.address, uint32_t(rays.size()), offset});
   const RTCRayHit* found = static_cast<const RTCRayHit*>(buffer.mapped);
 
-  /* the processor has the same world, triangle included */
+  /* the same world on the CPU, including the triangle */
   Scene world(embree);
   RTCGeometry whole = newInstance(embree, inside, 0);
   const float transform[12] = {1,0,0, 0,1,0, 0,0,1, offset,0,0.4f};
@@ -237,9 +241,13 @@ TEST_F(VulkanOwnTopLevel, HasTheSceneBesideTriangles)
     const RTCRayHit truth = intersect(world, rays[i]);
     const unsigned kind = !isHit(truth) ? 3 : truth.hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? truth.hit.instID[0] : 2;
     counts[kind]++;
-    bool same = isHit(found[i]) == isHit(truth) && (kind == 3 || std::fabs(found[i].ray.tfar - truth.ray.tfar) <= 1e-5f*truth.ray.tfar);
-    if (kind == 0) same = same && found[i].hit.geomID == 0 && found[i].hit.instID[0] == 0 && found[i].hit.primID == truth.hit.primID;
-    if (kind == 1) same = same && found[i].hit.geomID == 1 && found[i].hit.instID[0] == RTC_INVALID_GEOMETRY_ID && found[i].hit.primID == truth.hit.primID;
+    bool same = isHit(found[i]) == isHit(truth) &&
+                (kind == 3 || std::fabs(found[i].ray.tfar - truth.ray.tfar) <= 1e-5f*truth.ray.tfar);
+    if (kind == 0)
+      same = same && found[i].hit.geomID == 0 && found[i].hit.instID[0] == 0 && found[i].hit.primID == truth.hit.primID;
+    if (kind == 1)
+      same = same && found[i].hit.geomID == 1 && found[i].hit.instID[0] == RTC_INVALID_GEOMETRY_ID &&
+             found[i].hit.primID == truth.hit.primID;
     if (kind == 2) same = same && found[i].hit.geomID == triangleName;
     differing += !same;
   }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Ray queries: the driver's structures find the blocks, and hits are those of the compute backend. */
+/* Ray queries: the driver's structures find the blocks, and hits match the compute backend. */
 
 #include "small_scenes.h"
 #include "vulkan_tracer.h"
@@ -15,13 +15,13 @@
 namespace cbvh::test {
 namespace {
 
-// Rays by both ways of one scene.
+// Compares both ways to trace rays of one scene.
 struct Differences
 {
   size_t rays = 0, hits = 0;
-  size_t bits = 0;      // anything but the same bits
-  size_t otherHit = 0;  // a hit for a miss, or the other way round, or other IDs
-  size_t otherAny = 0;  // any hit is not what closest hit is
+  size_t bits = 0;      // results that are not bit-identical
+  size_t otherHit = 0;  // a hit instead of a miss, or the reverse, or different IDs
+  size_t otherAny = 0;  // any hit differs from closest hit
 };
 
 class VulkanRayQuery : public VulkanTest
@@ -33,10 +33,13 @@ protected:
   void SetUp() override
   {
     VulkanTest::SetUp();
-    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " has no ray queries";
+    if (vulkan && !vulkan->handles.hasRayQuery) GTEST_SKIP() << vulkan->name << " does not support ray queries";
   }
 
-  SurfaceSettings settings(RTCCompression compression, float rate = 16) { return displacedSettings(displacement, compression, rate); }
+  SurfaceSettings settings(RTCCompression compression, float rate = 16)
+  {
+    return displacedSettings(displacement, compression, rate);
+  }
 
   Differences compare(RTCScene scene, const std::vector<RTCRayHit>& rays)
   {
@@ -54,7 +57,9 @@ protected:
       found.rays++;
       found.hits += isHit(a[i]);
       found.bits += std::memcmp(&a[i], &b[i], sizeof(RTCRayHit)) != 0;
-      const bool same = isHit(a[i]) == isHit(b[i]) && (!isHit(a[i]) || (a[i].hit.geomID == b[i].hit.geomID && a[i].hit.primID == b[i].hit.primID && a[i].hit.instID[0] == b[i].hit.instID[0]));
+      const bool same = isHit(a[i]) == isHit(b[i]) &&
+                        (!isHit(a[i]) || (a[i].hit.geomID == b[i].hit.geomID && a[i].hit.primID == b[i].hit.primID &&
+                                          a[i].hit.instID[0] == b[i].hit.instID[0]));
       found.otherHit += !same;
       found.otherAny += isHit(b[i]) != (any[i].tfar < 0);
     }
@@ -62,16 +67,16 @@ protected:
   }
 };
 
-// bits: rays whose hits may differ in rounding, as of kinds whose blocks overlap
+// bits: number of rays whose hits may differ by rounding, for kinds whose blocks overlap
 void expectSame(const Differences& found, size_t bits = 0)
 {
-  EXPECT_GT(found.hits, found.rays/20) << "the rays miss";
+  EXPECT_GT(found.hits, found.rays/20) << "too many rays miss";
   EXPECT_LE(found.bits, bits);
   EXPECT_EQ(found.otherHit, 0u);
   EXPECT_EQ(found.otherAny, 0u);
 }
 
-TEST_F(VulkanRayQuery, HitsAreThoseOfComputeShaders)
+TEST_F(VulkanRayQuery, HitsMatchComputeShaders)
 {
   Cage creased = cubeCage();
   creased.creases = {{0,1}, {1,3}, {3,2}, {2,0}};
@@ -85,7 +90,7 @@ TEST_F(VulkanRayQuery, HitsAreThoseOfComputeShaders)
     }
 }
 
-TEST_F(VulkanRayQuery, HitsOfGridsAndMeshesAreThoseOfComputeShaders)
+TEST_F(VulkanRayQuery, GridsAndMeshesMatchComputeShaders)
 {
   for (const Diced& diced : {dicedSheet(6, 8), dicedSheet(1, 64), dicedBall(2, 11)}) {
     Scene scene(embree);
@@ -103,7 +108,7 @@ TEST_F(VulkanRayQuery, HitsOfGridsAndMeshesAreThoseOfComputeShaders)
   }
 }
 
-TEST_F(VulkanRayQuery, HitsOfMeshBlocksAreThoseOfComputeShaders)
+TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders)
 {
   Scene inside(embree), scene(embree);
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
@@ -120,8 +125,8 @@ TEST_F(VulkanRayQuery, HitsOfMeshBlocksAreThoseOfComputeShaders)
   expectSame(compare(scene, rays));
 }
 
-// Kinds beside each other with masks, triangles of a mesh, a geometry that is disabled, and ranges of rays.
-TEST_F(VulkanRayQuery, HitsOfScenesOfEverythingAreThoseOfComputeShaders)
+// Different kinds next to each other with masks, triangles of a mesh, a disabled geometry, and ranges of rays.
+TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders)
 {
   Scene scene(embree);
   Displacement displacements[5];
@@ -140,7 +145,7 @@ TEST_F(VulkanRayQuery, HitsOfScenesOfEverythingAreThoseOfComputeShaders)
   std::vector<RTCRayHit> rays = raysAt(random, 20000, 0.9f);
   for (size_t i = 0; i < rays.size(); i++) {
     rays[i].ray.mask = unsigned(random.below(64));
-    if (i % 2) continue; // directions are about 4 long
+    if (i % 2) continue; // directions have a length of about 4
     rays[i].ray.tnear = float(random.uniform(0.2, 1));
     rays[i].ray.tfar = rays[i].ray.tnear + float(random.uniform(0, 0.8));
   }
@@ -148,7 +153,7 @@ TEST_F(VulkanRayQuery, HitsOfScenesOfEverythingAreThoseOfComputeShaders)
   expectSame(found, found.hits/1000);
 }
 
-TEST_F(VulkanRayQuery, HitsOfRaysThatAreNotFiniteAreNone)
+TEST_F(VulkanRayQuery, NonFiniteRaysMiss)
 {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_VERT));
   const VulkanScene query = newQueryScene(device, scene);
@@ -163,7 +168,7 @@ TEST_F(VulkanRayQuery, HitsOfRaysThatAreNotFiniteAreNone)
   EXPECT_TRUE(areSame(any, withoutHits(rays)));
 }
 
-// From inside of a closed surface, at what blocks share.
+// Rays from inside a closed surface at shared vertices and edges of blocks.
 TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
 {
   AllVertices recorder;
@@ -171,7 +176,7 @@ TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
   recorder.build(embree, scene, cubeCage(), settings(RTC_COMPRESSION_VERT, 32));
   const VulkanScene query = newQueryScene(device, scene);
   ASSERT_NE(query, nullptr) << embree.message;
-  const std::vector<RTCRayHit> rays = raysBesideVertices(random, recorder.taken(), 8192);
+  const std::vector<RTCRayHit> rays = raysNextToVertices(random, recorder.taken(), 8192);
   for (int exponent : oddExponents) {
     std::vector<RTCRayHit> found = withDirections(rays, std::ldexp(1.0f, exponent));
     std::vector<RTCRay> any = withoutHits(found);
@@ -183,8 +188,8 @@ TEST_F(VulkanRayQuery, RaysOfEveryLengthHitAClosedSurface)
   }
 }
 
-// Far from the origin, and rays from as far as is promised.
-TEST_F(VulkanRayQuery, RaysFromFarAwayHitWhatTheyAimAt)
+// Surfaces far from the origin, and rays from the largest supported distance.
+TEST_F(VulkanRayQuery, DistantRaysHitTheirTargets)
 {
   for (float offset : {0.f, 1e3f}) {
     displacement.offset = {offset, -offset, 0.5f*offset};
@@ -204,7 +209,7 @@ TEST_F(VulkanRayQuery, RaysFromFarAwayHitWhatTheyAimAt)
   }
 }
 
-TEST_F(VulkanRayQuery, HitsOfInstancesAreThoseOfComputeShaders)
+TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
 {
   Scene inside(embree), scene(embree);
   addSurface(embree, inside, cubeCage(), settings(RTC_COMPRESSION_VERT));
@@ -220,7 +225,7 @@ TEST_F(VulkanRayQuery, HitsOfInstancesAreThoseOfComputeShaders)
   expectSame(found, found.hits/1000); // of cLEAF
 }
 
-TEST_F(VulkanRayQuery, HitsOfWhatMovesAreThoseOfComputeShaders)
+TEST_F(VulkanRayQuery, MovingGeometryMatchesComputeShaders)
 {
   Scene scene(embree);
   Displacement others[4];
@@ -255,8 +260,8 @@ TEST_F(VulkanRayQuery, EmptyScenesHaveNoHits)
   EXPECT_TRUE(areSame(found, rays));
 }
 
-// An edit builds, or updates, the structure of what changed, and no other.
-TEST_F(VulkanRayQuery, AnEditTouchesWhatChanged)
+// An edit builds or updates only the structures of changed geometries.
+TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
 {
   Scene scene(embree);
   Displacement others[3];
@@ -280,7 +285,7 @@ TEST_F(VulkanRayQuery, AnEditTouchesWhatChanged)
   const size_t all = statisticsOfQuery(before).numBoxes;
   EXPECT_GT(statisticsOfQuery(before).structureBytes, 64*all/4);
   EXPECT_EQ(statisticsOfQuery(before).numBuiltBoxes, all);
-  EXPECT_EQ(statisticsOfQuery(newQueryScene(device, scene)).numBuiltBoxes, 0u); // nothing is new
+  EXPECT_EQ(statisticsOfQuery(newQueryScene(device, scene)).numBuiltBoxes, 0u); // no change
 
   const std::vector<RTCRayHit> rays = raysAt(random, 5000);
   for (int edit = 0; edit < 3; edit++) {
@@ -303,7 +308,7 @@ TEST_F(VulkanRayQuery, AnEditTouchesWhatChanged)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
-TEST_F(VulkanRayQuery, WhatCannotBeIsRefused)
+TEST_F(VulkanRayQuery, UnsupportedUsesAreRejected)
 {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_VERT));
   const VulkanScene compute = newVulkanScene(device, scene), query = newQueryScene(device, scene);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks of every hard shape, size and place are traced on the device as the scalar reference
- * traces them, by the same judge as every ISA of the processor (support/reference_check.h). */
+/* Compares traces of blocks of all difficult shapes, sizes and positions on the device with the scalar reference, by
+ * the same check as for the ISAs of the CPU (support/reference_check.h). */
 
 #include "support/reference_check.h"
 #include "vulkan_tracer.h"
@@ -15,13 +15,16 @@ class VulkanReference : public VulkanTest
 protected:
   void expectReferences(RTCCompression compression)
   {
-    ReferenceCheck check(embree, compression, [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
-      const VulkanScene onDevice = newVulkanScene(device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
-      intersectOnDevice(onDevice, closest);
-      occludedOnDevice(onDevice, any);
-    });
+    ReferenceCheck check(embree, compression,
+                         [&](RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any) {
+                           const VulkanScene onDevice = newVulkanScene(
+                             device, scene, ++scenes % 2 ? RTC_VULKAN_MEMORY_COPY : RTC_VULKAN_MEMORY_AUTO);
+                           intersectOnDevice(onDevice, closest);
+                           occludedOnDevice(onDevice, any);
+                         });
     Random random(61);
-    const std::vector<Placement> placements = {{1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
+    const std::vector<Placement> placements = {
+      {1, {0, 0, 0}}, {1e-6, {0, 0, 0}}, {1e6, {0, 0, 0}}, {1, {1000, -2000, 500}}};
     for (unsigned height : {0, 1, 2, 3, 5})
       for (const Placement& at : placements)
         for (Shape shape : allShapes) {
@@ -35,10 +38,10 @@ private:
   unsigned scenes = 0;
 };
 
-TEST_F(VulkanReference, OfGrids) { expectReferences(RTC_COMPRESSION_GRID); }
-TEST_F(VulkanReference, OfVoxels) { expectReferences(RTC_COMPRESSION_VOXEL); }
-TEST_F(VulkanReference, OfLeaves) { expectReferences(RTC_COMPRESSION_LEAF); }
-TEST_F(VulkanReference, OfVertices) { expectReferences(RTC_COMPRESSION_VERT); }
+TEST_F(VulkanReference, GridsMatchReference) { expectReferences(RTC_COMPRESSION_GRID); }
+TEST_F(VulkanReference, VoxelsMatchReference) { expectReferences(RTC_COMPRESSION_VOXEL); }
+TEST_F(VulkanReference, LeavesMatchReference) { expectReferences(RTC_COMPRESSION_LEAF); }
+TEST_F(VulkanReference, VerticesMatchReference) { expectReferences(RTC_COMPRESSION_VERT); }
 
 } // namespace
 } // namespace cbvh::test

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Which scenes go to a Vulkan device, which do not and why, and where they are then. */
+/* Scenes that a Vulkan device accepts, scenes that it rejects with a reason, and the location of their memory. */
 
 #include "api_fixture.h"
 
@@ -13,9 +13,9 @@ namespace {
 
 using VulkanScenes = VulkanAPI;
 
-// --- scenes that are not taken ---------------------------------------------------------------------
+// --- rejected scenes -------------------------------------------------------------------------------
 
-TEST_F(VulkanScenes, ScenesThatAreNotCommittedAreErrors)
+TEST_F(VulkanScenes, UncommittedScenesAreErrors)
 {
   Scene scene(embree);
   attach(scene, newTriangle(embree, 0));
@@ -28,8 +28,8 @@ TEST_F(VulkanScenes, ScenesThatAreNotCommittedAreErrors)
   expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
 }
 
-// The scene's own RTCDevice may be another: both get the error.
-TEST_F(VulkanScenes, AnErrorOfASceneOfAnotherDeviceReachesTheVulkanDevicesToo)
+// The scene may belong to another RTCDevice: both devices get the error.
+TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice)
 {
   Device other;
   Scene scene(other);
@@ -49,7 +49,7 @@ struct RefusedGeometry
 {
   const char* name;
   std::vector<std::string> message;
-  std::function<RTCGeometry(RTCDevice)> make;  // committed; NULL if this build has none
+  std::function<RTCGeometry(RTCDevice)> make;  // committed; NULL if this build does not support it
 };
 
 template<typename Fill>
@@ -67,54 +67,79 @@ const std::vector<Vec> square = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}
 std::vector<RefusedGeometry> refusedGeometries()
 {
   return {
-    {"quad mesh", {"is a quad mesh"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
-      setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
-      setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
-    }); }},
-    {"grid mesh", {"is a grid mesh"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
-      setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, std::vector<Vec>{square[0], square[1], square[3], square[2]});
-      setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
-    }); }},
-    {"user geometry", {"is user geometry"}, [](RTCDevice device) { return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
-      rtcSetGeometryUserPrimitiveCount(g, 1);
-      rtcSetGeometryBoundsFunction(g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }, nullptr);
-      rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
-      rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
-    }); }},
-    {"curve", {"is of curves or points"}, [](RTCDevice device) -> RTCGeometry {
-      if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
-      return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
-        setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
-        setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
-      });
-    }},
-    {"points", {"is of curves or points"}, [](RTCDevice device) -> RTCGeometry {
-      if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
-      return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
-        setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
-      });
-    }},
-    {"triangle mesh with motion blur", {"motion blur", "2 time steps"}, [](RTCDevice device) { return newTriangle(device, 0, 2); }},
-    {"surface with motion blur", {"motion blur"}, [](RTCDevice device) {
-      SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
-      settings.timeSteps = 2;
-      return newSurface(device, sheetCage(1), settings);
-    }},
-    {"triangle mesh with an intersection filter", {"filter function"}, [](RTCDevice device) {
-      const RTCGeometry g = newTriangle(device, 0);
-      rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
-      rtcCommitGeometry(g);
-      return g;
-    }},
+    {"quad mesh",
+     {"is a quad mesh"},
+     [](RTCDevice device) {
+       return newGeometry(device, RTC_GEOMETRY_TYPE_QUAD, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, square);
+         setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, std::vector<std::array<unsigned, 4>>{{0, 1, 2, 3}});
+       });
+     }},
+    {"grid mesh",
+     {"is a grid mesh"},
+     [](RTCDevice device) {
+       return newGeometry(device, RTC_GEOMETRY_TYPE_GRID, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                   std::vector<Vec>{square[0], square[1], square[3], square[2]});
+         setBuffer(g, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, std::vector<RTCGrid>{{0, 2, 2, 2}});
+       });
+     }},
+    {"user geometry",
+     {"is user geometry"},
+     [](RTCDevice device) {
+       return newGeometry(device, RTC_GEOMETRY_TYPE_USER, [](RTCGeometry g) {
+         rtcSetGeometryUserPrimitiveCount(g, 1);
+         rtcSetGeometryBoundsFunction(
+           g, [](const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-1, -1, -1, 0, 1, 1, 1, 0}; }, nullptr);
+         rtcSetGeometryIntersectFunction(g, [](const RTCIntersectFunctionNArguments*) {});
+         rtcSetGeometryOccludedFunction(g, [](const RTCOccludedFunctionNArguments*) {});
+       });
+     }},
+    {"curve",
+     {"is of curves or points"},
+     [](RTCDevice device) -> RTCGeometry {
+       if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED)) return nullptr;
+       return newGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                   std::vector<std::array<float, 4>>{{-1, 0, 0, 0.1f}, {1, 0, 0, 0.1f}});
+         setBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, std::vector<unsigned>{0});
+       });
+     }},
+    {"points",
+     {"is of curves or points"},
+     [](RTCDevice device) -> RTCGeometry {
+       if (!rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED)) return nullptr;
+       return newGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT, [](RTCGeometry g) {
+         setBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, std::vector<std::array<float, 4>>{{0, 0, 0, 0.1f}});
+       });
+     }},
+    {"triangle mesh with motion blur",
+     {"motion blur", "2 time steps"},
+     [](RTCDevice device) { return newTriangle(device, 0, 2); }},
+    {"surface with motion blur",
+     {"motion blur"},
+     [](RTCDevice device) {
+       SurfaceSettings settings = smallSurface(RTC_COMPRESSION_NONE);
+       settings.timeSteps = 2;
+       return newSurface(device, sheetCage(1), settings);
+     }},
+    {"triangle mesh with an intersection filter",
+     {"filter function"},
+     [](RTCDevice device) {
+       const RTCGeometry g = newTriangle(device, 0);
+       rtcSetGeometryIntersectFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+       rtcCommitGeometry(g);
+       return g;
+     }},
     {"surface with an occlusion filter", {"filter function"}, [](RTCDevice device) {
-      const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_LEAF));
-      rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
-      rtcCommitGeometry(g);
-      return g;
-    }}};
+       const RTCGeometry g = newSurface(device, sheetCage(1), smallSurface(RTC_COMPRESSION_LEAF));
+       rtcSetGeometryOccludedFilterFunction(g, [](const RTCFilterFunctionNArguments*) {});
+       rtcCommitGeometry(g);
+       return g;
+     }}};
 }
 
-TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
+TEST_F(VulkanScenes, UnsupportedGeometriesAreReportedUnlessDisabled)
 {
   for (const RefusedGeometry& refused : refusedGeometries())
   {
@@ -122,7 +147,7 @@ TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
     const RTCGeometry geometry = refused.make(embree);
     if (!geometry) { expectNoError(); continue; }
     Scene scene(embree);
-    rtcAttachGeometryByID(scene, geometry, 3);   // and there are IDs without a geometry before it
+    rtcAttachGeometryByID(scene, geometry, 3);   // lower IDs have no geometry
     attach(scene, newTriangle(embree, 1));
     rtcCommitScene(scene);
     expectNoError();
@@ -150,7 +175,7 @@ TEST_F(VulkanScenes, GeometriesThatAreNotTakenAreNamedUnlessTheyAreDisabled)
   }
 }
 
-TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
+TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
 {
   Scene triangle(embree), instance(embree), above(embree), moving(embree);
   attach(triangle, newTriangle(embree, 0));
@@ -162,7 +187,8 @@ TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
   attach(above, newInstance(embree, instance, 0));
   rtcCommitScene(above);
   EXPECT_FALSE(upload(above));
-  expectError(RTC_ERROR_INVALID_OPERATION, {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
+  expectError(RTC_ERROR_INVALID_OPERATION,
+              {"geometry 1 of an instanced scene", "is an instance", "RTC_MAX_INSTANCE_LEVEL_COUNT"});
   attach(moving, newTriangle(embree, 1));
   attach(moving, newInstance(embree, triangle, 0, 2));
   rtcCommitScene(moving);
@@ -179,8 +205,8 @@ TEST_F(VulkanScenes, InstancesThatAreNotTakenAreNamed)
   EXPECT_TRUE(upload(moving)) << embree.message;
 }
 
-// An RTCDevice that runs out of memory during an upload leaves nothing of it behind.
-TEST_F(VulkanScenes, AnUploadThatEmbreeHasNoMemoryForIsAnError)
+// If an RTCDevice runs out of memory during an upload, nothing leaks.
+TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError)
 {
   struct Limit
   {
@@ -208,9 +234,9 @@ TEST_F(VulkanScenes, AnUploadThatEmbreeHasNoMemoryForIsAnError)
   }
 }
 
-// --- scenes that are taken -----------------------------------------------------------------------
+// --- accepted scenes -------------------------------------------------------------------------------
 
-TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
+TEST_F(VulkanScenes, StatisticsReportLocationOfMemory)
 {
   Scene scene(embree);
   const SmallScene instanced(embree);
@@ -224,11 +250,12 @@ TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
   rtcGetVulkanSceneStatistics(copy.get(), &copied);
   EXPECT_EQ(copied.importedBytes, 0u);
   EXPECT_EQ(copied.numInstances, 2u);
-  EXPECT_EQ(copied.numGeometries, 5u) << "three, and two of the instanced scene, which is there once";
+  EXPECT_EQ(copied.numGeometries, 5u) << "three, and two of the instanced scene, which is stored once";
   EXPECT_EQ(copied.numBlocks, 4u*4);
   EXPECT_GT(copied.numNodes, 0u);
   EXPECT_GT(copied.topLevelBytes, 0u);
-  EXPECT_GE(copied.deviceBytes, copied.topLevelBytes + statisticsOf(instanced).frameBytes + statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
+  EXPECT_GE(copied.deviceBytes, copied.topLevelBytes + statisticsOf(instanced).frameBytes +
+                                  statisticsOf(instanced).nodeBytes + statisticsOf(instanced).leafBytes);
   EXPECT_EQ(copied.stackSize % 32, 0u);
   EXPECT_NE(rtcGetVulkanSceneAddress(copy.get()), 0u);
   EXPECT_EQ(rtcGetVulkanSceneAddress(copy.get()) % 16, 0u);
@@ -247,10 +274,10 @@ TEST_F(VulkanScenes, StatisticsSayWhereMemoryIs)
   EXPECT_TRUE(areSame(traceAll(again.get(), rays), traced));
 }
 
-// What was sent is what the surfaces take that the device had not, and the scene's own tree.
-TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceChanged)
+// The transferred bytes are those of surfaces that the device did not have, and of the scene's tree.
+TEST_F(VulkanScenes, BlocksAreTransferredOnceAndAgainOnlyAfterChanges)
 {
-  for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and that have their own
+  for (unsigned rate : {16u, 512u}) { // surfaces that share a buffer, and surfaces with their own buffers
     SCOPED_TRACE(testing::Message() << "rate " << rate);
     SurfaceSettings settings = smallSurface(RTC_COMPRESSION_VERT);
     Displacement displacement;
@@ -269,14 +296,19 @@ TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceCha
       return statistics.sentBytes - statistics.topLevelBytes;
     };
     const std::vector<RTCRayHit> rays = raysFromAbove();
-    auto expectHits = [&](const VulkanScene& scene, RTCScene of) { expectAsOnTheCPU(of, rays, traceAll(scene.get(), rays)); };
+    auto expectHits = [&](const VulkanScene& scene, RTCScene of) {
+      expectAsOnTheCPU(of, rays, traceAll(scene.get(), rays));
+    };
 
     VulkanScene all = upload(*first, RTC_VULKAN_MEMORY_COPY);
     ASSERT_TRUE(all) << embree.message;
-    auto blockBytes = [](RTCScene scene) { const RTCCompressionStatistics s = statisticsOf(scene); return s.frameBytes + s.nodeBytes + s.leafBytes; };
+    auto blockBytes = [](RTCScene scene) {
+      const RTCCompressionStatistics s = statisticsOf(scene);
+      return s.frameBytes + s.nodeBytes + s.leafBytes;
+    };
     const size_t bytes = blockBytes(*first), ofA = blockBytes(*second);
-    EXPECT_GE(sent(all), bytes*9/10); // without what lies between blocks on the host
-    const size_t ofTheScene = 1024; // geometries and the like
+    EXPECT_GE(sent(all), bytes*9/10); // without the padding between blocks on the host
+    const size_t ofTheScene = 1024; // geometries and similar data
     const VulkanScene shared = upload(*second, RTC_VULKAN_MEMORY_COPY), again = upload(*first, RTC_VULKAN_MEMORY_COPY);
     EXPECT_LT(sent(shared), ofTheScene);
     EXPECT_LT(sent(again), ofTheScene);
@@ -297,12 +329,12 @@ TEST_F(VulkanScenes, BlocksAreSentOnceForAllScenesAndAgainOnlyWhereTheSurfaceCha
     expectHits(changed, *first);
     expectHits(shared, *second);
     changed.reset();
-    first.reset(); // a's blocks live on in the second
+    first.reset(); // a's blocks are still used by the second scene
     expectHits(shared, *second);
   }
 }
 
-TEST_F(VulkanScenes, WhatNoSceneHasAnyMoreIsSentAgain)
+TEST_F(VulkanScenes, BlocksWithoutASceneAreTransferredAgain)
 {
   const SmallScene scene(embree, RTC_COMPRESSION_VERT);
   RTCVulkanSceneStatistics before, after;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays of tests on a Vulkan device. */
+/* Traces rays of tests on a Vulkan device. */
 
 #include "validated_device.h"
 
@@ -14,13 +14,15 @@ namespace cbvh::test {
 inline void intersectOnDevice(const VulkanScene& scene, std::vector<RTCRayHit>& rays)
 {
   RTCVulkanTrace trace = rtcStartVulkanIntersect(scene.get(), rays.data(), rays.size());
-  if (!trace || !rtcWaitVulkanTrace(trace, rays.data(), nullptr)) throw std::runtime_error("tracing on the Vulkan device failed");
+  if (!trace || !rtcWaitVulkanTrace(trace, rays.data(), nullptr))
+    throw std::runtime_error("tracing on the Vulkan device failed");
 }
 
 inline void occludedOnDevice(const VulkanScene& scene, std::vector<RTCRay>& rays)
 {
   RTCVulkanTrace trace = rtcStartVulkanOccluded(scene.get(), rays.data(), rays.size());
-  if (!trace || !rtcWaitVulkanTrace(trace, rays.data(), nullptr)) throw std::runtime_error("tracing on the Vulkan device failed");
+  if (!trace || !rtcWaitVulkanTrace(trace, rays.data(), nullptr))
+    throw std::runtime_error("tracing on the Vulkan device failed");
 }
 
 } // namespace cbvh::test

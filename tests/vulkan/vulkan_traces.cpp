@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The ways to trace, from the host and in commands of the application's, one at a time and several. */
+/* The ways to trace: from the host and in the application's command buffers, one at a time and several at once. */
 
 #include "api_fixture.h"
 #include "recorded_trace.h"
@@ -14,9 +14,9 @@ namespace {
 
 using VulkanTraces = VulkanAPI;
 
-// --- what is traced ----------------------------------------------------------------------------------
+// --- input -------------------------------------------------------------------------------------------
 
-TEST_F(VulkanTraces, EmptyScenesTraceNothing)
+TEST_F(VulkanTraces, EmptyScenesHaveNoHits)
 {
   const std::vector<RTCRayHit> rays = raysFromAbove();
   const std::vector<RTCRay> shadowRays = withoutHits(rays);
@@ -42,7 +42,7 @@ TEST_F(VulkanTraces, EmptyScenesTraceNothing)
     }
 }
 
-TEST_F(VulkanTraces, NoRaysAreTracedAtOnce)
+TEST_F(VulkanTraces, ZeroRaysFinishImmediately)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -57,7 +57,7 @@ TEST_F(VulkanTraces, NoRaysAreTracedAtOnce)
   });
 }
 
-TEST_F(VulkanTraces, RaysThatAreInactiveAreLeftAlone)
+TEST_F(VulkanTraces, InactiveRaysAreUnchanged)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -65,7 +65,8 @@ TEST_F(VulkanTraces, RaysThatAreInactiveAreLeftAlone)
   std::vector<RTCRayHit> rays = raysFromAbove();
   const std::vector<RTCRayHit> hits = traceAll(uploaded.get(), rays);
   const size_t active = rays.size();
-  for (const auto& [tnear, tfar] : {std::make_pair(0.0f, -inf), std::make_pair(7.0f, 6.0f), std::make_pair(inf, 0.0f), std::make_pair(0.0f, -1.0f)}) {
+  for (const auto& [tnear, tfar] : {std::make_pair(0.0f, -inf), std::make_pair(7.0f, 6.0f), std::make_pair(inf, 0.0f),
+                                    std::make_pair(0.0f, -1.0f)}) {
     RTCRayHit ray = rays[0];
     ray.ray.tnear = tnear;
     ray.ray.tfar = tfar;
@@ -76,7 +77,7 @@ TEST_F(VulkanTraces, RaysThatAreInactiveAreLeftAlone)
   const std::vector<RTCRayHit> traced = traceAll(uploaded.get(), rays);
   std::vector<RTCRayHit> expected = hits;
   expected.insert(expected.end(), rays.begin() + ptrdiff_t(active), rays.end());
-  EXPECT_TRUE(areSame(traced, expected)) << "the others are traced, those are the same to the last bit";
+  EXPECT_TRUE(areSame(traced, expected)) << "active rays are traced, inactive ones are unchanged";
   const std::vector<RTCRay> shadowRays = withoutHits(rays);
   std::vector<RTCRay> occluded = shadowRays;
   EXPECT_TRUE(trace(uploaded.get(), occluded));
@@ -88,7 +89,7 @@ TEST_F(VulkanTraces, RaysThatAreInactiveAreLeftAlone)
 
 // --- ways to trace -------------------------------------------------------------------------------------
 
-TEST_F(VulkanTraces, ARecordedTraceGivesWhatOneFromTheHostGives)
+TEST_F(VulkanTraces, RecordedTraceMatchesTraceFromHost)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -98,14 +99,15 @@ TEST_F(VulkanTraces, ARecordedTraceGivesWhatOneFromTheHostGives)
   std::vector<RTCRay> shadowRays = withoutHits(rays), occluded = shadowRays;
   ASSERT_TRUE(trace(uploaded.get(), occluded));
 
-  // both in one command buffer, the second part of the rays apart from the first
+  // both traces in one command buffer, with separate parts of the rays
   RecordedTrace recorded(vulkan->handles);
   RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit));
   RayBuffer any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
   const size_t first = 64;
   recorded.record([&](VkCommandBuffer commands) {
     EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address, first));
-    EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address + first*sizeof(RTCRayHit), rays.size() - first));
+    EXPECT_TRUE(rtcRecordVulkanIntersect(uploaded.get(), commands, closest.address + first*sizeof(RTCRayHit),
+                                         rays.size() - first));
     EXPECT_TRUE(rtcRecordVulkanOccluded(uploaded.get(), commands, any.address, shadowRays.size()));
   });
   recorded.submitAndWait();
@@ -113,7 +115,7 @@ TEST_F(VulkanTraces, ARecordedTraceGivesWhatOneFromTheHostGives)
   EXPECT_EQ(std::memcmp(any.mapped, occluded.data(), occluded.size()*sizeof(RTCRay)), 0);
 }
 
-TEST_F(VulkanTraces, ATraceInOrderGivesWhatOneWithoutGives)
+TEST_F(VulkanTraces, SortedTraceMatchesUnsortedTrace)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -136,12 +138,16 @@ TEST_F(VulkanTraces, ATraceInOrderGivesWhatOneWithoutGives)
   RecordedTrace recorded(vulkan->handles);
   const size_t bytes = rtcGetVulkanRayOrderBytes(rays.size());
   const std::vector<char> nothing(bytes, 0x55);
-  RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit)), any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
+  RayBuffer closest(vulkan->handles, rays.data(), rays.size()*sizeof(RTCRayHit)),
+    any(vulkan->handles, shadowRays.data(), shadowRays.size()*sizeof(RTCRay));
   RayBuffer orders[2] = {{vulkan->handles, nothing.data(), bytes}, {vulkan->handles, nothing.data(), bytes}};
   recorded.record([&](VkCommandBuffer commands) {
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, closest.address, sizeof(RTCRayHit), rays.size(), orders[0].address));
-    EXPECT_TRUE(rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, closest.address, rays.size(), orders[0].address));
-    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, any.address, sizeof(RTCRay), rays.size(), orders[1].address));
+    EXPECT_TRUE(rtcRecordVulkanRayOrder(uploaded.get(), commands, closest.address, sizeof(RTCRayHit), rays.size(),
+                                        orders[0].address));
+    EXPECT_TRUE(
+      rtcRecordVulkanIntersectInOrder(uploaded.get(), commands, closest.address, rays.size(), orders[0].address));
+    EXPECT_TRUE(
+      rtcRecordVulkanRayOrder(uploaded.get(), commands, any.address, sizeof(RTCRay), rays.size(), orders[1].address));
     EXPECT_TRUE(rtcRecordVulkanOccludedInOrder(uploaded.get(), commands, any.address, rays.size(), orders[1].address));
   });
   recorded.submitAndWait();
@@ -149,7 +155,7 @@ TEST_F(VulkanTraces, ATraceInOrderGivesWhatOneWithoutGives)
   EXPECT_EQ(std::memcmp(any.mapped, occluded.data(), occluded.size()*sizeof(RTCRay)), 0);
 }
 
-TEST_F(VulkanTraces, SeveralTracesAreInFlightAtOnce)
+TEST_F(VulkanTraces, SeveralTracesAreInFlight)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene), other = upload(scene, RTC_VULKAN_MEMORY_COPY);
@@ -161,7 +167,7 @@ TEST_F(VulkanTraces, SeveralTracesAreInFlightAtOnce)
     std::vector<RTCRayHit> read = rays.back();
     traces.push_back(rtcStartVulkanIntersect(i % 2 ? uploaded.get() : other.get(), read.data(), read.size()));
     ASSERT_TRUE(traces.back()) << embree.message;
-    std::memset(read.data(), 0xFF, read.size()*sizeof(RTCRayHit)); // it was read at once
+    std::memset(read.data(), 0xFF, read.size()*sizeof(RTCRayHit)); // the rays were already read
   }
   for (int i : {3, 7, 0, 1, 6, 5, 2, 4}) {
     std::vector<RTCRayHit> traced(rays[size_t(i)].size());
@@ -174,7 +180,7 @@ TEST_F(VulkanTraces, SeveralTracesAreInFlightAtOnce)
   }
 }
 
-TEST_F(VulkanTraces, RaysThatNobodyWantsAreTracedAndReleased)
+TEST_F(VulkanTraces, TracesCanBeReleasedWithoutWaiting)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);
@@ -183,7 +189,7 @@ TEST_F(VulkanTraces, RaysThatNobodyWantsAreTracedAndReleased)
   EXPECT_TRUE(rtcWaitVulkanTrace(trace, nullptr, nullptr)) << embree.message;
 }
 
-TEST_F(VulkanTraces, ThreadsTraceOneSceneAtOnce)
+TEST_F(VulkanTraces, ThreadsTraceOneSceneConcurrently)
 {
   const SmallScene scene(embree);
   const VulkanScene uploaded = upload(scene);

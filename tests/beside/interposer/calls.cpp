@@ -1,10 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A program on Embree 4 that uses of subdivision geometry what there is: it is run without the interposer, keeps its hits in a file, and is run with it, where
- * they have to be the same but for the lattice's rounding. It knows nothing of us: of host.h it takes what is Embree's.
+/* A program that uses all features of Embree 4 for subdivision geometry. The first run, without the interposer, stores
+ * its hits in a file. The second run, with the interposer, must have the same hits except for the rounding to the
+ * lattice. The program does not depend on our code: it uses only the parts of host.h for Embree.
  *
- *   calls FILE          the first time it writes, the second it compares */
+ *   calls FILE          writes FILE if it does not exist, otherwise compares with it */
 
 #include "../host.h"
 
@@ -19,7 +20,7 @@ using host::Vec;
 
 namespace {
 
-/* --- hits, kept and compared ----------------------------------------------------------------- */
+/* --- stored hits ----------------------------------------------------------------------------- */
 
 struct Kept
 {
@@ -45,15 +46,16 @@ public:
     Vec Ng = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
     const float length = std::sqrt(Ng[0]*Ng[0] + Ng[1]*Ng[1] + Ng[2]*Ng[2]);
     for (float& x : Ng) x = length > 0 ? x/length : 0;
-    const Kept kept = host::isHit(ray) ? Kept{ray.hit.geomID, ray.hit.primID, ray.hit.instID[0], ray.hit.instPrimID[0], ray.ray.tfar, ray.hit.u, ray.hit.v, Ng}
+    const Kept kept = host::isHit(ray) ? Kept{ray.hit.geomID, ray.hit.primID, ray.hit.instID[0], ray.hit.instPrimID[0],
+                                              ray.ray.tfar, ray.hit.u, ray.hit.v, Ng}
                                        : Kept{ray.hit.geomID, 0, 0, 0, ray.ray.tfar, 0, 0, {0, 0, 0}};
     now.push_back(kept);
     if (!numbersMatter && host::isHit(ray)) now.back().geomID = 0;
   }
 
-  bool numbersMatter = true;   // of geometry
+  bool numbersMatter = true;   // compare IDs of geometries
 
-  /* From here on hits are of another use. */
+  /* Begins a new section of hits. */
   void begin(const char* use) { uses.push_back({use, now.size()}); }
 
   void conclude()
@@ -66,7 +68,8 @@ public:
     }
     CHECK(before.size() == now.size());
     uses.push_back({"", now.size()});
-    for (size_t i = 0; i + 1 < uses.size(); i++) compare(uses[i].first, uses[i].second, std::min(before.size(), uses[i + 1].second));
+    for (size_t i = 0; i + 1 < uses.size(); i++)
+      compare(uses[i].first, uses[i].second, std::min(before.size(), uses[i + 1].second));
   }
 
 private:
@@ -77,15 +80,19 @@ private:
     for (size_t i = begin; i < end; i++) {
       const Kept &a = before[i], &b = now[i];
       hits += a.geomID != RTC_INVALID_GEOMETRY_ID;
-      const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.instID == b.instID && a.instPrimID == b.instPrimID && std::abs(a.u - b.u) < 0.01f && std::abs(a.v - b.v) < 0.01f;
+      const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.instID == b.instID &&
+                          a.instPrimID == b.instPrimID && std::abs(a.u - b.u) < 0.01f && std::abs(a.v - b.v) < 0.01f;
       others += !isSame;
       if (!isSame || a.geomID == RTC_INVALID_GEOMETRY_ID || std::isinf(a.t)) continue;
       distance = std::max(distance, std::abs(a.t - b.t));
       turned += a.Ng[0]*b.Ng[0] + a.Ng[1]*b.Ng[1] + a.Ng[2]*b.Ng[2] < 0.95f;
     }
-    std::printf("%-14s %6zu rays, %6zu hits: %3zu of another surface, face or place, %zu with another normal; distances differ by %g at most\n", use, end - begin, hits, others, turned, double(distance));
+    std::printf(
+      "%-14s %6zu rays, %6zu hits: %3zu with another surface, face or position, %zu with another normal; distances "
+      "differ by %g at most\n",
+      use, end - begin, hits, others, turned, double(distance));
     CHECK(hits > 0);
-    CHECK(others*500 < hits);   // at silhouettes, and between faces
+    CHECK(others*500 < hits);   // at silhouettes and between faces
     CHECK(turned*500 < hits);
   }
 
@@ -94,17 +101,17 @@ private:
   std::vector<std::pair<const char*, size_t>> uses;
 };
 
-/* --- what applications do ------------------------------------------------------------------- */
+/* --- features that applications use ---------------------------------------------------------- */
 
 struct Context
 {
   RTCRayQueryContext context;
-  unsigned magic = 4711, numCalls = 0;   // an application's own behind Embree's
+  unsigned magic = 4711, numCalls = 0;   // the application's members after Embree's
 };
 
 int userData;
 
-/* Faces of odd numbers do not count. */
+/* Rejects hits on odd faces. */
 void refuseOdd(const RTCFilterFunctionNArguments* args)
 {
   CHECK(args->geometryUserPtr == &userData);
@@ -115,7 +122,7 @@ void refuseOdd(const RTCFilterFunctionNArguments* args)
     if (args->valid[i] && RTCHitN_primID(args->hit, args->N, i) % 2 == 1) args->valid[i] = 0;
 }
 
-/* One side does not count. */
+/* Rejects hits on one side. */
 void refuseLeft(const RTCFilterFunctionNArguments* args)
 {
   Context& context = *(Context*)args->context;
@@ -125,9 +132,12 @@ void refuseLeft(const RTCFilterFunctionNArguments* args)
     if (args->valid[i] && RTCHitN_u(args->hit, args->N, i) < 0.5f) args->valid[i] = 0;
 }
 
-/* A user geometry whose function comes with the query: a square at z = 1.5. */
+/* A user geometry whose intersection function is passed with the query: a square at z = 1.5. */
 char squareData;
-void boundSquare(const RTCBoundsFunctionArguments* args) { *args->bounds_o = {-0.3f, -0.3f, 1.5f, 0, 0.3f, 0.3f, 1.5f, 0}; }
+void boundSquare(const RTCBoundsFunctionArguments* args)
+{
+  *args->bounds_o = {-0.3f, -0.3f, 1.5f, 0, 0.3f, 0.3f, 1.5f, 0};
+}
 void intersectSquare(const RTCIntersectFunctionNArguments* args)
 {
   CHECK(args->geometryUserPtr == &squareData);
@@ -136,8 +146,11 @@ void intersectSquare(const RTCIntersectFunctionNArguments* args)
     RTCHitN* const hit = RTCRayHitN_HitN(args->rayhit, args->N);
     if (!args->valid[i]) continue;
     const float t = (1.5f - RTCRayN_org_z(ray, args->N, i))/RTCRayN_dir_z(ray, args->N, i);
-    const float x = RTCRayN_org_x(ray, args->N, i) + t*RTCRayN_dir_x(ray, args->N, i), y = RTCRayN_org_y(ray, args->N, i) + t*RTCRayN_dir_y(ray, args->N, i);
-    if (!(t > RTCRayN_tnear(ray, args->N, i) && t < RTCRayN_tfar(ray, args->N, i)) || std::abs(x) > 0.3f || std::abs(y) > 0.3f) continue;
+    const float x = RTCRayN_org_x(ray, args->N, i) + t*RTCRayN_dir_x(ray, args->N, i),
+                y = RTCRayN_org_y(ray, args->N, i) + t*RTCRayN_dir_y(ray, args->N, i);
+    if (!(t > RTCRayN_tnear(ray, args->N, i) && t < RTCRayN_tfar(ray, args->N, i)) || std::abs(x) > 0.3f ||
+        std::abs(y) > 0.3f)
+      continue;
     RTCRayN_tfar(ray, args->N, i) = t;
     RTCHitN_geomID(hit, args->N, i) = args->geomID;
     RTCHitN_primID(hit, args->N, i) = args->primID;
@@ -214,9 +227,18 @@ void Program::shootPackets(RTCScene scene, Queries& queries)
     valid[i] = i % 3 != 1 ? -1 : 0;
   }
   shadows = packet.ray;
-  if constexpr (N == 4) { rtcIntersect4(valid, scene, &packet, &queries.intersect); rtcOccluded4(valid, scene, &shadows, &queries.occluded); }
-  if constexpr (N == 8) { rtcIntersect8(valid, scene, &packet, &queries.intersect); rtcOccluded8(valid, scene, &shadows, &queries.occluded); }
-  if constexpr (N == 16) { rtcIntersect16(valid, scene, &packet, &queries.intersect); rtcOccluded16(valid, scene, &shadows, &queries.occluded); }
+  if constexpr (N == 4) {
+    rtcIntersect4(valid, scene, &packet, &queries.intersect);
+    rtcOccluded4(valid, scene, &shadows, &queries.occluded);
+  }
+  if constexpr (N == 8) {
+    rtcIntersect8(valid, scene, &packet, &queries.intersect);
+    rtcOccluded8(valid, scene, &shadows, &queries.occluded);
+  }
+  if constexpr (N == 16) {
+    rtcIntersect16(valid, scene, &packet, &queries.intersect);
+    rtcOccluded16(valid, scene, &shadows, &queries.occluded);
+  }
   for (unsigned i = 0; i < N; i++) {
     RTCRayHit one = rays[i];
     one.ray.tfar = packet.ray.tfar[i];
@@ -262,7 +284,7 @@ void Program::plain()
   CHECK(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) != nullptr);
   CHECK(rtcGetGeometryNextHalfEdge(geometry, 3) == 0);
   CHECK(rtcGetGeometryFace(geometry, 5) == 1);
-  rtcReleaseGeometry(geometry);   // the scene has it
+  rtcReleaseGeometry(geometry);   // the scene holds a reference
   float P[3] = {0, 0, 0};
   rtcInterpolate0(rtcGetGeometry(scene, 7), 1, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, P, 3);
   CHECK(P[2] > 0.3f && P[2] < 0.8f);
@@ -293,7 +315,7 @@ void Program::filters()
   both.intersect.filter = both.occluded.filter = neither.intersect.filter = neither.occluded.filter = refuseLeft;
   both.intersect.flags = both.occluded.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
   shoot(scene, both);
-  shoot(scene, neither);   // it is not enabled
+  shoot(scene, neither);   // the geometry is not enabled
 
   rtcSetGeometryIntersectFilterFunction(geometry, nullptr);
   rtcSetGeometryOccludedFilterFunction(geometry, nullptr);
@@ -324,8 +346,14 @@ void Program::userGeometry()
   RTCPointQuery point = {0.1f, 0.1f, 1, 0, 2};
   RTCPointQueryContext pointContext;
   rtcInitPointQueryContext(&pointContext);
-  rtcPointQuery(scene, &point, &pointContext, [](RTCPointQueryFunctionArguments* args) { ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID); return false; }, &near);
-  CHECK(near == std::vector<unsigned>{0});   // Embree does not tell of subdivision surfaces
+  rtcPointQuery(
+    scene, &point, &pointContext,
+    [](RTCPointQueryFunctionArguments* args) {
+      ((std::vector<unsigned>*)args->userPtr)->push_back(args->geomID);
+      return false;
+    },
+    &near);
+  CHECK(near == std::vector<unsigned>{0});   // Embree does not call the function for subdivision surfaces
   Queries queries;
   queries.intersect.intersect = intersectSquare;
   queries.occluded.occluded = occludedSquare;
@@ -355,7 +383,8 @@ void Program::masks()
 
 void Program::instances()
 {
-  const RTCGeometry geometry = newCube(), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE), array = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE_ARRAY);
+  const RTCGeometry geometry = newCube(), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE),
+                    array = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE_ARRAY);
   const RTCScene inner = newScene(geometry, 2), outer = rtcNewScene(device);
   rtcReleaseGeometry(geometry);
   const float place[12] = {0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f, 0.4f, 0, 0};
@@ -364,11 +393,12 @@ void Program::instances()
   rtcSetGeometryMask(instance, ~0u);
   rtcCommitGeometry(instance);
   rtcSetGeometryInstancedScene(array, inner);
-  float* const places = (float*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, 48, 2);
+  float* const places = (float*)rtcSetNewGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0,
+                                                        RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, 48, 2);
   for (int i = 0; i < 24; i++) places[i] = place[i % 12] - (i % 12 == 9 ? 0.9f : 0) + (i == 22 ? 0.8f : 0);
   rtcSetGeometryMask(array, ~0u);
   rtcCommitGeometry(array);
-  rtcReleaseScene(inner);   // the instances have it
+  rtcReleaseScene(inner);   // the instances hold references
   rtcAttachGeometry(outer, instance);
   rtcAttachGeometry(outer, array);
   rtcReleaseGeometry(instance);
@@ -382,7 +412,7 @@ void Program::edits()
 {
   const RTCGeometry geometry = newCube();
   const RTCScene scene = newScene(geometry, 3), other = newScene(geometry, 5);
-  rtcAttachGeometryByID(scene, geometry, 9);   // and once more
+  rtcAttachGeometryByID(scene, geometry, 9);   // attached a second time
   rtcCommitScene(scene);
   hits.numbersMatter = false;
   shoot(scene);
@@ -406,12 +436,13 @@ void Program::edits()
   rtcCommitScene(scene);
   shoot(scene);
 
-  /* what is left to Embree, and comes back */
+  /* a geometry that changes to Embree's kernel and back */
   unsigned* const indices = (unsigned*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
   CHECK(indices[4] == 4);
   unsigned* const faces = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 5);
-  for (int i = 0; i < 5; i++) faces[i] = 4;   // a side is open
-  for (const RTCSubdivisionMode mode : {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_NO_BOUNDARY}) {
+  for (int i = 0; i < 5; i++) faces[i] = 4;   // one side is open
+  for (const RTCSubdivisionMode mode :
+       {RTC_SUBDIVISION_MODE_NO_BOUNDARY, RTC_SUBDIVISION_MODE_PIN_CORNERS, RTC_SUBDIVISION_MODE_NO_BOUNDARY}) {
     rtcSetGeometrySubdivisionMode(geometry, 0, mode);
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
@@ -430,8 +461,11 @@ void Program::motion()
   const host::Cube cube;
   const RTCGeometry geometry = newCube();
   rtcSetGeometryTimeStepCount(geometry, 2);
-  rtcSetGeometryTimeRange(geometry, 0, 1);   // Embree 4.3.3 itself draws subdivision surfaces outside of others, too
-  for (unsigned i = 0; i < 2; i++) rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, cube.vertices[i].data(), 0, 12, 8);
+  // Embree 4.3.3 itself shows subdivision surfaces outside of other time ranges, too
+  rtcSetGeometryTimeRange(geometry, 0, 1);
+  for (unsigned i = 0; i < 2; i++)
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, cube.vertices[i].data(), 0, 12,
+                               8);
   rtcCommitGeometry(geometry);
   const RTCScene scene = newScene(geometry);
   shoot(scene);
@@ -453,10 +487,10 @@ void Program::cancelling()
   rtcCommitScene(scene);
   shoot(scene);
 
-  /* A commit of several threads is cancelled for all: those that wait for the one that builds do not begin again. */
+  /* If a commit of several threads is canceled, it is canceled for all: waiting threads do not start again. */
   struct Joined
   {
-    std::atomic<int> waiting{0}, calls{0}, cancelled{0};
+    std::atomic<int> waiting{0}, calls{0}, canceled{0};
   } joined;
   rtcSetSceneProgressMonitorFunction(scene, [](void* ptr, double) {
     Joined& joined = *(Joined*)ptr;
@@ -471,10 +505,10 @@ void Program::cancelling()
     all.emplace_back([&] {
       joined.waiting++;
       rtcJoinCommitScene(scene);
-      if (rtcGetDeviceError(device) == RTC_ERROR_CANCELLED) joined.cancelled++;
+      if (rtcGetDeviceError(device) == RTC_ERROR_CANCELLED) joined.canceled++;
     });
   for (std::thread& thread : all) thread.join();
-  CHECK(joined.cancelled > 0);
+  CHECK(joined.canceled > 0);
   RTCBounds bounds;
   rtcGetSceneBounds(scene, &bounds);
   CHECK(rtcGetDeviceError(device) == RTC_ERROR_INVALID_OPERATION); // the scene was not committed
@@ -486,7 +520,7 @@ void Program::cancelling()
   rtcReleaseScene(scene);
 }
 
-/* A sheet of 200 x 200 quads, as a grid, as quads, and as triangles: what the interposer takes where it is asked to. */
+/* A sheet of 200 x 200 quads as a grid, quads and triangles, which the interposer compresses on request. */
 void Program::meshes()
 {
   const unsigned size = 200, width = size + 1;
@@ -496,17 +530,23 @@ void Program::meshes()
       const float s = 2*float(x)/float(size) - 1, t = 2*float(y)/float(size) - 1;
       vertices.push_back({s, t, 0.2f*std::sin(5*s)*std::cos(4*t)});
     }
-  vertices.push_back({0, 0, 0}); // what is read behind the last one
+  vertices.push_back({0, 0, 0}); // padding after the last vertex, which may be read
   for (const RTCGeometryType type : {RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE}) {
     const RTCGeometry geometry = rtcNewGeometry(device, type);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12, width*width);
-    if (type == RTC_GEOMETRY_TYPE_GRID) *(RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid), 1) = {0, width, width, width};
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, 12,
+                               width*width);
+    if (type == RTC_GEOMETRY_TYPE_GRID)
+      *(RTCGrid*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid),
+                                         1) = {0, width, width, width};
     else {
       const bool isQuad = type == RTC_GEOMETRY_TYPE_QUAD;
-      unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, isQuad ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, isQuad ? 16 : 12, (isQuad ? 1 : 2)*size*size);
+      unsigned* indices = (unsigned*)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                                                             isQuad ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
+                                                             isQuad ? 16 : 12, (isQuad ? 1 : 2)*size*size);
       for (unsigned y = 0; y < size; y++)
         for (unsigned x = 0; x < size; x++) {
-          const unsigned a = y*width + x, quad[4] = {a, a + 1, a + width + 1, a + width}, triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
+          const unsigned a = y*width + x, quad[4] = {a, a + 1, a + width + 1, a + width},
+                         triangles[6] = {a, a + 1, a + width, a + width + 1, a + width, a + 1};
           for (unsigned i = 0; i < (isQuad ? 4u : 6u); i++) *indices++ = isQuad ? quad[i] : triangles[i];
         }
     }
@@ -520,7 +560,7 @@ void Program::meshes()
   }
 }
 
-/* Whoever lets go last, all goes. */
+/* All memory is freed, independently of the order of releases. */
 void Program::releases()
 {
   const auto peak = [] {
@@ -544,9 +584,14 @@ void Program::releases()
     if (i % 3 == 0) rtcDetachGeometry(outer, 0);
     rtcReleaseGeometry(instance);
     rtcReleaseScene(outer);
-    if (i % 2 == 0) { rtcDetachGeometry(inner, 0); rtcReleaseScene(inner); rtcReleaseGeometry(geometry); rtcReleaseScene(inner); }
+    if (i % 2 == 0) {
+      rtcDetachGeometry(inner, 0);
+      rtcReleaseScene(inner);
+      rtcReleaseGeometry(geometry);
+      rtcReleaseScene(inner);
+    }
   }
-  CHECK(peak() - before < 16 << 10);   // KiB: a third of what three hundred take
+  CHECK(peak() - before < 16 << 10);   // KiB: a third of the memory of three hundred objects
 }
 
 void Program::threads()
@@ -587,8 +632,10 @@ void Program::threads()
 void Program::run()
 {
   const std::pair<const char*, void (Program::*)()> uses[] = {
-    {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry}, {"masks", &Program::masks}, {"instances", &Program::instances},
-    {"edits", &Program::edits}, {"motion", &Program::motion}, {"meshes", &Program::meshes}, {"threads", &Program::threads}, {"cancelling", &Program::cancelling}};
+    {"plain", &Program::plain}, {"filters", &Program::filters}, {"user geometry", &Program::userGeometry},
+    {"masks", &Program::masks}, {"instances", &Program::instances}, {"edits", &Program::edits},
+    {"motion", &Program::motion}, {"meshes", &Program::meshes}, {"threads", &Program::threads},
+    {"cancelling", &Program::cancelling}};
   releases();
   for (const auto& use : uses) {
     hits.begin(use.first);

@@ -1,7 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* differ A.ppm B.ppm: how many pixels differ, and how many of them by more than 8 of 255, which are a thousandth at most where it ends well. */
+/* differ A.ppm B.ppm: prints the number of differing pixels, and of pixels that differ by more than 8 of 255. Succeeds
+ * if the latter are at most 0.1%. */
 
 #include <algorithm>
 #include <cstdio>
@@ -26,7 +27,7 @@ struct Picture
 private:
   [[noreturn]] static void fail(const char* path)
   {
-    std::fprintf(stderr, "%s is no picture\n", path);
+    std::fprintf(stderr, "%s: expected a PPM picture\n", path);
     std::exit(2);
   }
 };
@@ -47,5 +48,5 @@ int main(int argc, char** argv)
     much += most > 8;
   }
   std::printf("%zu of %zu, %zu\n", differing, a.values.size()/3, much);
-  return much*1000 <= a.values.size()/3 && lit > 0 ? 0 : 1; // and something is to be seen
+  return much*1000 <= a.values.size()/3 && lit > 0 ? 0 : 1; // and the picture is not black
 }

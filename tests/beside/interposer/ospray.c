@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A picture by OSPRay 3 of its subdivision geometry: what the interposer is judged by. It knows nothing of us.
+/* Renders subdivision geometry with OSPRay 3, for tests of the interposer. Does not depend on our code.
  *
  *   ospray RENDERER LEVEL PICTURE.ppm [colors|faces|texcoords|boxes|instances] */
 
@@ -80,7 +80,8 @@ static OSPTexture board(void)
   OSPTexture texture = ospNewTexture("texture2d");
   ospSetUInt(texture, "format", OSP_TEXTURE_RGB8);
   ospSetUInt(texture, "filter", OSP_TEXTURE_FILTER_NEAREST);
-  OSPData shared = ospNewSharedData(texels, OSP_VEC3UC, 2, 0, 2, 0, 1, 0, NULL, NULL), copy = ospNewData(OSP_VEC3UC, 2, 2, 1);
+  OSPData shared = ospNewSharedData(texels, OSP_VEC3UC, 2, 0, 2, 0, 1, 0, NULL, NULL),
+          copy = ospNewData(OSP_VEC3UC, 2, 2, 1);
   ospCopyData(shared, copy, 0, 0, 0);
   ospCommit(copy);
   ospSetObject(texture, "data", copy);
@@ -101,7 +102,8 @@ static OSPGeometricModel model(OSPGeometry geometry, OSPMaterial material)
 int main(int argc, const char** argv)
 {
   const int width = 640, height = 480;
-  const float position[3] = {2.2f, 1.9f, 3}, direction[3] = {-2.2f, -1.9f, -3}, up[3] = {0, 1, 0}, background[4] = {0.2f, 0.25f, 0.3f, 1};
+  const float position[3] = {2.2f, 1.9f, 3}, direction[3] = {-2.2f, -1.9f, -3}, up[3] = {0, 1, 0},
+              background[4] = {0.2f, 0.25f, 0.3f, 1};
   int n = 0;
   if (ospInit(&argc, argv) != OSP_NO_ERROR || argc < 4) return 2;
   ospDeviceSetErrorCallback(ospGetCurrentDevice(), tell, NULL);
@@ -119,7 +121,7 @@ int main(int argc, const char** argv)
   OSPGeometry geometry = cube((float)atof(argv[2]), with);
   OSPGeometricModel models[2] = {model(geometry, material)};
   int numModels = 1;
-  if (strcmp(with, "boxes") == 0) {   /* user geometry of OSPRay's own */
+  if (strcmp(with, "boxes") == 0) {   /* user geometry inside OSPRay */
     const float box[6] = {-0.9f, 0.3f, -0.9f, 0.9f, 0.9f, 0.9f};
     OSPGeometry boxes = ospNewGeometry("box");
     setData(boxes, "box", box, OSP_BOX3F, 1);
@@ -134,12 +136,14 @@ int main(int argc, const char** argv)
   OSPInstance instances[3];
   const int numInstances = strcmp(with, "instances") == 0 ? 3 : 1;
   for (int i = 0; i < numInstances; i++) {
-    const float scale = i ? 0.4f : 1, xfm[12] = {scale, 0, 0, 0, scale, 0, 0, 0, scale, i == 1 ? 1.2f : i == 2 ? -1.2f : 0, i ? 0.5f : 0, 0};
+    const float scale = i ? 0.4f : 1,
+                xfm[12] = {scale, 0, 0, 0, scale, 0, 0, 0, scale, i == 1 ? 1.2f : i == 2 ? -1.2f : 0, i ? 0.5f : 0, 0};
     instances[i] = ospNewInstance(group);
     ospSetParam(instances[i], "transform", OSP_AFFINE3F, xfm);
     ospCommit(instances[i]);
   }
-  OSPLight lights[3] = {light("ambient", 0.4f, 0, 0, 0), light("distant", 2.0f, -1, -2, -1), light("distant", 1.0f, 1, -0.5f, -0.3f)};
+  OSPLight lights[3] = {light("ambient", 0.4f, 0, 0, 0), light("distant", 2.0f, -1, -2, -1),
+                        light("distant", 1.0f, 1, -0.5f, -0.3f)};
   OSPWorld world = ospNewWorld();
   setData(world, "instance", instances, OSP_INSTANCE, (uint64_t)numInstances);
   setData(world, "light", lights, OSP_LIGHT, 3);
@@ -175,7 +179,13 @@ int main(int argc, const char** argv)
   if (fclose(file) != 0 || n != width*height) return 2;
   ospUnmapFrameBuffer(pixels, frame);
 
-  ospRelease(future); ospRelease(frame); ospRelease(renderer); ospRelease(camera); ospRelease(world); ospRelease(material); ospRelease(group);
+  ospRelease(future);
+  ospRelease(frame);
+  ospRelease(renderer);
+  ospRelease(camera);
+  ospRelease(world);
+  ospRelease(material);
+  ospRelease(group);
   for (int i = 0; i < 3; i++) ospRelease(lights[i]);
   for (int i = 0; i < numInstances; i++) ospRelease(instances[i]);
   for (int i = 0; i < numModels; i++) ospRelease(models[i]);

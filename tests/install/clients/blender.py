@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Blender: a subdivided head on a floor, by Cycles, whose rays are Embree's.   ... -- PICTURE"""
+"""Renders a subdivided head on a floor with Blender's Cycles, which uses Embree.   ... -- PICTURE"""
 
 import sys
 
@@ -23,7 +23,7 @@ scene.cycles.seed = 1
 scene.cycles.use_denoising = False
 scene.cycles.use_adaptive_sampling = False
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 240, 160, 100
-scene.render.image_settings.file_format = "BMP"  # has no date
+scene.render.image_settings.file_format = "BMP"  # a format without dates
 scene.render.filepath = sys.argv[sys.argv.index("--") + 1]
 bpy.ops.render.render(write_still=True)
-assert any("libembree3.so.3" in line for line in open("/proc/self/maps")), "Cycles is without Embree"
+assert any("libembree3.so.3" in line for line in open("/proc/self/maps")), "Cycles does not use Embree"

@@ -1,9 +1,9 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Open3D: closest points on a torus, and rays against it, as bytes.   FILE
+"""Writes closest points on a torus and hits of rays, computed by Open3D, as bytes.   FILE
 
-Its rays hit nothing on Debian: they have mask 0, and Debian's Embree has masks.
+The rays hit nothing on Debian: their mask is 0, and Debian's Embree supports masks.
 """
 
 import sys
