@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Operations on four doubles return the same bits as on one double, in registers of any kind, also for NaN, infinity and
- * values that no integer holds. */
+/* Operations on four doubles return the same bits as on one double, in registers of any kind, also for NaN, infinity
+ * and values that no integer holds. */
 
 #include "kernels/cvert/basics/double4.h"
 #include "support/random.h"
@@ -38,7 +38,8 @@ void expectLanes(Double4 found, const Expected& expected, const char* what)
   Lanes lanes;
   found.store(lanes);
   for (int i = 0; i < 4; i++)
-    EXPECT_TRUE(isSame(lanes[i], double(expected(i)))) << what << ", lane " << i << ": " << lanes[i] << ", not " << expected(i);
+    EXPECT_TRUE(isSame(lanes[i], double(expected(i))))
+      << what << ", lane " << i << ": " << lanes[i] << ", not " << expected(i);
 }
 
 template<typename Expected>
