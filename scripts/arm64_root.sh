@@ -50,7 +50,7 @@ for package in "$apt"/cache/archives/*.deb; do
 done
 rm -rf "$apt"
 
-# What installing would do: the one alternative that NumPy needs, and links that stay inside of the folder.
+# In place of the packages' install scripts: the alternative that NumPy needs, and links that stay inside the folder.
 libraries=$folder/usr/lib/aarch64-linux-gnu
 ln -sf blas/libblas.so.3 lapack/liblapack.so.3 "$libraries"
 find "$folder/usr/lib" -type l -lname '/*' | while IFS= read -r link; do

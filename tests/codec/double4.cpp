@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Four doubles at a time have the results that one has, bit by bit, whatever registers they are in: also for NaN, for
- * infinity and for what no integer holds. */
+/* Operations on four doubles return the same bits as on one double, in registers of any kind, also for NaN, infinity
+ * and values that no integer holds. */
 
 #include "kernels/cvert/basics/double4.h"
 #include "support/random.h"
@@ -25,7 +25,7 @@ using Lanes = double[4];
 
 Double4 load(const Lanes& a) { return Double4::load(a); }
 
-// NaN have many forms, which differ from processor to processor.
+// The bits of a NaN differ between processors.
 template<typename T>
 bool isSame(T a, T b)
 {
@@ -37,7 +37,9 @@ void expectLanes(Double4 found, const Expected& expected, const char* what)
 {
   Lanes lanes;
   found.store(lanes);
-  for (int i = 0; i < 4; i++) EXPECT_TRUE(isSame(lanes[i], double(expected(i)))) << what << ", lane " << i << ": " << lanes[i] << ", not " << expected(i);
+  for (int i = 0; i < 4; i++)
+    EXPECT_TRUE(isSame(lanes[i], double(expected(i))))
+      << what << ", lane " << i << ": " << lanes[i] << ", not " << expected(i);
 }
 
 template<typename Expected>
@@ -50,8 +52,8 @@ uint32_t bitsWhere(const Expected& isTrue)
 
 double oddNumber(Random& random)
 {
-  static const double special[] = {0.0, -0.0, 1.0, NAN, INFINITY, -INFINITY, 2147483647.0, 2147483647.5, 2147483648.0, -2147483648.0,
-                                   -2147483648.5, -2147483649.0, 1e300, -1e300, 0.5, -0.5};
+  static const double special[] = {0.0, -0.0, 1.0, NAN, INFINITY, -INFINITY, 2147483647.0, 2147483647.5, 2147483648.0,
+                                   -2147483648.0, -2147483648.5, -2147483649.0, 1e300, -1e300, 0.5, -0.5};
   if (random.chance(0.3)) return special[random.below(sizeof(special)/sizeof(*special))];
   return random.normal()*std::exp2(random.uniform(-40, 40));
 }
@@ -101,12 +103,14 @@ TEST(Double4, EqualsFourDoubles)
     int whole[4];
     cvert::toInt(A).store(whole);
     for (int i = 0; i < 4; i++)
-      EXPECT_EQ(whole[i], a[i] > -2147483649.0 && a[i] < 2147483648.0 ? int(a[i]) : std::numeric_limits<int>::min()) << a[i];
+      EXPECT_EQ(whole[i], a[i] > -2147483649.0 && a[i] < 2147483648.0 ? int(a[i]) : std::numeric_limits<int>::min())
+        << a[i];
     (mask & Int4::load(integers)).store(whole);
     for (int i = 0; i < 4; i++) EXPECT_EQ(whole[i], bits >> i & 1 ? integers[i] : 0);
 
     EXPECT_TRUE(isSame(cvert::crossOf(A, B), a[0]*b[1] - a[1]*b[0]));
-    const double less[2] = {a[0] < a[2] ? a[0] : a[2], a[1] < a[3] ? a[1] : a[3]}, more[2] = {a[0] > a[2] ? a[0] : a[2], a[1] > a[3] ? a[1] : a[3]};
+    const double less[2] = {a[0] < a[2] ? a[0] : a[2], a[1] < a[3] ? a[1] : a[3]};
+    const double more[2] = {a[0] > a[2] ? a[0] : a[2], a[1] > a[3] ? a[1] : a[3]};
     EXPECT_TRUE(isSame(cvert::least(A), less[0] < less[1] ? less[0] : less[1]));
     EXPECT_TRUE(isSame(cvert::greatest(A), more[0] > more[1] ? more[0] : more[1]));
   }
