@@ -4,8 +4,8 @@
 #ifndef CBVH_EMBREE_H
 #define CBVH_EMBREE_H
 
-/* Compressed surfaces in the scenes of the Embree that a renderer has, 3.13 or 4: this header is compiled with the renderer, against that
- * Embree's own, which is to be included before.
+/* Compressed surfaces in the scenes of the Embree that a renderer uses: version 3.13 or 4. The renderer compiles this
+ * header with the headers of its Embree, which it includes first.
  *
  *   #include <embree4/rtcore.h>
  *   #include <cbvh/embree.h>
@@ -13,11 +13,12 @@
  *   RTCGeometry geometry = cbvhNewGeometry(device, group, 0);
  *   rtcAttachGeometry(scene, geometry);
  *
- * It is a geometry of type RTC_GEOMETRY_TYPE_USER with one primitive. A group has to be committed before, and to stay as long as the
- * geometry does; after another commit of it rtcCommitGeometry and rtcCommitScene take the new bounds.
+ * The geometry has the type RTC_GEOMETRY_TYPE_USER and one primitive. The group must be committed before, and must
+ * exist as long as the geometry. After another commit of the group, call rtcCommitGeometry and rtcCommitScene to update
+ * the bounds.
  *
- * The primitives of a group's surfaces are numbered through, one surface behind the other: cbvhFindGroupPrimitive says which surface and which of its
- * primitives a hit's primID is. */
+ * The primIDs of hits number the primitives of all surfaces of the group consecutively. cbvhFindGroupPrimitive
+ * returns the surface and the primitive of such a number. */
 
 #include "cbvh.h"
 
@@ -31,20 +32,21 @@ extern "C" {
 
 enum CbvhGeometryFlags
 {
-  /* Filters that the application set for the geometry are called, of Embree 3 those of contexts too. */
+  /* Calls the filter functions of the geometry. In Embree 3 also those of contexts. */
   CBVH_GEOMETRY_FILTERS = 1,
 #if RTC_VERSION_MAJOR >= 4
-  /* The context of each query that may meet the geometry is a CbvhQueryContext, whose filter is called: Embree 4 does not hand user geometry those of
-   * RTCIntersectArguments. */
+  /* Calls the filter of a CbvhQueryContext, which must be the context of each query that may hit the geometry: Embree 4
+   * does not pass the filter of RTCIntersectArguments to user geometry. */
   CBVH_GEOMETRY_CONTEXT_FILTERS = 2,
 #endif
 };
 
 #if RTC_VERSION_MAJOR >= 4
+/* Query context with a filter function, see CBVH_GEOMETRY_CONTEXT_FILTERS. */
 struct CbvhQueryContext
 {
   struct RTCRayQueryContext context;
-  RTCFilterFunctionN filter;   /* or NULL */
+  RTCFilterFunctionN filter;   /* may be NULL */
 };
 typedef struct RTCRayQueryContext CbvhRTCContext;
 #else
@@ -58,15 +60,20 @@ typedef unsigned int __attribute__((may_alias)) CbvhWord;
 enum CbvhWords
 {
   CBVH_RAY_DIR = 4, CBVH_RAY_TFAR = 8, CBVH_RAY_WORDS = 12,
-  CBVH_HIT_PRIM_ID = 5, CBVH_HIT_GEOM_ID = 6, CBVH_HIT_INST_ID = 7   /* of all levels, and behind them those of primitives of instances */
+  /* instIDs of all levels, followed by the primIDs of instances of all levels */
+  CBVH_HIT_PRIM_ID = 5, CBVH_HIT_GEOM_ID = 6, CBVH_HIT_INST_ID = 7
 };
 
-static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, unsigned int i) { return (CbvhWord*)of + word*N + i; }
+static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, unsigned int i)
+{
+  return (CbvhWord*)of + word*N + i;
+}
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
-/* Writes what a hit has of the application's scene. hits: RTCHitN of N */
-static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID, const CbvhRTCContext* context)
+/* Sets the IDs of a hit to those of the application's scene. hits: RTCHitN of N hits */
+static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID,
+                               const CbvhRTCContext* context)
 {
   const unsigned int surface = *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i);
   unsigned int level;
@@ -84,7 +91,7 @@ static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhG
 
 struct CbvhFilterCall
 {
-  const void* args;    /* of the callback */
+  const void* args;    /* arguments of the callback */
   CbvhGroup group;
   unsigned int geomID;
   CbvhRTCContext* context;
@@ -92,7 +99,8 @@ struct CbvhFilterCall
   int isOcclusion;
 };
 
-/* One hit at a time: the kernels' have IDs of their own, and the application's RTCHit may be longer. */
+/* Calls the application's filters for one hit at a time: IDs must be translated, and the application's RTCHit may be
+ * larger. */
 static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
 {
   const struct CbvhFilterCall* const call = (const struct CbvhFilterCall*)args->userPtr;
@@ -104,8 +112,10 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
     struct RTCHit hit;
     int valid = -1;
     if (args->valid[i] == 0) continue;
-    for (word = 0; word < CBVH_RAY_WORDS; word++) *cbvhWordOf(&ray, 1, word, 0) = *cbvhWordOf(args->rays, args->count, word, i);
-    for (word = 0; word < CBVH_HIT_INST_ID; word++) *cbvhWordOf(&hit, 1, word, 0) = *cbvhWordOf(args->hits, args->count, word, i);
+    for (word = 0; word < CBVH_RAY_WORDS; word++)
+      *cbvhWordOf(&ray, 1, word, 0) = *cbvhWordOf(args->rays, args->count, word, i);
+    for (word = 0; word < CBVH_HIT_INST_ID; word++)
+      *cbvhWordOf(&hit, 1, word, 0) = *cbvhWordOf(args->hits, args->count, word, i);
     cbvhNameHit(&hit, 1, 0, call->group, call->geomID, call->context);
     filter.valid = &valid;
     filter.geometryUserPtr = call->group;
@@ -115,8 +125,10 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
     filter.N = 1;
     if (call->flags & CBVH_GEOMETRY_FILTERS) {
 #if RTC_VERSION_MAJOR >= 4
-      if (call->isOcclusion) rtcInvokeOccludedFilterFromGeometry((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
-      else rtcInvokeIntersectFilterFromGeometry((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
+      if (call->isOcclusion)
+        rtcInvokeOccludedFilterFromGeometry((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
+      else
+        rtcInvokeIntersectFilterFromGeometry((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
 #else
       if (call->isOcclusion) rtcFilterOcclusion((const struct RTCOccludedFunctionNArguments*)call->args, &filter);
       else rtcFilterIntersection((const struct RTCIntersectFunctionNArguments*)call->args, &filter);
@@ -134,7 +146,8 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
 
 /* --- callbacks of the geometry ------------------------------------------------------------ */
 
-/* Packets go together where more than half of their rays count, and these go to the same sides. */
+/* Returns CBVH_QUERY_COHERENT if more than half of the rays of a packet are active and all of these have the same
+ * signs of directions. */
 static inline unsigned int cbvhFlagsOfPacket(void* rays, unsigned int N, const int* valid)
 {
   unsigned int axis, i, count = 0, negative[3] = {0, 0, 0};
@@ -149,7 +162,8 @@ static inline unsigned int cbvhFlagsOfPacket(void* rays, unsigned int N, const i
   return CBVH_QUERY_COHERENT;
 }
 
-static inline void cbvhStartQuery(struct CbvhQuery* query, struct CbvhFilterCall* call, const void* args, CbvhGroup group, unsigned int geomID, CbvhRTCContext* context,
+static inline void cbvhStartQuery(struct CbvhQuery* query, struct CbvhFilterCall* call, const void* args,
+                                  CbvhGroup group, unsigned int geomID, CbvhRTCContext* context,
                                   unsigned int flags, int isOcclusion)
 {
   query->structSize = sizeof(*query);
@@ -180,13 +194,15 @@ static inline void cbvhIntersectGeometry(const struct RTCIntersectFunctionNArgum
   unsigned int i, word, found = 0;
   cbvhStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 0);
   if (N == 1) {
-    if (args->valid[0] && cbvhIntersect1(group, (struct CbvhRayHit*)rays, &query)) cbvhNameHit(hits, 1, 0, group, args->geomID, args->context);
+    if (args->valid[0] && cbvhIntersect1(group, (struct CbvhRayHit*)rays, &query))
+      cbvhNameHit(hits, 1, 0, group, args->geomID, args->context);
     return;
   }
   if (N == 4 || N == 8 || N == 16) {
     query.flags |= cbvhFlagsOfPacket(rays, N, args->valid);
-    found = N == 4 ? cbvhIntersect4(group, args->valid, rays, &query) : N == 8 ? cbvhIntersect8(group, args->valid, rays, &query)
-                                                                             : cbvhIntersect16(group, args->valid, rays, &query);
+    if (N == 4) found = cbvhIntersect4(group, args->valid, rays, &query);
+    else if (N == 8) found = cbvhIntersect8(group, args->valid, rays, &query);
+    else found = cbvhIntersect16(group, args->valid, rays, &query);
     for (i = 0; i < N; i++)
       if (found & (1u << i)) cbvhNameHit(hits, N, i, group, args->geomID, args->context);
     return;
@@ -227,19 +243,50 @@ static inline void cbvhOccludedGeometry(const struct RTCOccludedFunctionNArgumen
     struct CbvhRay one;
     if (args->valid[i] == 0) continue;
     for (word = 0; word < CBVH_RAY_WORDS; word++) *cbvhWordOf(&one, 1, word, 0) = *cbvhWordOf(rays, N, word, i);
-    if (cbvhOccluded1(group, &one, &query)) *cbvhWordOf(rays, N, CBVH_RAY_TFAR, i) = *cbvhWordOf(&one, 1, CBVH_RAY_TFAR, 0);
+    if (cbvhOccluded1(group, &one, &query))
+      *cbvhWordOf(rays, N, CBVH_RAY_TFAR, i) = *cbvhWordOf(&one, 1, CBVH_RAY_TFAR, 0);
   }
 }
 
-static inline void cbvhIntersectPlain(const struct RTCIntersectFunctionNArguments* args) { cbvhIntersectGeometry(args, 0); }
-static inline void cbvhOccludedPlain(const struct RTCOccludedFunctionNArguments* args) { cbvhOccludedGeometry(args, 0); }
-static inline void cbvhIntersectFiltered(const struct RTCIntersectFunctionNArguments* args) { cbvhIntersectGeometry(args, CBVH_GEOMETRY_FILTERS); }
-static inline void cbvhOccludedFiltered(const struct RTCOccludedFunctionNArguments* args) { cbvhOccludedGeometry(args, CBVH_GEOMETRY_FILTERS); }
+static inline void cbvhIntersectPlain(const struct RTCIntersectFunctionNArguments* args)
+{
+  cbvhIntersectGeometry(args, 0);
+}
+
+static inline void cbvhOccludedPlain(const struct RTCOccludedFunctionNArguments* args)
+{
+  cbvhOccludedGeometry(args, 0);
+}
+
+static inline void cbvhIntersectFiltered(const struct RTCIntersectFunctionNArguments* args)
+{
+  cbvhIntersectGeometry(args, CBVH_GEOMETRY_FILTERS);
+}
+
+static inline void cbvhOccludedFiltered(const struct RTCOccludedFunctionNArguments* args)
+{
+  cbvhOccludedGeometry(args, CBVH_GEOMETRY_FILTERS);
+}
 #if RTC_VERSION_MAJOR >= 4
-static inline void cbvhIntersectContext(const struct RTCIntersectFunctionNArguments* args) { cbvhIntersectGeometry(args, CBVH_GEOMETRY_CONTEXT_FILTERS); }
-static inline void cbvhOccludedContext(const struct RTCOccludedFunctionNArguments* args) { cbvhOccludedGeometry(args, CBVH_GEOMETRY_CONTEXT_FILTERS); }
-static inline void cbvhIntersectBoth(const struct RTCIntersectFunctionNArguments* args) { cbvhIntersectGeometry(args, CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS); }
-static inline void cbvhOccludedBoth(const struct RTCOccludedFunctionNArguments* args) { cbvhOccludedGeometry(args, CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS); }
+static inline void cbvhIntersectContext(const struct RTCIntersectFunctionNArguments* args)
+{
+  cbvhIntersectGeometry(args, CBVH_GEOMETRY_CONTEXT_FILTERS);
+}
+
+static inline void cbvhOccludedContext(const struct RTCOccludedFunctionNArguments* args)
+{
+  cbvhOccludedGeometry(args, CBVH_GEOMETRY_CONTEXT_FILTERS);
+}
+
+static inline void cbvhIntersectBoth(const struct RTCIntersectFunctionNArguments* args)
+{
+  cbvhIntersectGeometry(args, CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS);
+}
+
+static inline void cbvhOccludedBoth(const struct RTCOccludedFunctionNArguments* args)
+{
+  cbvhOccludedGeometry(args, CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS);
+}
 #endif
 
 static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* args)
@@ -250,20 +297,32 @@ static inline void cbvhBoundGeometry(const struct RTCBoundsFunctionArguments* ar
   args->bounds_o->upper_x = upper[0]; args->bounds_o->upper_y = upper[1]; args->bounds_o->upper_z = upper[2];
 }
 
-/* Makes a geometry of a group, committed. flags: of CbvhGeometryFlags. The geometry's user data is the group: what an application keeps with it goes to
- * cbvhSetGroupUserPtr. The caller releases the geometry, and the group behind it. Returns NULL if Embree makes none, with its device's error, and if
- * the group has more primitives than primID of a hit counts, 2^32. */
+/* Creates a geometry from a group, and commits it. The caller releases the geometry, and then the group.
+ *
+ * device: of the application's Embree.
+ * group:  committed. It becomes the user data of the geometry: use cbvhSetGroupUserPtr for a pointer of the
+ *         application.
+ * flags:  bits of CbvhGeometryFlags.
+ *
+ * Returns NULL if Embree cannot create the geometry; its device then has an error. Also returns NULL if the group
+ * has 2^32 primitives or more, which the primID of a hit cannot count. */
 static inline RTCGeometry cbvhNewGeometry(RTCDevice device, CbvhGroup group, unsigned int flags)
 {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   RTCIntersectFunctionN intersect = cbvhIntersectPlain;
   RTCOccludedFunctionN occluded = cbvhOccludedPlain;
   if (!geometry) return NULL;
-  if (cbvhGetGroupFirstPrimitive(group, cbvhGetGroupSize(group)) == 0xFFFFFFFFu) { rtcReleaseGeometry(geometry); return NULL; }
+  if (cbvhGetGroupFirstPrimitive(group, cbvhGetGroupSize(group)) == 0xFFFFFFFFu) {
+    rtcReleaseGeometry(geometry);
+    return NULL;
+  }
   if (flags == CBVH_GEOMETRY_FILTERS) { intersect = cbvhIntersectFiltered; occluded = cbvhOccludedFiltered; }
 #if RTC_VERSION_MAJOR >= 4
   if (flags == CBVH_GEOMETRY_CONTEXT_FILTERS) { intersect = cbvhIntersectContext; occluded = cbvhOccludedContext; }
-  if (flags == (CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS)) { intersect = cbvhIntersectBoth; occluded = cbvhOccludedBoth; }
+  if (flags == (CBVH_GEOMETRY_FILTERS | CBVH_GEOMETRY_CONTEXT_FILTERS)) {
+    intersect = cbvhIntersectBoth;
+    occluded = cbvhOccludedBoth;
+  }
 #endif
   rtcSetGeometryUserPrimitiveCount(geometry, 1);
   rtcSetGeometryUserData(geometry, group);

@@ -3,102 +3,113 @@
 
 #pragma once
 
-/* Compressed geometry in files. A file is mapped, not read: a program that opens it traces rays at once, what no ray meets stays on
- * disk, and all processes of a machine share the memory of one file. */
+/* Compressed geometry in files.
+ *
+ * The library maps files instead of reading them: a program that opens a file can trace rays at once, blocks that no
+ * ray visits stay on disk, and all processes of a machine share the memory of a file. docs/formats/file.md specifies
+ * the format. */
 
 #include "rtcore_compression.h"
 
 RTC_NAMESPACE_BEGIN
 
-/* A file that is written, and one that is open. */
+/* Writer of a file, and an open file. */
 typedef struct RTCCompressedFileWriterTy* RTCCompressedFileWriter;
 typedef struct RTCCompressedFileTy* RTCCompressedFile;
 
 /* Saves one geometry to a file.
  *
- * geometry: compressed, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT), and not changed since.
- *           What is saved is its surface: blocks, tree, time steps, primitives, statistics. Not saved are mask, filters, user data, vertex
- *           attributes and the cage.
- * path: of the file. A file that has the name is replaced when all is written, in one step: whatever happens before, it
- *       stays as it was. Symbolic links are followed, and the file's permissions are kept. A process that is killed
- *       leaves a file next to it, whose name goes on with ".cbvh-part-" and digits. The next save to the same path
- *       removes it, but no file that another process still writes.
+ * geometry: compressed, and not changed since the commit of its scene, or since its own commit with
+ *           RTC_COMPRESSION_FLAG_RELEASE_INPUT. The file stores blocks, tree, time steps, primitive numbers and
+ *           statistics. It does not store the mask, filters, user data, vertex attributes and the control cage.
+ * path:     of the file. An existing file is replaced in one step after everything is written; it is unchanged if
+ *           anything fails before. Symbolic links are followed, and permissions of the file are kept. A killed process
+ *           leaves a file whose name continues with ".cbvh-part-" and digits. The next save to the same path removes
+ *           it, unless another process is still writing it.
  *
- * Returns whether it was saved.
+ * Returns true if the geometry was saved.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written or leads to a device or a pipe;
- * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed, or not as a whole (faces of edge rates that only
- * GRID takes), and where writing ends, as on a full disk or at a limit on file sizes (SIGXFSZ does not reach the
- * application). Thread safety: geometries are saved at a time while they are traced; one is not to be committed
- * meanwhile. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a path that cannot be written or that names a device or a pipe.
+ * RTC_ERROR_INVALID_OPERATION for a geometry that is not compressed or only in part, because GRID stores faces with
+ * some edge rates, and if writing fails, for example on a full disk or at a limit of the file size. SIGXFSZ does not
+ * reach the application. Thread safety: several threads may save different geometries, also while rays are traced. No
+ * thread may commit a geometry while it is saved. */
 RTC_API bool rtcSaveCompressedGeometry(RTCGeometry geometry, const char* path);
 
-/* Makes a geometry of a file with one.
+/* Loads a file with one geometry.
  *
- * device: of the geometry, whatever device saved it.
- * path: of a regular file, which is neither to be written into nor to be cut while the geometry lives; it may be
- *       replaced or removed.
+ * device: of the new geometry. It need not be the device that saved the file.
+ * path:   of a regular file. While the geometry exists, the file may be replaced or removed, but must not be written to
+ *         or truncated.
  *
- * Returns the geometry, which is committed, or NULL. It is attached to scenes, instanced, given a mask, filters and user data, and traced as any
- * other, with the same hits to the bit. It has no cage: rtcInterpolate, buffers, displacement, edge rates, time steps and compression are
- * refused with RTC_ERROR_INVALID_OPERATION.
+ * Returns the geometry, or NULL. The geometry is committed. It can be attached to scenes, instanced, given a mask,
+ * filters and user data, and traced like any other, with hits that are equal to the bit. It has no input:
+ * rtcInterpolate and functions that set buffers, displacement, edge rates, time steps or compression fail with
+ * RTC_ERROR_INVALID_OPERATION.
  *
- * The header, the directory and the tree are read and checked; of a geometry that moves also the blocks. Other blocks are checked one by
- * one when rays meet them first: one that is damaged is left out, with an error for the device the first time. rtcVerifyCompressedFile
- * checks all.
+ * The function reads and checks the header, the directory and the tree, and for geometry with motion blur also the
+ * blocks. All other blocks are checked when a ray visits them for the first time. A damaged block is left out, and
+ * reported once as an error of the device. rtcVerifyCompressedFile checks everything.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and, with the reason, for a file that does not exist, is foreign, truncated, altered, or of a
- * newer version; RTC_ERROR_OUT_OF_MEMORY. Thread safety: as rtcNewGeometry. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, and for a file that does not exist, has another format or a newer
+ * version, or is truncated or altered; the message states the reason. RTC_ERROR_OUT_OF_MEMORY. Thread safety: as
+ * rtcNewGeometry. */
 RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path);
 
-/* Begins a file of any number of geometries.
+/* Creates a writer for a file with any number of geometries.
  *
- * device: that has the errors.
- * path: as above.
+ * device: receives the errors.
+ * path:   as of rtcSaveCompressedGeometry.
  *
  * Returns the writer, to be released by rtcReleaseCompressedFileWriter, or NULL.
  *
- * Errors: as rtcSaveCompressedGeometry. Thread safety: a writer is used by one thread at a time. */
+ * Errors: as rtcSaveCompressedGeometry. Thread safety: only one thread may use a writer at a time. */
 RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, const char* path);
 
-/* Begins a file whose geometries take long to make, or goes on with one. What is appended is kept beside the file, under its name with ".part" behind, when
- * the writer is released, or the process ends, without a commit. The next writer of the same path and key goes on behind it: it has rtcGetCompressedFileWriterCount
- * geometries, and takes those that follow. A released writer loses none; a process that is killed, and a disk that is full, lose the last geometry, or the last
- * 64 MiB of smaller ones.
+/* Creates a writer that can be resumed after an interruption, for geometries that take long to build.
  *
- * device, path: as rtcNewCompressedFileWriter.
- * key: a number for what the geometries are made from, so that files of different input are not mixed.
+ * If the writer is released or the process ends before rtcCommitCompressedFile, the appended geometries are kept next
+ * to the file, under its path with ".part" appended. The next writer with the same path and key continues after them:
+ * rtcGetCompressedFileWriterCount returns their number, and the application appends the remaining geometries. A
+ * released writer loses no geometry. A killed process and a full disk lose the last geometry, or the last 64 MiB of
+ * smaller ones.
+ *
+ * device, path: as of rtcNewCompressedFileWriter.
+ * key: number that identifies the input of the geometries, so that files of different input are not mixed.
  *
  * Returns the writer, or NULL.
  *
- * Errors: as rtcNewCompressedFileWriter; also RTC_ERROR_INVALID_ARGUMENT where what is there was begun with another key or by another version of the
- * library, or is damaged, and while another writer has it. */
-RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, const char* path, unsigned long long key);
+ * Errors: as rtcNewCompressedFileWriter. Also RTC_ERROR_INVALID_ARGUMENT if the kept part has another key, is of
+ * another version of the library or is damaged, and while another writer uses it. */
+RTC_API RTCCompressedFileWriter rtcResumeCompressedFileWriter(RTCDevice device, const char* path,
+    unsigned long long key);
 
-/* Returns how many geometries a writer has; 0 for NULL. */
+/* Returns the number of geometries in a writer, or 0 for NULL. */
 RTC_API unsigned int rtcGetCompressedFileWriterCount(RTCCompressedFileWriter writer);
 
-/* Appends a geometry, which may be released then: so a scene that memory does not hold is saved while it is built. Their order is that of the
- * indices in the file.
+/* Appends a geometry to a file. The index of the geometry in the file is the number of geometries before it. The
+ * geometry may be released afterwards: an application can save a scene that is larger than memory while it builds it.
  *
- * writer: not committed.
+ * writer:   not committed.
  * geometry: as of rtcSaveCompressedGeometry.
  *
- * Returns whether it was appended. A geometry that cannot be saved is left out, and others may follow; after writing failed nothing can.
+ * Returns true if the geometry was appended. After a geometry that cannot be saved, others can be appended. After a
+ * failed write nothing can be appended.
  *
- * Errors and thread safety: as above. */
+ * Errors and thread safety: as rtcSaveCompressedGeometry. */
 RTC_API bool rtcAppendCompressedGeometry(RTCCompressedFileWriter writer, RTCGeometry geometry);
 
-/* Ends a file: all is on the disk, and has its name.
+/* Completes a file: writes everything to disk and renames it to its path.
  *
  * writer: with at least one geometry, not committed.
  *
- * Returns whether it was; else what was there under that name stays.
+ * Returns true if the file is complete. Otherwise an existing file at its path is unchanged.
  *
- * Errors and thread safety: as above. */
+ * Errors and thread safety: as rtcSaveCompressedGeometry. */
 RTC_API bool rtcCommitCompressedFile(RTCCompressedFileWriter writer);
 
-/* Releases a writer. What was not committed is removed, or, of rtcResumeCompressedFileWriter, kept. */
+/* Releases a writer. Geometries that were not committed are removed, or kept by a writer of
+ * rtcResumeCompressedFileWriter. */
 RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter writer);
 
 /* Opens a file with any number of geometries. Arguments, errors and thread safety: as rtcLoadCompressedGeometry.
@@ -106,61 +117,65 @@ RTC_API void rtcReleaseCompressedFileWriter(RTCCompressedFileWriter writer);
  * Returns the file, to be released by rtcReleaseCompressedFile, or NULL. */
 RTC_API RTCCompressedFile rtcOpenCompressedFile(RTCDevice device, const char* path);
 
-/* Returns how many geometries a file has. */
+/* Returns the number of geometries in a file. */
 RTC_API unsigned int rtcGetCompressedFileGeometryCount(RTCCompressedFile file);
 
-/* What a file says of a geometry. */
+/* Description of a geometry in a file. */
 struct RTCCompressedFileGeometry
 {
   size_t structSize RTC_SIZE_OF(RTCCompressedFileGeometry); /* see rtcore_compression.h */
-  enum RTCGeometryType type;                  /* that it was made as */
-  enum RTCCompression compression;            /* that it was stored as */
+  enum RTCGeometryType type;                  /* of the geometry that was saved */
+  enum RTCCompression compression;            /* representation in the file */
   unsigned int primitiveCount, timeStepCount;
-  float begin, end;                           /* times of the first step and of the last */
-  float lower[3], upper[3];                   /* of all that a ray may hit, at all times; lower is above upper if that is nothing */
+  float begin, end;                           /* times of the first and the last time step */
+  float lower[3], upper[3];                   /* bounds at all times; lower is above upper if they are empty */
   size_t bytes;                               /* in the file */
 };
 
-/* Describes a geometry of a file, without loading it.
+/* Returns the description of a geometry in a file, without loading the geometry.
  *
- * file: open.
- * index: below rtcGetCompressedFileGeometryCount.
+ * file:        open.
+ * index:       below rtcGetCompressedFileGeometryCount.
  * description: written during the call, not NULL; structSize is read.
  *
- * Returns whether it was written.
+ * Returns true if the description was written.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for an index out of range, and for a wrong structSize. */
-RTC_API bool rtcGetCompressedFileGeometry(RTCCompressedFile file, unsigned int index, struct RTCCompressedFileGeometry* description);
+RTC_API bool rtcGetCompressedFileGeometry(RTCCompressedFile file, unsigned int index,
+    struct RTCCompressedFileGeometry* description);
 
-/* Reports the compression of one geometry of a file, as its last commit before it was saved did, without loading it.
+/* Returns the compression statistics of a geometry in a file, without loading the geometry. They are those of its last
+ * commit before it was saved.
  *
- * file: open.
- * index: below rtcGetCompressedFileGeometryCount.
- * statistics: of the geometry alone. Written during the call, not NULL; structSize is read.
+ * file:       open.
+ * index:      below rtcGetCompressedFileGeometryCount.
+ * statistics: of this geometry alone. Written during the call, not NULL; structSize is read.
  *
- * Returns whether they were written.
+ * Returns true if the statistics were written.
  *
  * Errors: as rtcGetCompressedFileGeometry. */
 RTC_API bool rtcGetCompressedFileGeometryStatistics(RTCCompressedFile file, unsigned int index,
     struct RTCCompressionStatistics* statistics);
 
-/* Makes a geometry of one in an open file, as rtcLoadCompressedGeometry. The file may be released before it. Each call makes another geometry: a
- * second one that lives beside the first has copies of its own of what rays meet, so an instance is better.
+/* Creates a geometry from one in an open file, as rtcLoadCompressedGeometry does. The file may be released before the
+ * geometry. Each call creates another geometry. Two geometries with the same index do not share the memory of blocks
+ * that rays visit: use an instance instead.
  *
- * file: open.
+ * file:  open.
  * index: below rtcGetCompressedFileGeometryCount.
  *
  * Returns the geometry, or NULL. Errors and thread safety: as rtcLoadCompressedGeometry. */
 RTC_API RTCGeometry rtcNewGeometryFromCompressedFile(RTCCompressedFile file, unsigned int index);
 
-/* Reads all of a file, and compares its checksums.
+/* Reads a whole file, checks all blocks and compares the checksums.
  *
  * file: open.
  *
- * Returns whether nothing was altered; else the error of the device says what. Errors: RTC_ERROR_INVALID_ARGUMENT. */
+ * Returns true if the file is intact. Otherwise the message of the device's error describes the damage. Errors:
+ * RTC_ERROR_INVALID_ARGUMENT. */
 RTC_API bool rtcVerifyCompressedFile(RTCCompressedFile file);
 
-/* Releases a file. Geometries made of it stay. */
+/* Releases a file. Geometries that were created from it remain valid. */
 RTC_API void rtcReleaseCompressedFile(RTCCompressedFile file);
 
 RTC_NAMESPACE_END

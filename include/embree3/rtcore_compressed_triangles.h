@@ -3,66 +3,73 @@
 
 #pragma once
 
-/* Compressed surfaces out again: the triangles that rays hit, for renderers that offset rays from what they really hit, and for
- * bakes, exports and other renderers. Of geometry that is stored as cVERT or cGRID, whose triangles are what is stored. */
+/* Access to the triangles of compressed geometry. Renderers use it to offset rays from the triangle that a ray hit;
+ * bakers, exporters and other renderers use it to read whole surfaces. Only cVERT and cGRID store triangles. */
 
 #include "rtcore.h"
 
 RTC_NAMESPACE_BEGIN
 
-/* A triangle as it is stored. The struct never grows. */
+/* A stored triangle. The struct never grows. */
 struct RTCCompressedTriangle
 {
   float vertices[3][3]; /* x, y, z in the geometry's space */
-  float u[3], v[3];     /* parameters of the vertices on the primitive: those of hits are interpolated between them */
+  float u[3], v[3];     /* parameters of the vertices on the primitive; u and v of hits are interpolated from them */
 };
 
-/* Looks up the triangle that a hit is on.
+/* Finds the triangle of a hit.
  *
- * geometry: stored as cVERT or cGRID, in a scene that was committed, or by its own commit (RTC_COMPRESSION_FLAG_RELEASE_INPUT).
- * primID, u, v, Ng: of the hit. Ng is 3 floats and chooses between triangles on whose common edge (u,v) lies; NULL takes any of them.
- * triangle: written if there is one; not NULL. Its vertices are in the order of the patch: quad (x,y) has the triangles
- *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Of quad meshes and triangle meshes they are in the order of the
- *           primitive: v0, v1, v3 or v2, v3, v1 of a quad.
+ * geometry: stored as cVERT or cGRID. It was committed with its scene, or with RTC_COMPRESSION_FLAG_RELEASE_INPUT by
+ *           its own commit.
+ * primID, u, v: of the hit.
+ * Ng:       of the hit, 3 floats. It selects between triangles if (u,v) lies on their common edge. NULL selects any.
+ * triangle: written if a triangle is found, not NULL. Quad (x,y) of a subdivision surface or grid has the triangles
+ *           (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Triangles of meshes have the vertex order of the
+ *           primitive: a quad has the triangles v0, v1, v3 and v2, v3, v1.
  *
- * Returns whether (u,v) is on a triangle of the primitive: false for an unknown primID, and where triangles were left out. The first
- * call after a commit makes an index of the geometry's blocks, of 16 bytes each, and
- * of quad meshes and triangle meshes of 4 bytes for each primitive.
+ * Returns true if (u,v) is on a triangle of the primitive. Returns false for an unknown primID, and where triangles
+ * were left out. The first call after a commit builds an index with 16 bytes per block; for quad and triangle meshes it
+ * has 4 more bytes per primitive.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL; RTC_ERROR_INVALID_OPERATION for a geometry that was not compressed, or is stored as
- * anything else, if in part: cLEAF and cVOXEL have no triangles. Thread safety: as rtcInterpolate. */
-RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION for geometry that is not compressed, or
+ * of which any part is stored as cLEAF or cVOXEL, which have no triangles. Thread safety: as rtcInterpolate. */
+RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng,
+    struct RTCCompressedTriangle* triangle);
 
-/* The same of geometry with motion blur, at a time, which rays have; without AtTime it is that of the geometry's first time step. Returns
- * false outside of the geometry's time range. Of geometry that does not move the time does not matter. Vertices are the same floats that rays
- * meet at that time. */
-RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v, const float* Ng, struct RTCCompressedTriangle* triangle);
+/* Finds the triangle of a hit at the time of its ray. rtcGetCompressedTriangle uses the first time step of the
+ * geometry. The vertices are those that a ray with this time hits. Returns false if the time is outside of the time
+ * range of the geometry. The time is ignored for geometry that does not move. */
+RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v,
+    const float* Ng, struct RTCCompressedTriangle* triangle);
 
-/* Up to 16 x 16 quads, of cGRID up to 256 x 256. Neighbouring parts have the vertices that they share as the same floats; of
- * cGRID those of one face have. Later versions may append members. */
+/* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Vertices that neighboring parts
+ * share are equal floats; with cGRID only inside of a face. Later versions may append members. */
 struct RTCCompressedPart
 {
-  unsigned int primID;        /* that all quads are of, where primitivesPerQuad is 0 */
-  unsigned int width, height; /* in vertices */
-  const float* vertices;      /* x, y, z of width*height of them, row by row. Triangles with one that is not a number are left out */
-  const float* parameters;    /* u, v of each; NULL where primitivesPerQuad is not 0 */
-  const unsigned int* primIDs; /* row by row, primitivesPerQuad of each quad */
-  unsigned int primitivesPerQuad; /* 0 of cages and grids, 1 of quad meshes, 2 of triangle meshes: that of the quad's first triangle, as above,
-                                   * and that of its second, or the first again where there is no second one */
+  unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
+  unsigned int width, height;  /* in vertices */
+  const float* vertices;       /* x, y, z of width*height vertices, row by row. Triangles with a NaN are left out */
+  const float* parameters;     /* u, v of each vertex; NULL if primitivesPerQuad is not 0 */
+  const unsigned int* primIDs; /* row by row, primitivesPerQuad entries per quad */
+  unsigned int primitivesPerQuad; /* 0: subdivision surfaces and grids. 1: quad meshes. 2: triangle meshes: the primID
+                                   * of the quad's first triangle, then that of its second triangle, or the first one
+                                   * again if there is no second triangle */
 };
 
-/* Is handed a part; valid until it returns. False ends the calls. */
+/* Called with a part, which is valid until the function returns. Returning false ends the enumeration. */
 typedef bool (*RTCCompressedPartFunction)(void* userPtr, const struct RTCCompressedPart* part);
 
-/* Hands out all of a surface as it is stored, part by part, by the calling thread, in an order that is not specified.
+/* Calls a function for all parts of a surface, on the calling thread, in unspecified order.
  *
- * geometry: as above.
+ * geometry: as for rtcGetCompressedTriangle.
  * function: not NULL.
  *
- * Errors: as above. Thread safety: as rtcInterpolate. */
+ * Errors: as for rtcGetCompressedTriangle. Thread safety: as rtcInterpolate. */
 RTC_API void rtcForEachCompressedPart(RTCGeometry geometry, RTCCompressedPartFunction function, void* userPtr);
 
-/* The same at a time, as above: no part outside of the geometry's time range. */
-RTC_API void rtcForEachCompressedPartAtTime(RTCGeometry geometry, float time, RTCCompressedPartFunction function, void* userPtr);
+/* Calls a function for all parts of a surface at a time. There are no parts outside of the time range of the
+ * geometry. */
+RTC_API void rtcForEachCompressedPartAtTime(RTCGeometry geometry, float time, RTCCompressedPartFunction function,
+    void* userPtr);
 
 RTC_NAMESPACE_END

@@ -3,39 +3,45 @@
 
 #pragma once
 
-/* Compressed surfaces.
+/* Compressed geometry.
  *
- * Subdivision geometry (RTC_GEOMETRY_TYPE_SUBDIVISION) with displacement is
- * tessellated, compressed and dropped when its scene is committed, and traced
- * straight from the compressed form. So is what the application has diced, as cVERT, whatever kind
- * is asked for, with the same triangles and parameters as Embree's, of vertices that lie on a lattice:
- * grids (RTC_GEOMETRY_TYPE_GRID), and meshes of quads (RTC_GEOMETRY_TYPE_QUAD) and of triangles (RTC_GEOMETRY_TYPE_TRIANGLE),
- * in which grids are found. Quads and triangles that lie in no grid are stored in mesh blocks, if the mesh
- * does not move. Geometry of these types that would gain nothing is left to Embree's own kernels. Which representation a geometry gets is
- * decided by, in this order: rtcSetGeometryCompression, the device string
- * ("subdiv_accel=cbvh.leaf,cbvh_frame_level=2"), the environment variable
- * EMBREE_CBVH ("leaf,frame_level=2"; "1" takes the best, which is cVERT; "1,triangles=0" leaves
- * triangles to Embree, and so do "quads=0" and "grids=0"), Embree's
- * own default (vertex grids).
+ * The library compresses four types of geometry when their scene is committed, and traces rays directly in the
+ * compressed form:
  *
- * Quads with a vertex that is not finite are left out of a compressed geometry, and so are grids with vertices outside of their
- * buffer. The commit succeeds with all others. It reports RTC_ERROR_INVALID_ARGUMENT to the thread that commits where a
- * displacement function returned such a vertex, and for such grids, once for each geometry that changed since the last commit; the
- * message names the geometry and the first face or grid. What the buffers hold that is not finite is no error, as in Embree.
- * cVOXEL cannot leave a quad out: it stores patches with holes as cLEAF.
+ * - Subdivision surfaces (RTC_GEOMETRY_TYPE_SUBDIVISION) are tessellated, displaced and compressed. Their vertices are
+ *   not kept.
+ * - Grids (RTC_GEOMETRY_TYPE_GRID) keep their triangles and their u and v.
+ * - Quad meshes and triangle meshes (RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE) keep their triangles, primIDs,
+ *   u and v. The library finds the parts of a mesh in which quads form grids, whatever order they are in. It stores
+ *   the remaining triangles in mesh blocks. A mesh with several time steps is compressed only if all of it forms grids.
  *
- * cVERT, and cLEAF unless exactFaces is 0, close surfaces also where faces of one geometry evaluate
- * the vertices that they share apart: all take those of the face that owns the edge or corner. Grids of
- * one geometry are closed where they have the same vertices on their borders, by index or as the same floats.
+ * Grids and meshes are always stored as cVERT. Geometry that compression would not make smaller is left to Embree's own
+ * kernels. The representation of a geometry is the first of these that is set:
+ *
+ * 1. the arguments of rtcSetGeometryCompression,
+ * 2. the device string, for example "subdiv_accel=cbvh.leaf,cbvh_frame_level=2",
+ * 3. the environment variable EMBREE_CBVH, for example "leaf,frame_level=2". "1" selects cVERT. "1,triangles=0" leaves
+ *    triangle meshes to Embree; quads=0 and grids=0 do the same for quad meshes and grids.
+ * 4. Embree's default, which does not compress.
+ *
+ * Compression leaves out quads with a vertex that is not finite, and grids that refer to vertices outside of the vertex
+ * buffer. All other geometry is committed. The commit reports RTC_ERROR_INVALID_ARGUMENT on the committing thread for
+ * such grids, and if a displacement function returns a vertex that is not finite. It reports once for each geometry
+ * that changed since the last commit, and the message names the geometry and its first such face or grid. Vertices in
+ * buffers that are not finite are not an error, as in Embree. cVOXEL stores patches with left-out quads as cLEAF.
+ *
+ * Surfaces are watertight: if two faces of a geometry share an edge or a corner, both use the vertices that the face
+ * that owns it evaluates. cLEAF requires exactFaces for this. Grids of one geometry are watertight where they share
+ * border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
  * struct as it was compiled. In C++ a default member initializer does so. In C the application writes {.structSize =
  * sizeof(args)}, or calls the rtcInit function of the struct. Versions only append members:
  *
- * - Of a struct that the library reads, members that the application's version lacks count as zero. A struct that is
- *   larger than the library's own is accepted if all bytes after the members that the library knows are zero.
- * - Of a struct that the library writes, it writes the members that both versions have, and sets the remaining
- *   bytes of the application's struct to zero. structSize keeps its value.
+ * - If the library reads a struct, members that the application's version lacks count as zero. The library accepts a
+ *   struct that is larger than its own if all bytes after the members that it knows are zero.
+ * - If the library writes a struct, it writes the members that both versions have, and sets the remaining bytes of the
+ *   application's struct to zero. structSize keeps its value.
  * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
  *   error: RTC_ERROR_INVALID_ARGUMENT.
  *
@@ -43,8 +49,8 @@
  * library passes to callbacks, such as RTCCompressedPart and RTCCompressedCluster, may grow at their end: do not
  * store arrays of them.
  *
- * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression
- * Scheme for Ray Tracing Subdivision Surfaces with Displacement", 2018. */
+ * Based on: Lier, Martinek, Stamminger, Selgrad, "A High-Resolution Compression Scheme for Ray Tracing Subdivision
+ * Surfaces with Displacement", 2018. */
 
 #include "rtcore.h"
 #include "rtcore_compression_version.h"
@@ -58,40 +64,40 @@
 
 RTC_NAMESPACE_BEGIN
 
-/* What rtcGetDeviceCompressionProperty returns. */
+/* Properties of the library that rtcGetDeviceCompressionProperty returns. */
 enum RTCCompressionProperty
 {
-  RTC_COMPRESSION_PROPERTY_VERSION       = 0, // as RTC_COMPRESSION_VERSION: 10203 is 1.2.3
+  RTC_COMPRESSION_PROPERTY_VERSION       = 0, // RTC_COMPRESSION_VERSION of the library: 10203 is 1.2.3
   RTC_COMPRESSION_PROPERTY_VERSION_MAJOR = 1,
   RTC_COMPRESSION_PROPERTY_VERSION_MINOR = 2,
   RTC_COMPRESSION_PROPERTY_VERSION_PATCH = 3
 };
 
-/* Returns what the library that made a device is. Embree itself lacks the function: a program that
- * runs on either asks dlsym for its address.
+/* Returns a property of the library that created a device. Stock Embree lacks this function: a program that runs with
+ * either library looks it up with dlsym.
  *
  * device: not NULL.
- * prop:   what is asked for.
+ * prop:   the property.
  *
- * Returns the value, and 0 with RTC_ERROR_INVALID_ARGUMENT for NULL or an unknown property. Thread
- * safety: as rtcGetDeviceProperty. */
+ * Returns the value, or 0 with RTC_ERROR_INVALID_ARGUMENT for NULL or an unknown property. Thread safety: as
+ * rtcGetDeviceProperty. */
 RTC_API ssize_t rtcGetDeviceCompressionProperty(RTCDevice device, enum RTCCompressionProperty prop);
 
 /* Representation of a geometry. */
 enum RTCCompression
 {
-  RTC_COMPRESSION_INHERIT = 0, // what the device string or the environment say
+  RTC_COMPRESSION_INHERIT = 0, // the setting of the device string or of the environment
   RTC_COMPRESSION_NONE    = 1, // GRID:   Embree's full-precision vertex grids
   RTC_COMPRESSION_GRID    = 2, // cGRID:  compressed nodes, full-precision vertices
-  RTC_COMPRESSION_VOXEL   = 3, // cVOXEL: compressed nodes, the leaf box is the surface
-  RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes, 9 x 7-bit heights for 2 x 2 quads
-  RTC_COMPRESSION_VERT    = 5, // cVERT:  GRID's own triangles over vertices on a lattice in the world
+  RTC_COMPRESSION_VOXEL   = 3, // cVOXEL: compressed nodes; the boxes of leaves are the surface
+  RTC_COMPRESSION_LEAF    = 4, // cLEAF:  compressed nodes; leaves store 9 heights of 7 bits for 2 x 2 quads
+  RTC_COMPRESSION_VERT    = 5, // cVERT:  the triangles of GRID, with vertices rounded to a lattice in world space
 };
 
-/* Frame level that picks itself, see RTCCompressionArguments::frameLevel. */
+/* Frame level that the library chooses, see RTCCompressionArguments::frameLevel. */
 #define RTC_COMPRESSION_FRAME_LEVEL_AUTO (-1)
 
-/* Frame level that is left to the device string or the environment. */
+/* Frame level of the device string or of the environment. */
 #define RTC_COMPRESSION_FRAME_LEVEL_INHERIT (-2)
 
 /* Flags of RTCCompressionArguments. */
@@ -99,62 +105,67 @@ enum RTCCompressionFlags
 {
   RTC_COMPRESSION_FLAG_NONE          = 0,
 
-  /* The geometry is compressed by rtcCommitGeometry, and lets its input go: from then on it reads none of its buffers but those of
-   * vertex attributes, and the application may free what it shared. Scenes trace it, and their commits take what is there.
-   * rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error then, and so is a commit after any change but of its mask, its filters and
-   * whether it is enabled, unless its vertices and its faces with their indices, its grids, or its indices, were set again.
-   * Without effect on geometry that is not compressed. */
+  /* rtcCommitGeometry compresses the geometry and releases its input. Afterwards the geometry reads only buffers of
+   * vertex attributes; the application may free all other buffers that it shared. Scenes use the blocks as they are.
+   *
+   * After the release, rtcInterpolate of RTC_BUFFER_TYPE_VERTEX is an error. A commit is an error if anything but the
+   * mask, the filters or the enabled state changed, unless the application has set the input again: vertices and
+   * faces with their indices, grids, or indices.
+   *
+   * Has no effect on geometry that is not compressed. */
   RTC_COMPRESSION_FLAG_RELEASE_INPUT = 1 << 0
 };
 
-/* Settings of one geometry. Fill with rtcInitCompressionArguments first. */
+/* Settings of one geometry. Call rtcInitCompressionArguments first. */
 struct RTCCompressionArguments
 {
   size_t structSize RTC_SIZE_OF(RTCCompressionArguments);
 
   enum RTCCompression compression;
 
-  /* Number of uniform subdivisions of a face before local frames start: a face tessellated
-   * at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n) quads, each in a frame
-   * of its own; with other edge rates, blocks of that size for the highest, or smaller. 0 to 8;
-   * clamped to L. AUTO takes the coarsest frames that meet maxError, or, without maxError,
-   * blocks of 16 x 16 quads, which cost least in bytes times time. INHERIT takes the device's
-   * setting, which is AUTO where nobody gives one. Without meaning for VERT, which has no frames. */
+  /* Number of times that a face is halved along both parameters before frames are assigned. At frame level n, a face
+   * tessellated at level L (2^L x 2^L quads) gets 4^n blocks of 2^(L-n) x 2^(L-n) quads, each with its own frame. If
+   * the edges have different rates, the highest one determines the size, and blocks may be smaller. 0 to 8, clamped
+   * to L.
+   *
+   * AUTO selects the coarsest frames that keep maxError; without maxError, blocks of 16 x 16 quads, which minimize
+   * the product of memory and time. INHERIT selects the setting of the device, which is AUTO by default. cVERT has no
+   * frames and ignores this. */
   int frameLevel;
 
-  /* In world units, negative to inherit the device's setting.
+  /* Error bound in world units. Negative inherits the setting of the device.
    *
-   * RTC_COMPRESSION_VERT: the largest spacing of the lattice to which vertices are moved. Spacings are powers of 2. A vertex moves by at most half
-   * a spacing on each axis, 0.866 in space; on an axis where floats are coarser than the lattice it does not move. 0 is lossless: vertices of
-   * grids, quads and triangles are stored to the bit, those of cages as Embree evaluates them. The default is 1/36 of the median edge of a
-   * cage's quads, face by face, or less; 1/512 for a grid; 1/2048 for quads and triangles.
+   * cVERT: largest spacing of the lattice to which vertices are rounded. Spacings are powers of 2. A vertex moves by
+   * at most half a spacing on each axis, which is 0.866 spacings in space. It does not move on an axis on which floats
+   * are coarser than the lattice. 0 is lossless: the library stores the exact vertices of grids and meshes, and of
+   * subdivision surfaces those that Embree evaluates. By default the spacing is at most 1/36 of the median edge of the
+   * quads of a face, 1/512 of the median edge of a grid, and 1/2048 for quad and triangle meshes.
    *
-   * RTC_COMPRESSION_VOXEL and LEAF: upper bound of a leaf's thickness. Honoured when frameLevel is
-   * AUTO: a face is split into finer frames until its leaves meet the bound or a block has one quad
-   * left. 0 is no bound. Without meaning for RTC_COMPRESSION_GRID. */
+   * cVOXEL, cLEAF: upper bound of the thickness of leaves. If frameLevel is AUTO, faces are split into finer frames
+   * until their leaves keep the bound or a block has one quad. 0 is no bound. cGRID ignores this. */
   float maxError;
 
-  /* RTC_COMPRESSION_VERT: the same bound in pixels of a camera, 0 for none: a face at distance d, from
-   * the camera to the bounds of its vertices, grown by a quarter, has a spacing of at most
-   * maxPixelError*pixelSize*d. The lesser of this and maxError holds. */
+  /* cVERT: the same bound in pixels of a camera; 0 is no bound. The spacing of a face is at most
+   * maxPixelError*pixelSize*d, where d is the distance from the camera to the bounds of the face's vertices, enlarged
+   * by a quarter. If maxError is set too, the smaller bound holds. */
   float maxPixelError;
-  float cameraPosition[3];  /* world, finite where maxPixelError is not 0 */
-  float pixelSize;          /* width of a pixel at distance 1, more than 0 where maxPixelError is not 0 */
+  float cameraPosition[3];  /* world space; must be finite if maxPixelError is not 0 */
+  float pixelSize;          /* width of a pixel at distance 1; must be positive if maxPixelError is not 0 */
 
-  /* RTC_COMPRESSION_LEAF: 1 stores faces that a leaf's form cannot hold (open borders and creases that
-   * curve, walls, folds) as RTC_COMPRESSION_VERT does, 0 stores all faces as cLEAF; negative inherits
-   * the device's setting, which is 1 where nobody gives one. */
+  /* cLEAF: 1 stores faces that leaves cannot represent (curved open borders and creases, walls, folds) as cVERT. 0
+   * stores all faces as cLEAF. Negative inherits the setting of the device, which is 1 by default. */
   int exactFaces;
 
-  unsigned int flags; /* of RTCCompressionFlags */
+  unsigned int flags; /* bits of RTCCompressionFlags */
 
-  /* With RTC_COMPRESSION_FLAG_RELEASE_INPUT, called by rtcCommitGeometry with how much is done, from 0 to 1, by any thread; false
-   * cancels: rtcCommitGeometry reports RTC_ERROR_CANCELLED, and the geometry keeps its input. May be NULL. */
+  /* Progress function for rtcCommitGeometry with RTC_COMPRESSION_FLAG_RELEASE_INPUT, or NULL. It is called on any
+   * thread with the completed fraction, 0 to 1. If it returns false, the commit is cancelled: rtcCommitGeometry reports
+   * RTC_ERROR_CANCELLED, and the geometry keeps its input. */
   RTCProgressMonitorFunction progress;
   void* progressUserPtr;
 };
 
-/* Sets every argument to inherit the setting of the device. */
+/* Sets all arguments to inherit the settings of the device. */
 RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments* args)
 {
   args->structSize = sizeof(*args);
@@ -170,67 +181,63 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->progressUserPtr = NULL;
 }
 
-/* Chooses the representation of a geometry. Takes effect when the
- * scene is committed the next time; the geometry has to be committed before.
- * Blocks belong to the geometry: all scenes that it is attached to share them, and they are built
- * again when it was committed after a change of its surface. After changes of its mask, its filters
- * and whether it is enabled they are not. Geometry with motion blur is stored as VERT whatever kind is chosen; of a kind that is not VERT with exactFaces 0 it is Embree's.
+/* Sets the representation of a geometry. It takes effect with the next commit of the geometry and the scene.
+ *
+ * The geometry owns its blocks. All scenes that it is attached to share them. They are built again after a commit of a
+ * changed surface; changes of the mask, the filters and the enabled state do not count. Geometry with motion blur is
+ * always stored as cVERT. If exactFaces is 0 and another representation is selected, such geometry is left to Embree.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.
  * args:     read during the call, not NULL.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, a wrong structSize, an unknown compression, a frame
- * level outside -2..8, a maxError that is not finite, a maxPixelError that is negative or not
- * finite, a camera without which it means nothing, an exactFaces above 1, or unknown flags;
- * RTC_ERROR_INVALID_OPERATION for a geometry of another type. The geometry keeps
- * its setting then. Thread safety: as rtcSetGeometryTessellationRate. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, a wrong structSize, an unknown compression, a frame level outside of
+ * -2 to 8, a maxError that is not finite, a maxPixelError that is negative or not finite, an invalid camera, an
+ * exactFaces above 1, or unknown flags. RTC_ERROR_INVALID_OPERATION for a geometry of another type. After an error the
+ * geometry keeps its settings. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
 
-/* What a committed scene, or a geometry of a file, holds in compressed form. Sizes in bytes. */
+/* Compression statistics of a committed scene, or of a geometry in a file. Sizes are in bytes. */
 struct RTCCompressionStatistics
 {
   size_t structSize RTC_SIZE_OF(RTCCompressionStatistics);
   size_t topLevelBytes;         // full-precision BVH over blocks and grids
-  size_t frameBytes;            // headers of all blocks: frame, IDs, parametrisation
+  size_t frameBytes;            // headers of all blocks: frame, IDs, parametrization
   size_t nodeBytes;             // compressed inner nodes
-  size_t leafBytes;             // leaves: heights (cLEAF), vertices (cGRID), none (cVOXEL)
-  size_t gridBytes;             // grids of what is not compressed, see numGridQuads
+  size_t leafBytes;             // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
+  size_t gridBytes;             // Embree's grids of quads that are not compressed, see numGridQuads
   size_t numBlocks;
   size_t numQuads;              // quads in blocks
-  size_t numGridQuads;          // quads in the same BVH that are traced by GRID instead
+  size_t numGridQuads;          // quads in the same BVH that Embree's GRID traces instead
   size_t numInvalidQuads;       // quads left out because a vertex is not finite
-  size_t numAffineBlocks;       // blocks whose projective frame fell back to an affine one
-  size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: their box is the surface
+  size_t numAffineBlocks;       // blocks that have an affine frame because a projective frame was not possible
+  size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: rays hit their box
   float  maxLeafThickness;      // world units: largest distance between the two bounds of a leaf, over its quad
-  size_t numRawBlocks;          // cVERT: blocks that hold floats, for a vertex that is not finite or outliers
+  size_t numRawBlocks;          // cVERT: blocks that store floats because of outliers or vertices that are not finite
   float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
-  float  maxVertexDeviation;    // cVERT, world units: largest distance of a vertex from the one that its face evaluated,
-                                // or, on the border of faces, the face that owns it; of cLEAF those on borders
-  float  maxBorderGap;          // cVERT, cLEAF, world units: largest distance between what two faces evaluate for a vertex
-                                // that they share; it is closed
-  size_t numExactQuads;         // cLEAF: quads of faces that are stored as cVERT, see RTCCompressionArguments::exactFaces
-  size_t numFlippedQuads;       // quads whose normal, as it is traced, is turned by more than 90 degrees from that of
-                                // their vertices
-  size_t numMeshQuads;          // quads of quad meshes, and pairs of triangles, in blocks (two triangles of mesh
-                                // blocks count as a pair); of them
-  size_t numLooseQuads;         // those in none of the meshes' grids of 4 x 4 quads and more
+  float  maxVertexDeviation;    // cVERT, world units: largest distance of a stored vertex from the vertex that its face
+                                // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
+  float  maxBorderGap;          // cVERT, cLEAF, world units: largest distance between the vertices that two faces
+                                // evaluate at the same place; the stored surface has no such gap
+  size_t numExactQuads;         // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::exactFaces
+  size_t numFlippedQuads;       // quads whose stored normal differs from their vertices' normal by more than 90 degrees
+  size_t numMeshQuads;          // quads of quad meshes in blocks, plus pairs of triangles of triangle meshes
+  size_t numLooseQuads;         // those of numMeshQuads that are in no grid of at least 4 x 4 quads
   size_t numMovingQuads;        // quads with several time steps
-  size_t motionBytes;           // of leafBytes: all their time steps but the first
-  size_t numUnsupportedFaces;   // faces of cages left out because Embree's subdivision does not support them: more than
-                                // 16 corners, more than 64 faces at a vertex, or such a face at one of their vertices
-  size_t inputBytes;            // buffers of the compressed geometries that Embree allocated and that were not released,
-                                // and its own copies of their topology
+  size_t motionBytes;           // the part of leafBytes for all time steps but the first
+  size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: faces with more
+                                // than 16 corners, or with a vertex that has more than 64 faces or such a face
+  size_t inputBytes;            // buffers of compressed geometries that Embree allocated and that were not released,
+                                // and Embree's copies of their topology
 };
 
-/* Reports what the last commit of a scene compressed. All zero when the scene
- * has no compressed geometry.
+/* Returns the statistics of the last commit of a scene. All members are zero if the scene has no compressed geometry.
  *
- * scene: committed. Geometry inside instanced scenes belongs to those scenes.
+ * scene: committed. Geometry of instanced scenes is not included.
  * stats: written during the call, not NULL; structSize is read.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize, RTC_ERROR_INVALID_OPERATION when
- * the scene or one of its geometries was modified since its last commit. Thread safety: as rtcGetSceneBounds. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL and for a wrong structSize. RTC_ERROR_INVALID_OPERATION if the scene or
+ * one of its geometries was modified since the last commit. Thread safety: as rtcGetSceneBounds. */
 RTC_API void rtcGetSceneCompressionStatistics(RTCScene scene, struct RTCCompressionStatistics* stats);
 
 RTC_NAMESPACE_END

@@ -3,34 +3,40 @@
 
 #pragma once
 
-/* Subdivision surfaces as fine as a picture of them needs: the rate of each edge by how large the camera sees what lies along it. */
+/* Tessellation of subdivision surfaces by their size in a picture: the rate of each edge depends on how large the
+ * camera sees the surface along it. */
 
 #include "rtcore_compression.h"
 
 RTC_NAMESPACE_BEGIN
 
-/* A camera, and how large quads may be in its picture. Fill with rtcInitDicingArguments first. */
+/* A camera, and the size of quads in its picture. Call rtcInitDicingArguments first. */
 struct RTCDicingArguments
 {
   size_t structSize RTC_SIZE_OF(RTCDicingArguments); /* see rtcore_compression.h */
 
-  /* World space. Of an orthographic camera only pixelSize and what lies in the picture matter. */
+  /* The camera, in world space. For an orthographic camera, only pixelSize and the region of the picture matter. */
   float position[3];
-  float direction[3];      /* into the middle of the picture, of any length */
-  float up[3];             /* of the picture, of any length, not along direction */
+  float direction[3];      /* towards the center of the picture, of any length */
+  float up[3];             /* up direction of the picture, of any length, not parallel to direction */
   bool orthographic;
-  float pixelSize;         /* width of a pixel at distance 1; of an orthographic camera anywhere. More than 0 */
-  float width, height;     /* of the picture in pixels. 0: all that is around counts as in it, and direction and up do not matter */
+  float pixelSize;         /* width of a pixel at distance 1; for an orthographic camera at any distance. Positive */
+  float width, height;     /* of the picture in pixels. 0: everything counts as inside of the picture, and direction and
+                            * up are ignored */
 
-  const float* transform;  /* geometry to world, 12 floats, column by column as RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR; NULL: world space */
+  const float* transform;  /* from the geometry's space to world space: 12 floats in the layout
+                            * RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR. NULL: the identity */
 
-  float quadSize;          /* length of quads' edges in pixels, about: 1. More than 0 */
-  float outside;           /* so many times as large far outside of the picture, and behind the camera: 8. At least 1 */
-  float maxRate;           /* quads along an edge, at most: 4096. 1 to 4096 */
-  const float* maxRates;   /* of each edge, likewise, for example the texels along it; as many as indices. NULL: maxRate alone */
+  float quadSize;          /* target length of the edges of quads in pixels. Default 1, positive */
+  float outside;           /* factor of quadSize far outside of the picture and behind the camera. Default 8, at
+                            * least 1 */
+  float maxRate;           /* largest number of quads along an edge. Default 4096, 1 to 4096 */
+  const float* maxRates;   /* the same for each edge, for example the number of texels along it: one entry per index.
+                            * NULL: maxRate holds for all edges */
 };
 
-/* Sets a camera at the origin without a picture, pixelSize to 0, which has to be set, and all else to what stands above. */
+/* Sets the camera to the origin without a picture, pixelSize to 0, which is invalid, and all other members to their
+ * defaults. */
 RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
 {
   args->structSize = sizeof(*args);
@@ -46,23 +52,26 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
   args->maxRates = NULL;
 }
 
-/* Sets the level buffer of a subdivision geometry, RTC_BUFFER_TYPE_LEVEL, so that its quads are about as large in a picture as is asked for. Commit the
- * geometry afterwards. A buffer that was there is not written but replaced; rtcGetGeometryBufferData returns the new one, a float an index.
+/* Sets the level buffer (RTC_BUFFER_TYPE_LEVEL) of a subdivision geometry so that its quads have about the requested
+ * size in the picture. Commit the geometry afterwards. The function replaces an existing level buffer and does not
+ * write to it. rtcGetGeometryBufferData returns the new buffer, with one float per index.
  *
- * Edges are measured where they lie: on the limit surface, moved by the geometry's displacement function, which is called for points of
- * all faces, some 1/16 as many as quads. Lengths count as if they were seen from the front, so that silhouettes,
- * shadows and reflections have quads as fine as what is seen. The rate of an edge is a power of two, that is the nearest to what was measured: quads are
- * between 0.7 and 1.4 times as long as asked for. Both faces at an edge get the same rate: the higher one of what they need.
+ * The function measures edges on the displaced limit surface. For this it calls the displacement function of the
+ * geometry for points of all faces, about 1/16 as many points as there will be quads. It measures lengths as if the
+ * camera looked at them from the front: silhouettes, shadows and reflections get quads as fine as those of visible
+ * surfaces. The rate of an edge is the power of two that is nearest to the measured rate, so quads are between 0.7 and
+ * 1.4 times as long as requested. Both faces at an edge get the higher of their two rates.
  *
- * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, committed since its buffers were last changed. Of several time steps the one that needs most counts.
- * args: read during the call, not NULL.
+ * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, committed since the last change of its buffers. If it has several
+ *           time steps, the step that requires the highest rates counts.
+ * args:     read during the call, not NULL.
  *
- * Vertices that are not finite count as if they were not there; holes need nothing.
+ * Vertices that are not finite are ignored, and so are holes.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for numbers that are not finite or out of
- * the ranges above, with their names; RTC_ERROR_INVALID_OPERATION for other geometry and for a geometry that is not
- * committed. The geometry keeps its levels then. Thread safety: as rtcSetGeometryTessellationRate. Displacement
- * functions are called by several threads. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for members that are not finite or
+ * outside of the ranges above; the message names the member. RTC_ERROR_INVALID_OPERATION for geometry of another
+ * type and for a geometry that is not committed. After an error the geometry keeps its levels. Thread safety: as
+ * rtcSetGeometryTessellationRate. Several threads call the displacement function. */
 RTC_API void rtcDiceGeometry(RTCGeometry geometry, const struct RTCDicingArguments* args);
 
 RTC_NAMESPACE_END
