@@ -20,7 +20,8 @@ import sys
 SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversal/thread_cache.cpp", "building/builder.cpp", "files/loaded_surface.cpp",
            "core/compression.cpp", "api/settings.cpp")
 LAYOUT = {"block.h", "morton.h"}  # of framed/: what a file with such blocks is recognized by
-MOST_FILES_OF_A_RAY = 46  # still and moving
+MOST_FILES_OF_A_RAY = 46  # still and moving grids of vertices
+MOST_FILES_OF_MESH_BLOCKS = 6  # in addition
 
 
 def command_of(commands, source):
@@ -49,8 +50,15 @@ def main():
         if framed:
             failures.append(f"{source} includes {', '.join(framed)}")
         print(f"{source}: {len(ours)} files of ours")
-        if source == "traversal/intersector1.cpp" and len(ours) > MOST_FILES_OF_A_RAY:
-            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " ".join(sorted(ours)))
+        if source != "traversal/intersector1.cpp":
+            continue
+        mesh = {path for path in ours if re.search(r"/(mesh_\w+|cached_mesh)\.h$", path)}
+        for of, files, most in (
+            ("rays", ours - mesh, MOST_FILES_OF_A_RAY),
+            ("rays through mesh blocks", mesh, MOST_FILES_OF_MESH_BLOCKS),
+        ):
+            if len(files) > most:
+                failures.append(f"{source} includes {len(files)} files for {of}, at most {most}:\n" + " ".join(sorted(files)))
     print("\n".join(failures))
     sys.exit(bool(failures))
 
