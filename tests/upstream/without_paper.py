@@ -22,7 +22,8 @@ SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversa
            "building/builder.cpp", "files/loaded_surface.cpp",
            "core/compression.cpp", "api/settings.cpp")
 LAYOUT = {"block.h", "morton.h"}  # in framed/: headers that identify blocks with frames in files
-MOST_FILES_OF_A_RAY = 46  # static and moving
+MOST_FILES_OF_A_RAY = 46  # static and moving grids of vertices
+MOST_FILES_OF_MESH_BLOCKS = 6  # in addition
 
 
 def command_of(commands, source):
@@ -53,9 +54,16 @@ def main():
         if framed:
             failures.append(f"{source} includes {', '.join(framed)}")
         print(f"{source}: {len(ours)} files of ours")
-        if source == "traversal/intersector1.cpp" and len(ours) > MOST_FILES_OF_A_RAY:
-            failures.append(f"{source} includes {len(ours)} files of ours, at most {MOST_FILES_OF_A_RAY}:\n" + " "
-                            f"".join(sorted(ours)))
+        if source != "traversal/intersector1.cpp":
+            continue
+        mesh = {path for path in ours if re.search(r"/(mesh_\w+|cached_mesh)\.h$", path)}
+        for of, files, most in (
+            ("rays", ours - mesh, MOST_FILES_OF_A_RAY),
+            ("rays through mesh blocks", mesh, MOST_FILES_OF_MESH_BLOCKS),
+        ):
+            if len(files) > most:
+                names = " ".join(sorted(files))
+                failures.append(f"{source} includes {len(files)} files for {of}, at most {most}:\n{names}")
     print("\n".join(failures))
     sys.exit(bool(failures))
 
