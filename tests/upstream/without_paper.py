@@ -58,7 +58,8 @@ def main():
             ("rays through mesh blocks", mesh, MOST_FILES_OF_MESH_BLOCKS),
         ):
             if len(files) > most:
-                failures.append(f"{source} includes {len(files)} files for {of}, at most {most}:\n" + " ".join(sorted(files)))
+                names = " ".join(sorted(files))
+                failures.append(f"{source} includes {len(files)} files for {of}, at most {most}:\n{names}")
     print("\n".join(failures))
     sys.exit(bool(failures))
 
