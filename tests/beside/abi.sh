@@ -2,9 +2,10 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The binary interface of libembree_cbvh: types and functions of its header are those that were written down in libembree_cbvh.abi, or more. What is
-# compared are functions without content, made of the header, so that types are known without debug information in the library. A change
-# that programs have to be built again for is an error, unless it is meant: write it down then, and raise the version.
+# The binary interface of libembree_cbvh: types and functions of its header are those that were written down in
+# libembree_cbvh.abi, or more. What is compared are functions without content, made of the header, so that types are
+# known without debug information in the library. A change that programs have to be built again for is an error, unless
+# it is meant: write it down then, and raise the version.
 #
 #   abi.sh HEADER VERSION-SCRIPT [--write]
 set -eu
@@ -14,7 +15,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 {
   echo '#include "cbvh/cbvh.h"'
-  sed -n 's/^CBVH_API \(.*\);$/\1 { __builtin_trap(); }/p' "$header"
+  # A declaration may take several lines.
+  awk '/^CBVH_API / { sub(/^CBVH_API /, ""); open = 1 }
+       open { text = text " " $0; if ($0 ~ /;$/) { sub(/;$/, " { __builtin_trap(); }", text); print text; text = ""; open = 0 } }' "$header"
 } > "$work/stubs.c"
 cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
 abidw --no-corpus-path --no-comp-dir-path --no-show-locs --out-file "$work/now.abi" "$work/libembree_cbvh.so.0"
