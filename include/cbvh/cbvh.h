@@ -250,9 +250,9 @@ CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
 
 /* Sets the edge rates of a cage so that its quads have about the requested size in a picture. Call it after
- * cbvhSetCage. The rates replace those of the cage. A commit releases the cage: for another view, call cbvhSetCage
- * again. Edges are measured on the displaced surface, for which several threads call the displacement function.
- * Rates are powers of two. rates: written, one entry per index, or NULL. */
+ * cbvhSetCage. It replaces the rates that the cage was set with by powers of two. A commit releases the cage: for
+ * another view, call cbvhSetCage again. The function measures edges on the displaced surface, so several threads call
+ * the displacement function. rates: written, one entry per index, or NULL. */
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
 
 /* Sets the accuracy of the next commit. NULL selects the defaults. */

@@ -71,7 +71,7 @@ static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, 
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
-/* Sets the IDs of a hit to those of the application's scene. hits: RTCHitN of N hits */
+/* Writes the IDs of the application's scene into hit i. hits: RTCHitN of N hits */
 static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID,
                                const CbvhRTCContext* context)
 {

@@ -31,8 +31,8 @@ struct RTCCompressedTriangle
  * were left out. The first call after a commit builds an index with 16 bytes per block; for quad and triangle meshes it
  * has 4 more bytes per primitive.
  *
- * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION for geometry that is not compressed, or
- * of which any part is stored as cLEAF or cVOXEL, which have no triangles. Thread safety: as rtcInterpolate. */
+ * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL. RTC_ERROR_INVALID_OPERATION if the geometry is not compressed, or if any
+ * part of it is stored as cLEAF or cVOXEL, which have no triangles. Thread safety: as rtcInterpolate. */
 RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID, float u, float v, const float* Ng,
     struct RTCCompressedTriangle* triangle);
 

@@ -44,7 +44,13 @@ TEST_F(VulkanFiles, LoadedGeometryHasTheSameHits)
     rtcCommitScene(loaded);
 
     const std::vector<RTCRayHit> rays = timedRays(random, 1000);
-    const std::vector<RTCRayHit> expected = traced(newVulkanScene(device, saved), rays);
+    const VulkanScene scene = newVulkanScene(device, saved);
+    if (!scene && std::string(form.name).find("irregular") != std::string::npos) {
+      EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
+      EXPECT_NE(embree.message.find("mesh blocks"), std::string::npos) << embree.message;
+      continue;
+    }
+    const std::vector<RTCRayHit> expected = traced(scene, rays);
     size_t hits = 0;
     for (const RTCRayHit& ray : expected) hits += isHit(ray);
     EXPECT_GT(hits, rays.size()/20);

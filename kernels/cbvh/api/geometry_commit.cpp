@@ -185,7 +185,6 @@ namespace embree
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
     try { return findParts(mesh); }
-    catch (const rtcore_error& error) { if (error.error != RTC_ERROR_OUT_OF_MEMORY) throw; }
     catch (const std::bad_alloc&) {}
     std::shared_ptr<QuadRegions> none = std::make_shared<QuadRegions>();
     none->isOutOfMemory = true;
