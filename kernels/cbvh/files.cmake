@@ -51,8 +51,9 @@ endif()
 # Files of one ISA, appended to the list that `target` names.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
-  # As upstream's subdivision builder, which is chosen among the lowest ISA and AVX.
-  if(${isa} EQUAL ${AVX})
+  # As upstream's subdivision builder, which is chosen among the lowest ISA and AVX. Without AVX, a higher ISA takes its
+  # place.
+  if(${isa} EQUAL ${AVX} OR (${isa} GREATER ${AVX} AND NOT EMBREE_ISA_AVX))
     list(APPEND ${target} cbvh/building/builder.cpp)
   endif()
   # The library compiles the files of the lowest ISA already: not twice.
