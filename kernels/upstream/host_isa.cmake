@@ -2,10 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # Sets `result` to the best of upstream's ISAs that this machine runs.
-#
-# Alone it is also the lowest ISA, the one of the files that upstream compiles
-# once: with a lower one beside it and AVX missing, those would lack the 8-wide
-# code that AVX2 and AVX-512 link against (SubGridQBVHN<8>).
 function(host_isa result)
   set(program "${CMAKE_BINARY_DIR}/CMakeFiles/host_isa.c")
   file(WRITE "${program}" [=[
