@@ -4,20 +4,43 @@
 
 """flatten.py SHADER OUTPUT
 
-Makes the one file that applications include out of SHADER and all that it includes: as GLSL alone,
-without what is C++, and with a prefix before every name, so that it gets along with an
-application's own. The headers of kernels/cvert and kernels/cbvh stay the source; nothing is written twice.
+Writes the file that applications include: SHADER with all that it includes, as GLSL without C++. Global names get a
+prefix, so that they do not collide with names of the application. The headers of kernels/cvert and kernels/cbvh remain
+the only source.
 """
 
 import os
 import re
 import sys
 
-# Names of the language that headers share with C++ (cvert/basics/language.h, bytes.h, int3.h), and what they are in GLSL.
-LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CVERT_BEGIN": "", "CVERT_END": "", "CVERT_FUNCTION": "", "CVERT_INLINE": "", "CVERT_REAL": "", "CVERT_WIDE": "",
-            "CVERT_CONSTANT": "const", "CVERT_PRECISE": "precise", "Real": "float", "uint32_t": "uint", "Int3": "ivec3", "CBVH_ADDRESS": "uvec2"}
-# Macros of types (also cvert/basics/bytes.h), and what they are.
-MACROS = {"CVERT_OF": r"\1", "CVERT_OF_WIDE": r"\1", "CVERT_IN": r"\1", "CVERT_AS_FLOAT": r"\1", "CVERT_BOOL": "bool", "CVERT_POINTER": "uvec2"}
+# Headers that define the language that C++ and GLSL share. Their first comment explains macros, which are replaced.
+LANGUAGE_HEADERS = ("language.h", "bytes.h", "int3.h")
+# Names that these headers define, and their equivalents in GLSL.
+LANGUAGE = {
+    "CBVH_BEGIN": "",
+    "CBVH_END": "",
+    "CVERT_BEGIN": "",
+    "CVERT_END": "",
+    "CVERT_FUNCTION": "",
+    "CVERT_INLINE": "",
+    "CVERT_REAL": "",
+    "CVERT_WIDE": "",
+    "CVERT_CONSTANT": "const",
+    "CVERT_PRECISE": "precise",
+    "Real": "float",
+    "uint32_t": "uint",
+    "Int3": "ivec3",
+    "CBVH_ADDRESS": "uvec2",
+}
+# Macros that take a type, and their equivalents in GLSL.
+MACROS = {
+    "CVERT_OF": r"\1",
+    "CVERT_OF_WIDE": r"\1",
+    "CVERT_IN": r"\1",
+    "CVERT_AS_FLOAT": r"\1",
+    "CVERT_BOOL": "bool",
+    "CVERT_POINTER": "uvec2",
+}
 
 HEAD = """// Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
@@ -26,8 +49,8 @@ HEAD = """// Copyright 2026 The Embree CBVH authors
 
 
 def glsl_of(text):
-    """What is left of a header where VULKAN is defined: conditions on it are resolved."""
-    out, stack = [], []  # of the open conditions: None, or whether the part is kept
+    """Returns a header as it is if VULKAN is defined, with the conditions on VULKAN resolved."""
+    out, stack = [], []  # stack: per open condition, whether its part is kept; None for other conditions
     for line in text.split("\n"):
         words = line.split()
         directive = words[0] if words else ""
@@ -47,13 +70,15 @@ def glsl_of(text):
 
 
 def gather(path, seen):
-    """The text of a file with its includes in place, each once."""
+    """Returns a file with its includes in place. Each file is included once."""
     path = os.path.normpath(path)
     if path in seen:
         return ""
     seen.append(path)
     with open(path, encoding="utf-8") as file:
         text = glsl_of(file.read())
+    if os.path.basename(path) in LANGUAGE_HEADERS:
+        text = re.sub(r"^/\*.*?\*/\n", "", text, count=1, flags=re.S | re.M)
 
     def included(match):
         return gather(os.path.join(os.path.dirname(path), match.group(1)), seen)
@@ -67,10 +92,8 @@ def gather(path, seen):
 
 
 def without_language(text):
-    """Without the macros that make a header two languages."""
+    """Replaces the macros of the shared language by GLSL."""
     text = re.sub(r"^#define (?:%s)\b.*\n" % "|".join([*LANGUAGE, *MACROS]), "", text, flags=re.M)
-    for begin in ("What lets the headers of this folder", "Memory as shared code reads it"):
-        text = re.sub(r"/\* %s.*?\*/\n" % begin, "", text, flags=re.S)
     for name, value in MACROS.items():
         text = re.sub(r"\b%s\((\w+)\)" % name, value, text)
     for name, value in LANGUAGE.items():
@@ -80,11 +103,12 @@ def without_language(text):
 
 
 def with_prefix(text):
-    """Global names that have no prefix of their own get one."""
-    names = set(re.findall(r"(?:^struct|\bbuffer) (\w+)", text, flags=re.M)) - {"Type"}
-    names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) ?(?:\(|=|\[)", text, flags=re.M))
+    """Adds a prefix to global names that do not have one."""
+    code = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
+    names = set(re.findall(r"(?:^struct|\bbuffer) (\w+)", code, flags=re.M)) - {"Type"}
+    names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) ?(?:\(|=|\[)", code, flags=re.M))
     # several in one declaration
-    for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", text, flags=re.M):
+    for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", code, flags=re.M):
         names |= set(re.findall(r"(?:^|, )(\w+) =", declaration))
     names = {name for name in names if not name.lower().startswith("cbvh")}
     for name in sorted(names):
