@@ -21,6 +21,18 @@ namespace embree
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
 
+    size_t threadCacheBytes (unsigned caches)
+    {
+      size_t bytes = 0;
+      if (caches & vertCache) bytes += sizeof(ThreadCache<VertEntries>);
+      if (caches & motionCache) bytes += sizeof(ThreadCache<MotionEntries>);
+      if (caches & meshCache) bytes += sizeof(ThreadCache<MeshEntries>);
+#if !defined(EMBREE_CBVH_NO_PAPER)
+      if (caches & nodeCache) bytes += sizeof(ThreadCache<NodeEntries>);
+#endif
+      return bytes;
+    }
+
     void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
 
     template<typename Entries>
