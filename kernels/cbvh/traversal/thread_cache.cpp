@@ -54,8 +54,8 @@ namespace embree
       return *current;
     }
 
-    static_assert(sizeof(VertEntries) < 512*1024,
-      "VertEntries must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
+    static_assert(sizeof(VertEntries) < 512*1024 && sizeof(MotionEntries) < 512*1024 && sizeof(MeshEntries) < 512*1024,
+      "caches must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
     template class ThreadCache<NodeEntries>;
