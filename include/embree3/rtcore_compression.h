@@ -229,6 +229,8 @@ struct RTCCompressionStatistics
                                 // than 16 corners, or with a vertex that has more than 64 faces or such a face
   size_t inputBytes;            // buffers of compressed geometries that Embree allocated and that were not released,
                                 // and Embree's copies of their topology
+  size_t cacheBytesPerThread;   // largest size of the caches in which each tracing thread keeps decoded blocks; threads
+                                // allocate a cache when they first need it, and share it among all scenes
 };
 
 /* Returns the statistics of the last commit of a scene. All members are zero if the scene has no compressed geometry.

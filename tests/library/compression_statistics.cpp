@@ -262,6 +262,36 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
     }
 }
 
+// Caches are counted for the blocks that the scene has, and fit into the second-level cache of a core.
+TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
+{
+  const auto bytesOf = [](std::vector<RTCCompression> compressions, bool moves = false) {
+    Device device;
+    Scene scene(device, RTC_SCENE_FLAG_NONE);
+    const Cage cage = prismCage(5);
+    for (RTCCompression compression : compressions) {
+      SurfaceSettings settings;
+      settings.compression = compression;
+      settings.timeSteps = moves ? 2 : 1;
+      RTCGeometry geometry = newSurface(device, cage, settings);
+      rtcAttachGeometry(scene, geometry);
+      rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(scene);
+    return statisticsOf(scene).cacheBytesPerThread;
+  };
+  const size_t vert = bytesOf({RTC_COMPRESSION_VERT}), leaf = bytesOf({RTC_COMPRESSION_LEAF});
+  const size_t moving = bytesOf({RTC_COMPRESSION_VERT}, true);
+  EXPECT_EQ(bytesOf({}), 0u);
+  EXPECT_EQ(bytesOf({RTC_COMPRESSION_NONE}), 0u);
+  for (size_t bytes : {vert, leaf, moving}) {
+    EXPECT_GT(bytes, size_t(1) << 16);
+    EXPECT_LE(bytes, size_t(512) << 10);
+  }
+  EXPECT_EQ(bytesOf({RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}), vert) << "geometries share the caches";
+  EXPECT_EQ(bytesOf({RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}), vert + leaf);
+}
+
 // The frame level of a face is determined by its roughest sub-patch.
 TEST(CompressionStatistics, ErrorBoundHoldsInEverySubPatch)
 {

@@ -18,7 +18,7 @@ namespace embree
   namespace core
   {
     CBVH_GROWING_STRUCT(RTCCompressionArguments,progressUserPtr);
-    CBVH_GROWING_STRUCT(RTCCompressionStatistics,inputBytes);
+    CBVH_GROWING_STRUCT(RTCCompressionStatistics,cacheBytesPerThread);
     CBVH_GROWING_STRUCT(RTCCompressedFileGeometry,bytes);
     CBVH_GROWING_STRUCT(RTCDicingArguments,maxRates);
     CBVH_GROWING_STRUCT(RTCCompressedClusterReport,numTrianglesOf);

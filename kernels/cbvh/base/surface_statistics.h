@@ -37,6 +37,7 @@ namespace embree
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
       /*! Buffers of compressed geometries that Embree allocated and that were not released. */
       size_t inputBytes = 0;
+      size_t cacheBytesPerThread = 0;  //!< largest size of the caches of a tracing thread; zero for single surfaces
       float maxLeafThickness = 0;      //!< largest distance between the two bounds of a leaf, over its quad
       float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
       float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance of a vertex from the evaluated one
@@ -69,6 +70,7 @@ namespace embree
       sum(a.motionBytes,b.motionBytes);
       sum(a.numUnsupportedFaces,b.numUnsupportedFaces);
       sum(a.inputBytes,b.inputBytes);
+      sum(a.cacheBytesPerThread,b.cacheBytesPerThread); // scenes have separate caches for still and for moving blocks
       largest(a.maxLeafThickness,b.maxLeafThickness);
       largest(a.maxVertexSpacing,b.maxVertexSpacing);
       largest(a.maxVertexDeviation,b.maxVertexDeviation);

@@ -18,6 +18,12 @@ namespace embree
 {
   namespace cbvh
   {
+    /*! The caches of a thread, as bits of a mask. */
+    enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8 };
+
+    /*! Size in bytes of the caches in a mask of ThreadCaches, per thread. */
+    size_t threadCacheBytes (unsigned caches);
+
     /*! Invalidates all caches. Must be called after blocks are built and before they are traced. */
     void outdateThreadCaches ();
 

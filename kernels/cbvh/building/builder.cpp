@@ -113,6 +113,7 @@ namespace embree
         }
         all.sums.topLevelBytes += treeBytes;
         report->statistics = all.sums;
+        report->statistics.cacheBytesPerThread = cbvh::threadCacheBytes(cachesOf(surfaces));
         cbvh::nameSurfaces(scene);
         reportCommit(surfaces);
         cbvh::outdateThreadCaches();
@@ -166,6 +167,22 @@ namespace embree
         surface.blocks = cbvh::keepBlocks(surface.geometry,
           builder->build([&](double primitives) { scene->progressMonitor(primitives); }));
         builder.reset();
+      }
+
+      /*! Returns the mask of the caches that rays through the surfaces use. */
+      unsigned cachesOf (const std::vector<Surface>& surfaces) const
+      {
+        unsigned caches = 0;
+        for (const Surface& surface : surfaces)
+        {
+          const cbvh::CompressionStatistics& sums = surface.blocks->statistics.sums;
+          if (sums.numBlocks == 0) continue;
+          if (moves) caches |= cbvh::motionCache;
+          else if (!cbvh::describe(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
+          else caches |= cbvh::nodeCache | (sums.numExactQuads ? cbvh::vertCache : 0u);
+          if (sums.numLooseQuads) caches |= cbvh::meshCache;
+        }
+        return caches;
       }
 
       /*! Adds a surface's blocks to the report and its statistics to `all`. */
@@ -244,7 +261,7 @@ namespace embree
           if (geometry && !geometry->isCompressed() && geometry->surface.whyNot) line.addLeft(geometry);
         }
         Lock<MutexSys> lock(g_printMutex);
-        std::cerr << line.text(treeBytes,report->statistics.inputBytes) << std::endl;
+        std::cerr << line.text(treeBytes,report->statistics) << std::endl;
       }
 
       /*! Reports what is stored differently than requested. */

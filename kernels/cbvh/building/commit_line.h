@@ -38,8 +38,8 @@ namespace embree
           left[{ namesOf(geometry).primitives,geometry->surface.whyNot }] += geometry->size();
       }
 
-      /*! Returns the line. treeBytes: the scene's own tree. inputBytes: buffers that the geometries keep. */
-      std::string text (size_t treeBytes, size_t inputBytes) const
+      /*! Returns the line. treeBytes: the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
+      std::string text (size_t treeBytes, const cbvh::CompressionStatistics& scene) const
       {
         const cbvh::CompressionStatistics& sums = all.sums;
         std::ostringstream line;
@@ -51,7 +51,9 @@ namespace embree
              << mebibytes(all.bytesInEmbree) << " MiB";
         if (sums.maxVertexDeviation > 0)
           line << "; vertices move by up to " << std::setprecision(3) << sums.maxVertexDeviation;
-        if (inputBytes) line << "; buffers that stay: " << mebibytes(inputBytes) << " MiB";
+        if (scene.inputBytes) line << "; buffers that stay: " << mebibytes(scene.inputBytes) << " MiB";
+        if (scene.cacheBytesPerThread)
+          line << "; caches: up to " << mebibytes(scene.cacheBytesPerThread) << " MiB per thread";
         const char* between = "; not compressed: ";
         auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
         add(notAsked,notAsked == 1 ? " subdivision surface that does not ask for it"

@@ -21,6 +21,18 @@ namespace embree
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
 
+    size_t threadCacheBytes (unsigned caches)
+    {
+      size_t bytes = 0;
+      if (caches & vertCache) bytes += sizeof(ThreadCache<VertEntries>);
+      if (caches & motionCache) bytes += sizeof(ThreadCache<MotionEntries>);
+      if (caches & meshCache) bytes += sizeof(ThreadCache<MeshEntries>);
+#if !defined(EMBREE_CBVH_NO_PAPER)
+      if (caches & nodeCache) bytes += sizeof(ThreadCache<NodeEntries>);
+#endif
+      return bytes;
+    }
+
     void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
 
     template<typename Entries>
@@ -42,8 +54,8 @@ namespace embree
       return *current;
     }
 
-    static_assert(sizeof(VertEntries) < 512*1024,
-      "VertEntries must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
+    static_assert(sizeof(VertEntries) < 512*1024 && sizeof(MotionEntries) < 512*1024 && sizeof(MeshEntries) < 512*1024,
+      "caches must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
     template class ThreadCache<NodeEntries>;

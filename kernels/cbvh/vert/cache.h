@@ -136,7 +136,7 @@ namespace embree
       }
 
     private:
-      static const size_t numBlocks = 256, numGroups = 256;
+      static const size_t numBlocks = 160, numGroups = 240; // less than 512 KiB
 
       SegmentBoxes blocks[numBlocks];
       SegmentVertices groups[numGroups];

@@ -44,9 +44,9 @@ namespace embree
     {
     public:
       /*! Returns the slot of a block or a group. If its `block` (and `lane`) differ, the caller must fill the slot. */
-      __forceinline MeshBoxes& slot (const void* block) { return blocks[hashOfBlock(block) % numBlocks]; }
+      __forceinline MeshBoxes& slot (const void* block) { return blocks[placeOfBlock(block,1024) % numBlocks]; }
       __forceinline MeshTriangles& slot (const void* block, uint32_t lane) {
-        return groups[(hashOfBlock(block)*5 + lane) % numGroups];
+        return groups[(placeOfBlock(block,64) + lane) % numGroups];
       }
 
       void clear ()
@@ -56,7 +56,8 @@ namespace embree
       }
 
     private:
-      static const size_t numBlocks = 512, numGroups = 512;
+      /* Together less than 512 KiB, the second-level cache of a core: a larger cache would evict the scene from it. */
+      static const size_t numBlocks = 256, numGroups = 480;
 
       MeshBoxes blocks[numBlocks];
       MeshTriangles groups[numGroups];
