@@ -3,7 +3,6 @@
 
 #pragma once
 
-/* Combined results of the tasks of a build. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -16,8 +15,7 @@ namespace embree
   {
     struct BuildResults
     {
-      /*! Blocks of primitives, or of a strip of a patch. The key is the first primitive, its first patch, and the
-       *  strip. */
+      /*! Blocks of primitives, or of a strip of a patch. */
       struct List
       {
         size_t primitive;
@@ -47,7 +45,6 @@ namespace embree
         if (list) lists.push_back(std::move(list));
       }
 
-      /*! Moves all items to a vector of exactly that size. */
       template<typename T>
       static mvector<T> takeAll (Device* device, mvector<T>& from)
       {
@@ -64,7 +61,7 @@ namespace embree
         statistics.merge(ofTask);
       }
 
-      /*! Concatenates the lists of all tasks, in the order of their primitives, whichever task ended first. */
+      /*! Concatenates the lists in the order of their primitives. */
       void collect (mvector<PrimRef>& prims, mvector<cbvh::StepBox>& boxes)
       {
         std::sort(lists.begin(),lists.end(),

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builds a scene's compressed surfaces, either the moving or the still ones: blocks of the geometries that changed
- * (surface_builder.h), and one tree over the parts of all still surfaces, or over all moving blocks (motion_tree.h). */
+/* Builds a scene's moving or still compressed surfaces: blocks of the geometries that changed (surface_builder.h), and
+ * one tree over the parts of all still surfaces, or over all moving blocks (motion_tree.h). */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
@@ -23,7 +23,6 @@ namespace embree
 
     typedef std::unique_ptr<SurfaceBuilder> BuilderPointer;
 
-    /*! Returns the builder of a mesh: of its grids, and of its primitives that are in no grid. */
     template<typename Grids>
     static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
     {
@@ -52,13 +51,13 @@ namespace embree
     {
       ALIGNED_CLASS_(64);
 
-      static const size_t surfacesPerTask = 16; //!< small surfaces
+      static const size_t surfacesPerTask = 16; //!< of small surfaces
 
       BVH4* bvh;
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> treeOf; //!< builds of the blocks under the tree; empty if there is no tree
+      std::vector<uint64_t> treeOf; //!< builds of the blocks under the tree; empty without a tree
       size_t treeBytes = 0;
 
       struct Surface
@@ -66,14 +65,14 @@ namespace embree
         CompressibleGeometry* geometry;
         unsigned geomID;
         Number number;
-        CompressionPlan plan;                        //!< plan of the blocks, also used for messages
+        CompressionPlan plan;                        //!< of the blocks
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)
           : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
             blocks(cbvh::blocksOf(geometry)) {}
 
-        /*! True for grids, quads and triangles. */
+        /*! true for grids, quads and triangles */
         bool isDiced () const { return geometry->ownType != Geometry::GTY_SUBDIV_MESH; }
       };
 
@@ -133,7 +132,7 @@ namespace embree
         return surfaces;
       }
 
-      /*! Returns the build of each surface's blocks; 0 for blocks that must be built. */
+      /*! Build of each surface's blocks; 0 for blocks that must be built. */
       static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
       {
         std::vector<uint64_t> builds;
@@ -141,8 +140,7 @@ namespace embree
         return builds;
       }
 
-      /*! Builds small surfaces in parallel. Large surfaces are built one after the other, because each uses all threads
-       *  and temporary memory. */
+      /*! Small surfaces in parallel; large ones one by one, because each uses all threads and temporary memory. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
         std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
@@ -185,7 +183,6 @@ namespace embree
         return caches;
       }
 
-      /*! Adds a surface's blocks to the report and its statistics to `all`. */
       void add (const Surface& surface, cbvh::BuildStatistics& all)
       {
         report->surfaces.push_back(surface.blocks);
@@ -193,8 +190,7 @@ namespace embree
         reportAtVerbosity1(surface);
       }
 
-      /*! Reports faces that are left out, unless the previous commit reported them, whose tree had the same blocks.
-       *  before: builds of these blocks. */
+      /*! Reports faces that were left out, unless the previous commit did. before: builds of that commit's blocks */
       void reportInvalid (const Surface& surface, const std::vector<uint64_t>& before) const
       {
         const bool isNew = surface.blocks->statistics.invalidFaces && scene->isGeometryModified(surface.geomID);
@@ -202,7 +198,7 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! Builds the tree over still surfaces. Returns the number of nodes that are not a surface's. */
+      /*! Returns the number of nodes outside of surfaces. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);
@@ -228,7 +224,7 @@ namespace embree
         return nodes;
       }
 
-      /*! Builds the tree over moving blocks. Returns the bytes of its nodes. */
+      /*! Returns the bytes of nodes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
@@ -290,7 +286,7 @@ namespace embree
         if (total.sums.numInvalidQuads && surface.isDiced())
           std::cerr << geometry << total.sums.numInvalidQuads
                     << " quads with vertices that are not finite are left out" << std::endl;
-        if (total.sums.numUnsupportedFaces) // not an error: Embree skips them silently, and programs rely on that
+        if (total.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on that
           std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, the first of which is face "
                     << total.firstUnsupportedFace << ", are left out: expected 3 to "
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "

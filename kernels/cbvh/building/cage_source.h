@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Faces of a cage, as a source (surface/source.h). Each patch is evaluated where it is written: as blocks of the
- * requested kind, or as cVERT. Patches whose edge rates blocks do not support, and geometries that are not compressed,
- * become Embree's own grids. */
+/* Faces of a cage, as a source (surface/source.h). Patches become blocks of the requested kind or cVERT, or Embree's
+ * grids if blocks do not support their edge rates, or if the geometry is not compressed. */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -34,7 +33,7 @@ namespace embree
 
       size_t size () const { return mesh->size(); }
 
-      /*! Exact if no frame level follows from an error bound, and no patch is stored exactly instead. */
+      /*! Exact unless frame levels follow from an error bound, or patches are stored exactly instead. */
       size_t estimateBlocks () const
       {
         return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
@@ -46,8 +45,7 @@ namespace embree
           },std::plus<size_t>());
       }
 
-      /*! Faces can take milliseconds at high levels, and can differ much within a geometry. Small surfaces are one
-       *  task. */
+      /*! Faces can take milliseconds, and differ much within a geometry. Small surfaces are one task. */
       size_t perTask (bool isSmall) const {
         return isSmall ? max(mesh->size(),size_t(1))
           : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));
@@ -75,8 +73,7 @@ namespace embree
           });
       }
 
-      /*! True if a displacement function returned a value that is not finite. If the cage's own vertices are not
-       *  finite, the face has no surface. */
+      /*! A face whose own vertices are not finite has no surface: here a displacement function returned such values. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
@@ -86,7 +83,6 @@ namespace embree
         return bytesOfMovingGrids(GridSOAWriter::bytesInGrid(quads),plan.numTimeSteps);
       }
 
-      /*! Writes the patches of one task. */
       class Writer
       {
       public:
@@ -141,8 +137,7 @@ namespace embree
         return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
-      /*! Chooses the lowest levels that keep the bound. Called once, because a displacement function may return other
-       *  values when it is called again. */
+      /*! The lowest levels that keep the bound. Called once, because displacement functions may return other values. */
       template<typename Progress>
       void chooseFrameLevels (size_t perTask, const Progress& progress)
       {
@@ -169,7 +164,7 @@ namespace embree
       SubdivMesh* mesh;
       const CompressionPlan& plan;
       mvector<unsigned char> frameLevel;      //!< by face; empty unless the plan bounds errors
-      std::unique_ptr<CageBorders> borders;   //!< null unless faces share their borders, and after release()
+      std::unique_ptr<CageBorders> borders;   //!< null unless faces share borders, and after release()
     };
   }
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A line that reports the commit of a scene: what is compressed, what is not and why, and how much memory each takes.
- * Intended for users who cannot change the program. */
+/* A line about the commit of a scene, for users who cannot change the program: what is compressed, what is not and why,
+ * and how much memory each takes. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
@@ -30,7 +30,6 @@ namespace embree
         all.add(statistics);
       }
 
-      /*! Adds a geometry that is not compressed, whatever acceleration structure it is in. */
       void addLeft (const CompressibleGeometry* geometry)
       {
         if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.whyNot) notAsked++;
@@ -38,7 +37,7 @@ namespace embree
           left[{ namesOf(geometry).primitives,geometry->surface.whyNot }] += geometry->size();
       }
 
-      /*! Returns the line. treeBytes: the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
+      /*! treeBytes: of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
       std::string text (size_t treeBytes, const cbvh::CompressionStatistics& scene) const
       {
         const cbvh::CompressionStatistics& sums = all.sums;
@@ -86,7 +85,7 @@ namespace embree
         }
       }
 
-      /*! For example "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT". */
+      /*! such as "1 quad mesh as cVERT, 2 subdivision surfaces as cVERT" */
       std::string geometries () const
       {
         std::string text;
@@ -100,11 +99,11 @@ namespace embree
       }
 
       struct Compressed { Names names; size_t count = 0; };
-      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< geometries of each type and kind
-      cbvh::BuildStatistics all;                                         //!< sums over these
-      /*! Number of primitives, by their type and the reason why they are not compressed. */
+      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< by type and kind
+      cbvh::BuildStatistics all;                                         //!< of these
+      /*! Number of primitives, by type and reason why they are not compressed. */
       std::map<std::pair<std::string,std::string>,size_t> left;
-      size_t notAsked = 0;                                               //!< subdivision surfaces of the scene's tree
+      size_t notAsked = 0;                                               //!< subdivision surfaces
     };
   }
 }

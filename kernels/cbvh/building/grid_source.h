@@ -12,7 +12,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Grids: see diced_grids.h. */
+    /*! Grids: see diced_grids.h */
     template<typename Grids>
     class GridSource
     {
@@ -37,7 +37,7 @@ namespace embree
         });
       }
 
-      /*! For primitives of the mesh that are in no grid. */
+      /*! Borders for primitives of the mesh that are in no grid. */
       const StoredBorders& storedBorders () const { return borders; }
 
       size_t perTask (bool isSmall) const
@@ -51,7 +51,7 @@ namespace embree
       void prepare (size_t perTask, const Progress& progress) { borders.build(perTask,[&] { progress(0.0); }); }
       void release () { borders.release(); }
 
-      /*! Vertices that are not finite are left out without an error, as in Embree. */
+      /*! As in Embree, vertices that are not finite are left out without an error. */
       bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !borders.isValid(grid); }
 
       bool isUnsupported (size_t) const { return false; }
@@ -68,7 +68,6 @@ namespace embree
         return Grids::bytesInEmbree(patch.quads[0],patch.quads[1],plan.numTimeSteps);
       }
 
-      /*! Writes the grids of one task. */
       class Writer
       {
       public:

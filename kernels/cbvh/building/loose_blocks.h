@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Builds the mesh blocks of the triangles of a mesh that are in no grid. All threads divide the triangles into parts of
- * several clusters; one task clusters and encodes each part. */
+/* Builds mesh blocks of the triangles of a mesh that are in no grid. All threads divide the triangles into parts; one
+ * task clusters and encodes each part. */
 
 #include "../surface/mesh_parts.h"
 #include "../vert/mesh_writer.h"
@@ -17,7 +17,7 @@ namespace embree
     class LooseBlocks
     {
     public:
-      /*! parts: parts of the mesh, with loose primitives. plan must outlive this object. */
+      /*! parts: must have loose primitives. plan must outlive this object. */
       LooseBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
                    const CompressionPlan& plan, Device* device)
         : device(device), plan(plan), parts(parts),
@@ -28,15 +28,14 @@ namespace embree
         return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles;
       }
 
-      /*! borders: borders of the geometry's grids, or null; must exist until release(). */
+      /*! borders: of the geometry's grids, or null; must exist until release() */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress) {
         triangles.prepare(borders,[&] { progress(0.0); });
       }
       void release () { triangles.release(); }
 
-      /*! Adds the blocks and their statistics to the results, after all primitives of grids. numGrids: number of the
-       *  geometry's grids. */
+      /*! Adds blocks and statistics to the results, after all primitives of grids. numGrids: of the geometry */
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
@@ -52,7 +51,7 @@ namespace embree
             {
               BlockStore store(device,&memory);
               cbvh::BuildStatistics statistics;
-              /* On the heap, because it is large. */
+              // on the heap, because it is large
               const std::unique_ptr<MeshWriter> writer(new MeshWriter(triangles,plan.surface,store,statistics));
               clusters.cut(triangles.centers.data()+parts[i].begin(),parts[i].size(),
                 [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
@@ -64,7 +63,7 @@ namespace embree
           });
         cbvh::BuildStatistics statistics;
         statistics.bytesInEmbree = triangles.bytesInEmbree();
-        /* Two triangles count as a quad. */
+        // two triangles count as a quad
         const bool areQuads = triangles.mesh.areOfQuads();
         const size_t quads = areQuads ? triangles.centers.size() : (triangles.centers.size()+1)/2;
         statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numLooseQuads = quads;
@@ -74,7 +73,7 @@ namespace embree
       }
 
     private:
-      /*! Halves all parts that are too large. Returns false if there are none. */
+      /*! Halves parts that are too large. Returns false if there are none. */
       bool cut (const cbvh::MeshClusters& cutter, std::vector<range<size_t>>& parts)
       {
         std::vector<size_t> halves(parts.size(),0);

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The tree over moving blocks: Embree's BVH4 for motion blur, with boxes that are linear in time, and with splits of
- * time where they pay off. The nodes are Embree's. Their boxes are conservative in the floats that traversal computes
- * (see Planes). */
+/* Tree over moving blocks: Embree's BVH4 for motion blur, with boxes that are linear in time and splits of time. The
+ * boxes are conservative in the floats that traversal computes (see Planes). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"
@@ -23,17 +22,17 @@ namespace embree
       typedef BVHNodeRecordMB4D<NodeRef> NodeRecord;
 
     public:
-      /*! A block, and its box at each time step. */
+      /*! boxes: one per time step */
       struct Block
       {
         NodeRef leaf;
-        const cbvh::StepBox* boxes; //!< not all boxes are empty
+        const cbvh::StepBox* boxes; //!< not all are empty
         BBox1f range;          //!< times of the first and the last step
-        unsigned segments;     //!< number of steps, less 1
+        unsigned segments;     //!< number of steps minus 1
       };
 
       LBBox3fa bounds = LBBox3fa(empty); //!< at times 0 and 1
-      size_t bytes = 0;                  //!< bytes of the nodes
+      size_t bytes = 0;                  //!< of the nodes
 
       /*! Returns the root of a tree over the blocks. progress() may throw. */
       template<typename Progress>
@@ -85,7 +84,6 @@ namespace embree
       }
 
     private:
-      /*! Callbacks with which Embree's builder splits time. */
       struct Recalculate
       {
         const mvector<Block>& blocks;
@@ -111,12 +109,11 @@ namespace embree
         }
       };
 
-      /*! A plane of a block's boxes in a range of times in which the block exists: knots, between which it is
-       *  linear. */
+      /*! A plane of a block's boxes in a range of times: knots, between which it is linear. */
       class Knots
       {
       public:
-        /*! first, last: ends of the range, in steps. */
+        /*! first, last: ends of the range, in steps */
         Knots (const Block& block, int k, bool isUpper, double first, double last)
           : block(block), k(k), isUpper(isUpper), first(first), last(last) {}
 
@@ -128,7 +125,7 @@ namespace embree
           if (last > first) at(last,closure);
         }
 
-        /*! Returns the plane at any step at which the block exists. */
+        /*! Plane at any step at which the block exists. */
         double anywhere () const
         {
           unsigned i = 0;
@@ -156,9 +153,8 @@ namespace embree
         const double first, last;
       };
 
-      /*! Returns boxes at the ends of a range of times. Boxes interpolated linearly between them contain the block's
-       *  boxes at all times at which the block exists. Each plane is a line from the first to the last knot, moved
-       *  until no knot is outside. */
+      /*! Boxes at the ends of a range of times. Linear interpolation between them contains the block's boxes whenever
+       *  the block exists: each plane is a line from the first to the last knot, moved until no knot is outside. */
       static LBBox3fa linearBounds (const Block& block, const BBox1f& range)
       {
         const double n = double(block.segments), scale = n/(double(block.range.upper)-double(block.range.lower));
@@ -171,12 +167,12 @@ namespace embree
           {
             const Knots knots(block,k,isUpper,first,last);
             size_t count = 0;
-            double positions[2] = { first,first }, planes[2] = { 0,0 }; // at the first and the last knot
+            double positions[2] = { first,first }, planes[2] = { 0,0 }; // first and last knot
             knots.forEach([&](double position, double plane) {
                 const int i = count++ > 0;
                 positions[i] = position; planes[i] = plane;
               });
-            if (count == 0) planes[0] = knots.anywhere(); // nothing is hit within the range
+            if (count == 0) planes[0] = knots.anywhere(); // the range has no hits
             const double slope = count > 1 ? (planes[1]-planes[0])/(positions[1]-positions[0]) : 0.0;
             double outside = 0; // largest distance of a knot from the line
             knots.forEach([&](double position, double plane) {
@@ -187,8 +183,7 @@ namespace embree
             (isUpper ? out.bounds0.upper : out.bounds0.lower)[k] = outwards(from + slope*(begin-positions[0]),isUpper);
             (isUpper ? out.bounds1.upper : out.bounds1.lower)[k] = outwards(from + slope*(end-positions[0]),isUpper);
           }
-        // Lines can cross at times at which the block does not exist. The builder compares areas, so this must not
-        // happen.
+        // the builder compares areas, so lines must not cross, even at times at which the block does not exist
         out.bounds0.upper = max(out.bounds0.upper,out.bounds0.lower);
         out.bounds1.upper = max(out.bounds1.upper,out.bounds1.lower);
         return out;
@@ -211,7 +206,7 @@ namespace embree
       {
         float at0, difference;
 
-        /*! Extrapolates to times 0 and 1 from the ends of a range. */
+        /*! Extrapolates from the ends of a range to times 0 and 1. */
         Planes (double begin, double end, const BBox1f& range, bool isUpper)
         {
           const double slope = (end-begin)/(double(range.upper)-double(range.lower)),
@@ -248,7 +243,7 @@ namespace embree
           }
         }
 
-        /*! True if a block ends at that time, which then belongs to it. Otherwise time was split there, and the next
+        /*! True if a block ends at that time, at which it still exists. Otherwise time was split there, and the next
          *  child begins. */
         static bool endsThere (const BuildRecord& record, float time)
         {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The moving blocks of a scene, with their boxes at each time step, for the tree over them. The first scene that traces
- * a geometry gets the boxes from the build of its blocks, and then frees them. Later scenes compute them again. */
+/* The moving blocks of a scene, and their boxes at each time step. The first scene that traces a geometry gets the
+ * boxes from the build of its blocks, and then frees them. Later scenes compute them again. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -23,7 +23,7 @@ namespace embree
 
       void reserve (size_t numBlocks) { blocks.reserve(numBlocks); }
 
-      /*! Adds the blocks of a surface. Calls progress() from time to time, which may throw to cancel. */
+      /*! progress() may throw to cancel. */
       template<typename Progress>
       void add (const SurfaceBlocks& surface, const Progress& progress)
       {
@@ -53,20 +53,19 @@ namespace embree
     private:
       typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
 
-      /*! Returns false for blocks that no ray can hit, because the times of rays are 0 to 1. Embree's builder does not
-       *  support them. */
+      /*! Rays have times from 0 to 1. Embree's builder does not support blocks outside of them. */
       static bool isInTimesOfRays (BVH4::NodeRef leaf)
       {
         const cbvh::VertMotion motion = cbvh::motionOf(headerOf(leaf));
         return motion.begin <= 1.0f && motion.end >= 0.0f;
       }
 
-      /*! Returns the boxes of the blocks from `begin` on. */
+      /*! Boxes of the blocks from `begin` on. */
       template<typename Progress>
       Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
       {
         std::shared_ptr<mvector<cbvh::StepBox>> found = std::make_shared<mvector<cbvh::StepBox>>(device,numBoxes);
-        std::vector<size_t> firsts; // first box of every 64 blocks
+        std::vector<size_t> firsts; // index of the first box of every 64 blocks
         size_t n = 0;
         for (size_t i=begin; i<blocks.size(); i++) {
           if ((i-begin) % 64 == 0) firsts.push_back(n);
@@ -93,13 +92,13 @@ namespace embree
         return (const cbvh::VertHeader*)leaf.leaf(type);
       }
 
-      /*! Decodes the vertices of a block, two steps at a time. */
+      /*! decodes two steps at a time */
       class alignas(64) Decoded
       {
         ALIGNED_CLASS_(64);
 
       public:
-        /*! boxes: one per step. */
+        /*! boxes: one per step */
         void bound (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)
@@ -159,7 +158,7 @@ namespace embree
 
       Device* const device;
       mvector<MotionTree::Block> blocks;
-      std::vector<Boxes> boxes; //!< boxes of the blocks; keeps them alive
+      std::vector<Boxes> boxes; //!< keeps the boxes of the blocks alive
     };
   }
 }

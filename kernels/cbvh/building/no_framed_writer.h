@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Replaces framed/writer.h in a library without the paper's representations. It is never called, because no plan stores
- * patches in blocks with frames. */
+/* Replaces framed/writer.h in a library without the paper's representations. Never called. */
 
 #include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"

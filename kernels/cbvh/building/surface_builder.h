@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Builds the blocks of one geometry, whose primitives a source enumerates (surface/source.h). Each task processes
- * primitives, or a strip of a large patch: it encodes their blocks into the surface's own memory and frees the
- * vertices. Embree's binned SAH BVH4 is built over the blocks. Scenes build their trees over its lower parts. */
+/* Builds the blocks of one geometry, whose primitives a source enumerates (surface/source.h), and Embree's binned SAH
+ * BVH4 over them. A task encodes several primitives, or a strip of a large patch. Scenes build their trees over lower
+ * parts of the BVH. */
 
 #include "../base/grid_soa_writer.h"
 #include "../base/tasks.h"
@@ -25,22 +25,21 @@ namespace embree
     public:
       virtual ~SurfaceBuilder () {}
 
-      /*! True if building it takes little time and no significant temporary memory. */
+      /*! True if building takes little time and no significant temporary memory. */
       virtual bool isSmall () const = 0;
 
-      /*! True if building it uses all threads and significant temporary memory. */
+      /*! True if building uses all threads and significant temporary memory. */
       virtual bool isLarge () const = 0;
 
-      /*! Builds the blocks. progress(primitives): number of the geometry's primitives that were completed since the
-       *  last call, or 0; may throw to end the build. */
+      /*! progress(primitives): called with the number of primitives completed since the last call, or 0; may throw to
+       *  end the build. */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
-    /*! Bytes that are reserved per block: the size of a cLEAF block of 16 x 16 quads, more than most cVERT blocks
-     *  take. */
+    /*! Bytes reserved per block: the size of a cLEAF block of 16 x 16 quads, which most cVERT blocks do not reach. */
     static const size_t expectedBlockBytes = 928;
 
-    /*! As above, for mesh blocks: about the size of a block of 256 triangles. */
+    /*! About the size of a block of 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
     template<typename Source>
@@ -51,7 +50,7 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan must outlive it. loose: primitives of a mesh that the source does not have, or null. */
+      /*! mesh and plan must outlive this object. loose: primitives of a mesh that the source does not have, or null. */
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
                  std::unique_ptr<LooseBlocks> loose = nullptr)
@@ -69,8 +68,8 @@ namespace embree
         const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
-        /* Embree's allocator allocates a twentieth of this at a time. If this is not many pieces of a store, it should
-         * be less than one piece, because a remainder that is smaller than a piece stays unused. */
+        // Embree's allocator allocates a twentieth of this at a time. If this is not many pieces of a store, it should
+        // be less than one piece, because remainders smaller than a piece stay unused.
         if (meshBlocks && bytes < size_t(3) << 20) bytes = min(bytes,size_t(20)*BlockStore::fullPieceBytes);
         blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
@@ -108,7 +107,7 @@ namespace embree
         cbvh::BuildStatistics statistics;
         typename Source::Writer writer(source,store,statistics);
         size_t reported = primitives.begin(), quads = 0, first = primitives.begin();
-        unsigned firstPatch = 0; // first patch in the store, of primitive `first`
+        unsigned firstPatch = 0; // of primitive `first`
         for (size_t i=primitives.begin(); i!=primitives.end(); i++)
         {
           const size_t invalid = statistics.sums.numInvalidQuads;
@@ -136,7 +135,6 @@ namespace embree
         results.add(statistics);
       }
 
-      /*! Writes a patch with so many quads that several tasks write it. */
       void buildStrips (size_t primitive, unsigned number, const Patch& patch, cbvh::BlockMemory& memory,
                         BuildResults& results,
                         cbvh::BuildStatistics& statistics, const Progress& progress)
@@ -144,7 +142,7 @@ namespace embree
         const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0],
           quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
         const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
-        /* Rows between strips, at each time step. */
+        // rows between strips, at each time step
         mvector<float> seams(device,Source::isDeterministic ? 0 : 3*ofSeam*(strips-1));
         auto seam = [&](unsigned s) {
           return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s);
@@ -177,7 +175,7 @@ namespace embree
           });
       }
 
-      /*! Builds the tree. Moving blocks, and few blocks, are left to the trees of scenes. */
+      /*! Leaves moving blocks, and few blocks, to the trees of scenes. */
       void buildTree (SurfaceBlocks& blocks, mvector<PrimRef>& prims, const Progress& progress)
       {
         blocks.numPrimitives = prims.size();
@@ -195,7 +193,7 @@ namespace embree
         isa::TreeCutter(blocks.parts).cut(blocks.root,blocks.bounds);
       }
 
-      /*! Returns null if the source has no storedBorders(). */
+      /*! Null if the source has no storedBorders(). */
       template<typename S>
       static auto bordersOf (const S& source, int) -> decltype(&source.storedBorders()) {
         return &source.storedBorders();
@@ -203,7 +201,6 @@ namespace embree
       template<typename S>
       static const StoredBorders* bordersOf (const S&, long) { return nullptr; }
 
-      /*! Number of primitives of the geometry that the source does not have. */
       size_t looseSize () const { return loose ? loose->numPrimitives() : 0; }
 
       Device* device;

@@ -33,7 +33,6 @@ namespace embree
 
       void copyVector (const Vec3fa& from, float* to) { to[0] = from.x; to[1] = from.y; to[2] = from.z; }
 
-      /*! Copies a tree of surfaces, including the trees of grids. */
       class TreeCopy
       {
       public:
@@ -60,7 +59,7 @@ namespace embree
                       offsetof(GridSOA,gridOffset) == 4*gridOffsetWord &&
                       offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
-        /*! grid: grid that the node belongs to, gridIndex its index in blocks; null above the grids. */
+        /*! grid, gridIndex: the node's grid, and its index in blocks; null above grids */
         uint32_t reference (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above = 0)
         {
           if (ref == BVH4::emptyNode) return emptyReference;
@@ -103,7 +102,7 @@ namespace embree
           return makeReference(movingNodeReference,index(n));
         }
 
-        /*! planes: lower and upper planes of each axis, in the order of Embree's nodes. */
+        /*! planes: as in Embree's nodes */
         static void copyPlanes (const vfloat4* planes, const uint32_t children[4], FlatNode& to)
         {
           for (size_t i=0; i<4; i++) {
@@ -248,7 +247,7 @@ namespace embree
         bool isAllTraced = true;
         for (size_t i=0; i<scene->size(); i++) flat->ownGeometries.push_back(describe(scene->get(i),*flat));
 
-        /* if false, the caller reports the geometry by name */
+        // if false, the caller reports the geometry by name
         for (const FlatGeometry& geometry : flat->ownGeometries)
           isAllTraced &= geometry.type == FLAT_NONE || geometry.isTraced;
 

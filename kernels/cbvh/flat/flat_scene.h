@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* A committed scene as plain data: arrays of nodes, blocks and geometries. Traversal outside of this library
- * (kernels/vulkan) uses it instead of Embree's own structures. It contains no types of Embree and copies only the
- * top-level tree. Blocks, vertices and indices are referenced. They remain valid until the scene is committed again or
- * released. */
+/* A committed scene as plain data, for traversal outside of this library (kernels/vulkan). Contains no types of Embree.
+ * The top-level tree is copied; blocks, vertices and indices are referenced, and remain valid until the scene is
+ * committed again or released. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -17,18 +16,17 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Version of the structures below. Libraries with different versions are incompatible. */
+    /*! Version of these structures. Libraries with different versions are incompatible. */
     static const uint32_t flatSceneVersion = 6;
 
-    /*! Four children with bounds by axis. Unused children have the reference emptyReference and infinite bounds, which
-     *  no ray hits. */
+    /*! Four children with bounds by axis. Unused children are emptyReference, with infinite bounds that no ray hits. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
       uint32_t children[4];           //!< see reference.h; indices of nodes, blocks and cells
     };
 
-    /*! Four moving children. The position of a plane is its position at time 0 plus time times its difference; this is
+    /*! Four moving children. At time t a plane is at its position at time 0 plus t times its difference; this is
      *  conservative in float, fused or not. A child exists at times t with begin <= t < end. */
     struct FlatMovingNode
     {
@@ -42,12 +40,12 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      /*! See reference.h: blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid. */
+      /*! blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid */
       uint32_t type;
-      uint32_t geomID;   //!< in this scene; blocks store the surface number, which is the same in all scenes
+      uint32_t geomID;   //!< in this scene; blocks store the surface number instead
     };
 
-    /*! 2 x 2 quads of a grid. */
+    /*! 2 x 2 quads of a grid */
     struct FlatCell
     {
       uint32_t block;    //!< index of the grid in blocks
@@ -62,9 +60,9 @@ namespace embree
       const char* typeName;
       uint32_t mask;
       uint32_t timeSteps;
-      bool isTraced;             //!< FlatScene contains it: it is static, compressed, or an instance with linear motion
+      bool isTraced;             //!< in this FlatScene: static, compressed, or an instance with linear motion
       bool hasFilter;
-      uint64_t build;            //!< of a compressed surface: scenes with the same number have the same blocks; else 0
+      uint64_t build;            //!< of a compressed surface: equal if scenes have the same blocks; else 0
       /* of triangles */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
@@ -72,16 +70,16 @@ namespace embree
       /* of an instance */
       float worldToLocal[12];    //!< column by column: x, y, z, translation; undefined for moving instances
       const float* localToWorld; //!< the inverse at each time step, linear between steps
-      float begin, end;          //!< times of the first and the last step; moving instances exist only between them
+      float begin, end;          //!< times of the first and the last step; a moving instance exists only between them
       RTCScene instanced;
-      float lower[3], upper[3];  //!< bounds of the instanced scene at all times, in its own space
+      float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
     };
 
     struct FlatTree
     {
       uint32_t root;             //!< reference, or emptyReference
-      uint32_t depth;            //!< number of nodes on the longest path from the root to a leaf
-      float lower[3], upper[3];  //!< bounds at all times
+      uint32_t depth;            //!< nodes on the longest path from the root to a leaf
+      float lower[3], upper[3];  //!< at all times
     };
 
     struct FlatScene
@@ -104,15 +102,14 @@ namespace embree
 extern "C" {
 #endif
 
-/* Returns a description of a committed scene. Returns NULL and sets the error of the scene's device if the scene is not
- * committed, or if it has more nodes than references support. version: flatSceneVersion. Internal; applications use
- * rtcore_vulkan.h. */
+/* Describes a committed scene. Returns NULL and sets the error of the scene's device if the scene is not committed, or
+ * if it has more nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
 /* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */
 RTC_API void rtcRaiseDeviceError (RTCDevice device, enum RTCError code, const char* message);
 
-/* flat: may be NULL. */
+/* flat: may be NULL */
 RTC_API void rtcReleaseFlatScene (const struct embree::cbvh::FlatScene* flat);
 
 #if defined(__cplusplus)

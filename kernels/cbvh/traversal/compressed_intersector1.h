@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* BVH4 traversal of single rays over blocks and grids. The type of a leaf of the top-level BVH selects its
- * intersector. */
+/* BVH4 traversal of single rays over blocks and grids. */
 
 #include "top_level1.h"
 #include "kind_visitors1.h"
@@ -109,8 +108,7 @@ namespace embree
       };
     };
 
-    /*! Traversal of moving blocks. Rays are tested first with a box around all of them at all times, so that surfaces
-     *  that move elsewhere cost the still surfaces of a scene little. */
+    /*! Traversal of moving blocks. Rays that miss the box around all of them cost little. */
     struct CompressedMotionTraversal1
     {
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
@@ -126,7 +124,7 @@ namespace embree
         if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
       }
 
-      /*! Returns the box around all blocks at all times, or an empty box. */
+      /*! Box around all blocks at all times. */
       static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
 
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)

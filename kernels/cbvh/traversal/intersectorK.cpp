@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersectors of packets and streams, instantiated for one ISA. The hits are the same as those of single rays. Rays of
- * a coherent context traverse the top-level BVH and blocks together. All other rays are traced one by one, and so are
- * all rays through moving blocks, because each ray has its own time. */
+/* Intersectors of packets and streams, instantiated for one ISA, with the same hits as single rays. Rays of a coherent
+ * context traverse the top-level BVH and blocks together. Other rays are traced one by one, and so are rays
+ * through moving blocks, because each ray has its own time. */
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
@@ -21,7 +21,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Intersects leaves with the rays of a packet: blocks, and Embree's grids for faces that are not compressed. */
+    /*! Blocks, and Embree's grids for faces that are not compressed. */
     template<int K, typename Rays>
     class CompressedSubdivLeavesK
     {
@@ -30,7 +30,7 @@ namespace embree
       static const bool isAnyHit = cbvh::IsAnyHit<Rays>::value;
 
     public:
-      vfloat<K> tfar; //!< where each ray ends
+      vfloat<K> tfar; //!< ends of rays, see PacketTraversal
 
       __forceinline CompressedSubdivLeavesK (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                              IntersectContext* context)
@@ -46,7 +46,7 @@ namespace embree
         else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
-      /*! Call this after the traversal. */
+      /*! Must be called after the traversal. */
       __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
 
     private:
@@ -82,7 +82,7 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
-    /*! Traces rays of a packet one by one. alone: mask of these rays. intersect(ray), occluded(ray): trace one ray. */
+    /*! Traces rays one by one with intersect(ray) or occluded(ray). alone: mask of these rays */
     template<int K, typename Intersect>
     __forceinline void traceAlone (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
@@ -106,7 +106,7 @@ namespace embree
       }
     }
 
-    /*! Returns the rays of a packet that can hit anything. */
+    /*! Rays that can hit anything. */
     template<int K>
     __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) {
       return (mask == vint<K>(-1)) & cbvh::mayHit(rays);
@@ -128,7 +128,6 @@ namespace embree
       }
 
     private:
-      /*! Returns the mask of the rays that may hit moving blocks. */
       static __forceinline uint32_t thatMayMeet (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
       {
         const vbool<K> valid = validOf<K>(mask,rays);
@@ -157,10 +156,10 @@ namespace embree
       struct Traced
       {
         uint32_t alone; //!< rays that have not been traced
-        vbool<K> ended; //!< rays that an any-hit query ended
+        vbool<K> ended; //!< by an any-hit query
       };
 
-      /*! Traces rays whose directions have equal signs together. */
+      /*! Traces rays whose directions have the same signs together. */
       template<typename Rays>
       static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                          IntersectContext* context)
@@ -200,7 +199,7 @@ namespace embree
     DEFINE_INTERSECTOR16(BVH4CompressedSubdivIntersector16,CompressedSubdivIntersectorK<16>);
     DEFINE_INTERSECTOR16(BVH4CompressedMotionIntersector16,CompressedMotionIntersectorK<16>);
 #endif
-    /* Streams use Embree's fallback, which passes packets. */
+    // Embree's fallback for streams passes packets
     DEFINE_INTERSECTORN(BVH4CompressedSubdivIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
     DEFINE_INTERSECTORN(BVH4CompressedMotionIntersectorN,BVHNIntersectorStreamPacketFallback<4>);
 #endif

@@ -3,7 +3,6 @@
 
 #pragma once
 
-/* Selects the intersector of a leaf by the type of its primitive. */
 
 #include "../base/mapped_blocks.h"
 #include "../base/primitive_type.h"

@@ -3,11 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by the rays of a packet. Nodes are culled with the frustum of the rays, as in Embree's
- * traversal of coherent packets. In Embree's traversal, all rays visit each block that any of them intersects, so rays
- * could hit geometry outside of bounds that they miss (framed/block_bounds.h). Here a ray only visits blocks whose
- * bounds it intersects. The entry distance is passed along, as in top_level1.h, so hits are the same as those of single
- * rays. */
+/* Traversal of the top-level BVH by packets. The frustum of the rays culls nodes, as in Embree's coherent traversal.
+ * Unlike there, a ray only visits blocks whose bounds it intersects: otherwise it could hit geometry outside of these
+ * bounds (framed/block_bounds.h). Entry distances are passed as in top_level1.h, so hits equal those of single rays. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -18,29 +16,29 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Leaves: a class for closest hit or any hit with these members:
+      /*! Leaves: a class for closest hit or any hit with
        *
        *     void intersect (const vbool<K>& valid, BVH4::NodeRef leaf, const vfloat<K>& enter, const Tray& tray,
        *                     size_t& lazyNode)
-       *       Intersects a leaf. lazyNode: set to a node that must be traversed next.
+       *       Intersects a leaf. lazyNode: receives a node that must be traversed next.
        *     vfloat<K> tfar
-       *       Where rays end; -inf for rays that have ended. Read after each call of intersect(). */
+       *       Ends of rays; -inf for rays that have ended. Read after each intersect(). */
       template<int K, typename Leaves>
       class PacketTraversal
       {
         typedef BVH4::NodeRef NodeRef;
         typedef TravRayK<K,true> Tray;
 
-        /*! A node, and the entry distance of each ray; NaN for rays that miss the node. */
+        /*! enter: NaN for rays that miss the node */
         struct Entry
         {
           vfloat<K> enter;
           NodeRef node;
-          float first; //!< smallest entry distance of the packet
+          float first; //!< smallest entry distance
         };
 
       public:
-        /*! Traverses rays that have the same signs of tray.rdir. k: the first of these rays. */
+        /*! Requires rays with the same signs of tray.rdir. k: the first of them. */
         static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray,
                                     Leaves& leaves)
         {
@@ -66,17 +64,17 @@ namespace embree
             size_t lazyNode = 0;
             leaves.intersect(meets,at.node,at.enter,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
-              /* Inactive lanes may contain NaN, which would spoil the maximum in the frustum. */
+              // inactive lanes may contain NaN, which would spoil the maximum in the frustum
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            // for the rays that intersected the leaf, and no others
+            // only for rays that intersected the leaf
             if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first };
           }
         }
 
       private:
-        /*! Embree's robust test of a single ray, for the rays of a packet. */
+        /*! Embree's robust test of single rays, for packets. */
         class Boxes
         {
           vfloat<K> rdirNear[3], rdirFar[3];
@@ -105,7 +103,7 @@ namespace embree
           }
         };
 
-        /*! Pushes the children that rays intersect, the nearest one last. */
+        /*! Pushes the children that rays intersect, nearest last. */
         static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes,
                                                   const Tray& tray, Entry* top)
         {

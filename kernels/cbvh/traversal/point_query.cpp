@@ -1,10 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries. The application's function is called for the primitive of each block within reach, and therefore
- * several times if several blocks of a primitive are. For blocks that number their quads, and for mesh blocks, it is
- * called for each primitive whose box, or the box of one of whose triangles, is within reach. As in Embree, queries
- * find grids, quads and triangles, at the query's time, and no subdivision surfaces. */
+/* Point queries. The application's function is called for the primitive of each block within reach, possibly several
+ * times. For blocks with numbers of quads and for mesh blocks, it is called for each primitive if its box, or the box
+ * of one of its triangles, is within reach. As in Embree, queries find grids, quads and triangles at the query's time,
+ * but no subdivision surfaces. */
 
 #include "point_query.h"
 #include "../base/mapped_blocks.h"
@@ -30,7 +30,7 @@ namespace embree
       public:
         PointQueryTraversal (PointQuery* query, PointQueryContext* context) : query(query), context(context) {}
 
-        /*! Traverses the nearest children first. Returns true if a call changed the query. */
+        /*! Visits the nearest children first. Returns true if a call changed the query. */
         bool operator() (const BVH4* bvh)
         {
           if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->hasGrids) return false;
@@ -66,16 +66,16 @@ namespace embree
 
         bool isSphere () const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
-        /*! Largest distance, as returned by distanceOf, at which a box is within reach. */
+        /*! largest distanceOf within reach */
         float reach () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
-        /*! Distances of the children of a node. Sphere: squared distance. Box: distance from the box. */
+        /*! Distances of children: squared for a sphere, outside of the query's box otherwise. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
           return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),
             outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
         }
 
-        /*! Distances of the children of a moving node. isThere: children that exist at the time of the query. */
+        /*! isThere: receives the children that exist at the query's time */
         vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isThere) const
         {
           const BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
@@ -123,8 +123,7 @@ namespace embree
 
         embree::cbvh::TraversalTime time () const { return { query->time,false }; }
 
-        /*! Calls the function for the quads or triangles of a block whose vertices are all finite. Returns true if a
-         *  call changed the query. */
+        /*! Skips primitives that are not finite. Returns true if a call changed the query. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const embree::cbvh::VerticesAtTime block(header,time());
@@ -144,8 +143,7 @@ namespace embree
           return changed;
         }
 
-        /*! Calls the function for the primitives of a mesh block that have a triangle within reach. Returns true if a
-         *  call changed the query. */
+        /*! Returns true if a call changed the query. */
         bool callTriangles (Geometry* geometry, const MeshHeader* block)
         {
           const MeshView view(block);
@@ -185,7 +183,7 @@ namespace embree
           return geometry->pointQuery(query,context);
         }
 
-        /*! As distanceOf for children. */
+        /*! Distance of one box. */
         float distanceOf (const BBox3fa& bounds) const
         {
           float d[3];

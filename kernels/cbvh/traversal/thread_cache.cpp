@@ -17,7 +17,7 @@ namespace embree
   {
     std::atomic<unsigned> cacheGeneration(0);
 
-    /* Set by the code that maps blocks, so that codecs depend on nothing else in the library. */
+    /* Set by the code that maps blocks, so that codecs do not depend on it. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
 

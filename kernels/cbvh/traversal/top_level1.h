@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by a single ray, for still or for moving blocks. It is Embree's traversal with the
- * rays of top_level_ray.h. For the closest hit it passes the distance at which the ray enters the bounds of a leaf, so
- * that the result does not depend on the order of blocks (nearest_hit.h). */
+/* Embree's traversal of the top-level BVH by a single ray, with the rays of top_level_ray.h. For the closest hit it
+ * passes the distance at which the ray enters the bounds of a leaf, so that the result does not depend on the order of
+ * blocks (nearest_hit.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -41,9 +41,8 @@ namespace embree
         return distance;
       }
 
-      /*! Embree sorts only the children of one node, so a nearer entry than a leaf can be further down the stack. If
-       *  there is one, this moves it to the top and puts the leaf in its place: leaves are then visited in the order of
-       *  their distances. */
+      /*! If an entry is nearer than the leaf, moves it to the top and puts the leaf in its place, so that leaves are
+       *  visited in the order of their distances. Embree sorts only the children of one node. */
       __forceinline bool putBehindNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
                                           StackItemT<BVH4::NodeRef>*& top)
       {
@@ -60,7 +59,7 @@ namespace embree
         return true;
       }
 
-      /*! Leaves: a class with these members:
+      /*! Leaves: a class with
        *
        *     bool isSorted
        *       True if blocks with frames must be visited in the order of their bounds, so that each hit that a filter
@@ -70,7 +69,7 @@ namespace embree
        *     void setEnter (t)
        *       Sets where the ray enters the bounds of the next block with a frame.
        *     void intersect (leaf, tray, lazyNode)
-       *       Intersects a leaf. lazyNode: set to a node that must be traversed next. */
+       *       Intersects a leaf. lazyNode: receives a node that must be traversed next. */
       template<typename Nodes, typename Leaves>
       __forceinline void traverseClosestHit1 (BVH4::NodeRef root, const Nodes& nodes, RayHit& ray, Leaves& leaves)
       {
@@ -115,8 +114,7 @@ namespace embree
         }
       }
 
-      /*! Returns true if a ray hits anything. isOccluded(leaf,tray,lazyNode): returns true for a hit in the leaf;
-       *  lazyNode as above. */
+      /*! Returns true if a ray hits anything. isOccluded(leaf,tray,lazyNode): true for a hit; lazyNode as above. */
       template<typename Nodes, typename IsOccluded>
       __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray,
                                           const IsOccluded& isOccluded)

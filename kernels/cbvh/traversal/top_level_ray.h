@@ -5,14 +5,14 @@
 
 /* Rays that traverse the top-level BVH. They differ from Embree's rays in two ways:
  *
- * Rays that are not finite hit nothing, and are rejected before traversal. Comparisons with NaN would report hits of
- * children that do not exist, and would make the bounds of a packet useless.
+ * Rays that are not finite are rejected. Comparisons with NaN would report hits of children that do not exist, and
+ * would make the bounds of a packet useless.
  *
- * Embree replaces the reciprocal of a component below 1e-18 by 1e18, however short the direction is. For a direction of
- * length 1e-12 with a component of zero, this tilts the ray by 1e-6, and it misses boxes of geometry that it hits. Here
- * the threshold is relative to the largest component (cvert/rule/reciprocal.h). The reciprocal is also never 0.
- * Traversal of finite rays and boxes therefore computes no NaN, and no ray hits children that do not exist, whose
- * bounds begin at infinity and end at -infinity. */
+ * Embree replaces reciprocals of components below 1e-18 by 1e18, however short the direction is. If its length is 1e-12
+ * and a component is 0, this tilts the ray by 1e-6, so that it misses boxes of geometry that it hits. Here the
+ * threshold is relative to the largest component (cvert/rule/reciprocal.h), and reciprocals are never 0. Traversal of
+ * finite rays and boxes therefore computes no NaN, and no ray hits children that do not exist, whose bounds are
+ * infinity to -infinity. */
 
 #include "../base/vectors.h"
 #include "../embree/traversal.h"
@@ -23,7 +23,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! True if a ray can hit anything: its origin and direction are finite, and tnear is at most tfar. */
+      /*! True if origin and direction are finite, and tnear is at most tfar. */
       __forceinline bool mayHit (const Ray& ray)
       {
         const Vec3fa bound(pos_inf);
@@ -40,8 +40,7 @@ namespace embree
         return finite;
       }
 
-      /*! Factors of distances to planes, in x, y and z: `near` makes distances smaller than they are, and `far`
-       *  larger. */
+      /*! Factors of distances to planes, by axis: `near` makes distances smaller, `far` larger. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
@@ -51,8 +50,7 @@ namespace embree
             far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
       };
 
-      /*! Returns false if the ray misses a box. Uses the arithmetic of TopLevelRay, so that the ray then also misses
-       *  all boxes inside this box. */
+      /*! Returns false if the ray misses a box, and, due to the arithmetic of TopLevelRay, all boxes inside it. */
       __forceinline bool mayMeet (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
@@ -63,7 +61,6 @@ namespace embree
         return max(reduce_max(enter),max(ray.tnear(),0.0f)) <= min(reduce_min(leave),max(ray.tfar,0.0f));
       }
 
-      /*! As above, for the rays of a packet. */
       template<int K>
       __forceinline vbool<K> mayMeet (const RayK<K>& rays, const BBox3fa& box)
       {
@@ -105,7 +102,7 @@ namespace embree
         }
       };
 
-      /*! Rays of a packet. Inactive lanes contain numbers as well. The caller must set tnear and tfar. */
+      /*! Inactive lanes contain numbers, too. The caller must set tnear and tfar. */
       template<int K>
       struct TopLevelRays : public TravRayK<K,true>
       {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Decoder of the boxes of cVERT groups (cvert/format/block.h). The planes are the planes of the corners of a group,
- * widened by margins. */
+/* SIMD decoder of the boxes of cVERT groups (cvert/format/block.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"
@@ -19,11 +18,11 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! As vertSpacing(), with vector instructions. */
+      /*! Like vertSpacing, with vector instructions. */
       __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
       {
         const __m128i values = _mm_loadu_si128((const __m128i*)corners);
-        // signs of packed words: bits 15, then bits 14
+        // packing keeps signs: bits 15, then bits 14
         const uint32_t bits = uint32_t(_mm_movemask_epi8(_mm_packs_epi16(values,_mm_slli_epi16(values,1))));
         VertSpacing spacing;
         spacing.at[0] = floatOfBits((word >> 24) << 23);
@@ -32,7 +31,7 @@ namespace embree
         return spacing;
       }
 
-      /*! Sets the sheared axis and the shear of boxes. Without shear, the axes are the world's axes. */
+      /*! isSheared: if false, the axes are the world's axes. */
       __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
       {
         axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
@@ -41,7 +40,7 @@ namespace embree
           for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
       }
 
-      /*! Sets the axes of a block. The extent of a raw block must be set from its planes. */
+      /*! The caller must set the extent of a raw block from its planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
         const bool raw = isRaw(block->boxForm);
@@ -57,12 +56,12 @@ namespace embree
       class PlanesDecoder
       {
       public:
-        /*! form: shear and shifts of margins, as in the header of a block. */
+        /*! form: shear and shifts of margins, as in VertHeader::boxForm */
         __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups,
                                      const VertSpacing& spacing, const float* origin)
           : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
 
-        /*! corners: corners of groups, in coordinates. planes: by axis. */
+        /*! corners: of groups, in coordinates */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
           const int m = shearedAxis(form);
@@ -98,8 +97,7 @@ namespace embree
           }
         }
 
-        /*! Expands one byte per group to one byte per lane. Callers may read 16 bytes from the result; a block has that
-         *  many there. */
+        /*! Expands one byte per group to one byte per lane. 16 bytes can be read from the result. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
           if (likely(groups.groupsX == 4)) return rows;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersects rays with the bounds of a cVERT block and with its boxes. Boxes only cull: planes are exact, and are
- * widened as described in rule.h. `Real` is float for a single ray, or a vector for the rays of a packet. */
+/* Intersects rays with the bounds of a cVERT block and with its boxes. Boxes only cull; rule.h describes by how much
+ * their exact planes are widened. `Real` is float, or a vector for the rays of a packet. */
 
 #include "box_decoder.h"
 #include "ray.h"
@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray along the sheared coordinate of a block, relative to the block's origin. */
+      /*! A ray along the sheared coordinate, relative to the block's origin. */
       template<typename Real>
       struct ShearedRay
       {
@@ -35,8 +35,8 @@ namespace embree
         }
       };
 
-      /*! Values that a single ray needs for the boxes of a block, computed for all axes at once. Equal to boxSlack and
-       *  ShearedRay. Vectors of four also load the float after an array of three, and ignore it. */
+      /*! boxSlack and ShearedRay of a single ray, for all axes at once. Vectors of four ignore the float after an array
+       *  of three. */
       struct RayInBoxes
       {
         alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
@@ -64,11 +64,10 @@ namespace embree
 
       struct BlockBounds : public VertAxes, public BlockReach
       {
-        float slack[3];             //!< amount by which bounds may be too small, by axis
+        float slack[3];             //!< largest error of the bounds, by axis
       };
 
-      /*! Returns false if a ray misses the bounds between tNear and tFar. Most rays that hit no group of a block miss
-       *  its bounds, which saves decoding the block. */
+      /*! Returns false if a ray misses the bounds between tNear and tFar, as most rays do that hit no group. */
       template<typename Real>
       __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
@@ -89,7 +88,7 @@ namespace embree
         return interval.from <= interval.to;
       }
 
-      /*! As above, for a block that is not raw. */
+      /*! The same for a block that is not raw. */
       template<typename Real>
       __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
@@ -107,7 +106,7 @@ namespace embree
         return meetsBounds<Real>(ray,bounds,tNear,tFar);
       }
 
-      /*! The bounds of a block in a segment of its motion, read directly from its steps. */
+      /*! Bounds of a block in a segment, read directly from its steps. */
       class SegmentReach
       {
         struct End
@@ -120,7 +119,7 @@ namespace embree
         uint32_t form;
 
       public:
-        bool raw; //!< an end is raw, and there are no bounds
+        bool raw; //!< an end is raw: there are no bounds
 
         __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
         {
@@ -138,13 +137,13 @@ namespace embree
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
-        /*! Returns the larger of the extents at both ends. No end may be raw. */
+        /*! The larger extent of both ends. Requires !raw. */
         __forceinline float extent () const
         {
           return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
         }
 
-        /*! Sets the bounds at a fraction of the segment. */
+        /*! Sets the bounds at fraction f of the segment. Requires !raw. */
         __forceinline void set (float f, BlockBounds& out) const
         {
           setShear(form,true,out);

@@ -19,31 +19,30 @@ namespace embree
       class CachedVertBlock
       {
       public:
-        /*! ray: VertRay or VertRays, with the thread's cache. */
         template<typename RayOrRays>
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
           : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
 
-        /*! Returns the boxes, or null if they are not decoded. */
+        /*! Null if the boxes are not decoded. */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Returns false if a ray misses the bounds of the block between tNear and tFar. Decodes nothing; the block
-         *  must be usable. */
+        /*! Returns false if a ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
+         *  isUsable(). */
         __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->boxForm)) || meetsBounds<float>(ray,block,tNear,tFar);
         }
 
-        /*! Returns false if the block is damaged. Then no byte of it may be read, not even its header. */
+        /*! Returns false if the block is damaged. No byte of it may be read then, not even its header. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
 
-        /*! Returns the boxes of groups. The block must be usable. */
+        /*! Requires isUsable(). */
         __forceinline const VertBoxes& boxes () const
         {
           if (unlikely(slot.block != block)) decode();
           return slot;
         }
 
-        /*! Returns the vertices of the group in a lane, in world space. */
+        /*! Vertices of a group in world space. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           const size_t slot = cache.slot(block,lane);
@@ -54,8 +53,7 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          /* Prefetch as many bytes as most blocks have: the position of a group's fields is known late, and nothing
-           * would hide the latency then. */
+          // as many bytes as most blocks have: a group's fields are located too late to hide the latency
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           VertDecoder(block).decode(slot);
@@ -70,7 +68,7 @@ namespace embree
 
         VertCache& cache;
         const VertHeader* block;
-        VertBoxes& slot; //!< slot of the block's boxes
+        VertBoxes& slot;
       };
     }
   }

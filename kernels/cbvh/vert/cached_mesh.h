@@ -3,10 +3,8 @@
 
 #pragma once
 
-/* Gives access to a decoded mesh block, decoding it into the thread's cache if necessary, with the members that the
- * intersectors of cVERT expect (cached_block.h). References into the cache become invalid once a hit is reported,
- * because a filter function may trace further rays. Shared code accesses the block as a VertHeader: `surface` and
- * `primID` have the same offsets in a MeshHeader. */
+/* CachedVertBlock for mesh blocks. Shared code accesses the block as a VertHeader: `surface` and `primID` have the same
+ * offsets in a MeshHeader. */
 
 #include "../base/mapped_blocks.h"
 #include "hits1.h"
@@ -25,18 +23,15 @@ namespace embree
       class CachedMeshBlock
       {
       public:
-        /*! ray: VertRay or VertRays. Its cache is not used: mesh blocks have a cache of their own. */
         template<typename VertRay>
         __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
           : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)) {}
 
-        /*! Returns the boxes, or null if they are not decoded. */
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray intersects. */
+        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray hits. */
         __forceinline bool mayMeet (const VertRayAxes<float>&, float, float) const { return true; }
 
-        /*! Returns false if the block is damaged. Then no byte of it may be read. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
 
         __forceinline const MeshBoxes& boxes () const
@@ -45,7 +40,6 @@ namespace embree
           return slot;
         }
 
-        /*! Returns the triangles of group g, with their vertices. */
         __forceinline const MeshTriangles& vertices (uint32_t g) const
         {
           MeshTriangles& at = cache.slot(block,g);
@@ -53,8 +47,8 @@ namespace embree
           return at;
         }
 
-        /*! Returns the primitive of triangle t of group g, and the parameters of a point, as in Embree's kernels. w1,
-         *  w2: weights of the triangle's second and third corner. */
+        /*! Primitive and parameters of a point in triangle t of group g, as in Embree's kernels. w1, w2: weights of the
+         *  triangle's second and third corner. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
         {
           const uint32_t number = MeshDecoder(block).number(boxes(),g,t);
@@ -84,7 +78,7 @@ namespace embree
 
         MeshCache& cache;
         const MeshHeader* block;
-        MeshBoxes& slot; //!< slot of the block's boxes
+        MeshBoxes& slot;
       };
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,

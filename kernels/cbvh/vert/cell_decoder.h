@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoder of a cVERT cell (cvert/format/cell.h): all vertices at once, axis by axis. Floats hold every number here
- * exactly, so the result equals the integers of the codec, with fused operations or without. */
+/* SIMD decoder of a cVERT cell (cvert/format/cell.h). All numbers are exact in float, so the result equals the integers
+ * of the codec, with fused operations or without. */
 
 #include "quad_corners.h"
 #include "cache.h"
@@ -17,25 +17,23 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Loads x, y and z of a vertex, 16 bits each, and the 16 bits that follow. */
+      /*! Loads x, y and z, 16 bits each, and the following 16 bits. */
       __forceinline vfloat4 coordinatesAt (const void* p) {
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
 
-      /*! Loads a corner of a block, and clears the upper bits of its words, which are no coordinates. Lane 3 is
-       *  undefined. */
+      /*! Loads a corner without the upper bits of its words, which are no coordinates. Lane 3 is undefined. */
       __forceinline vfloat4 cornerAt (const uint32_t corners[6], int c) {
         const __m128i coordinates =
           _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
         return vfloat4(vint4(_mm_unpacklo_epi16(coordinates,_mm_setzero_si128())));
       }
 
-      /*! Returns a component of the residuals before slopes are applied. For 0 bits, the shift by 32 yields 0. */
+      /*! Component of residuals before slopes. For 0 bits, the shift by 32 returns 0. */
       __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
 
-      /*! Predictions of the vertices of a cell from the coordinates of its corners. */
       class CellPrediction
       {
       public:
@@ -49,25 +47,24 @@ namespace embree
           vfloat4::store(upper,c11);
         }
 
-        /*! Returns predictions along an axis. x, y: weights of the upper corners. */
+        /*! x, y: weights of the upper corners */
         __forceinline vfloatV at (int axis, const vfloatV& x, const vfloatV& y) const {
           return vfloatV(k[axis])
             + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
         }
 
-        /*! Returns the last vertex of the cell, corner 11. */
+        /*! corner 11 */
         __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
 
       private:
         alignas(16) float k[4], dx[4], dy[4], dxy[4], upper[4]; //!< by axis
       };
 
-      /*! The base that residuals are added to: the predictions of a cell's vertices, vector by vector. */
+      /*! Predictions of a cell, vector by vector. */
       class CellBase
       {
       public:
-        /*! ofQuads: true for the cell of a group, false for the first cell. quadsX, quadsY: quads along the sides of
-         *    the cell. */
+        /*! ofQuads: true for the cell of a group, false for the first cell. quadsX, quadsY: along the cell's sides. */
         __forceinline CellBase (const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
           : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]),
             weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
@@ -84,7 +81,7 @@ namespace embree
         const float* weightY;
       };
 
-      /*! Output of a decoder: stores vertices in coordinates of the block. */
+      /*! Stores coordinates of the block. */
       struct CoordinatesOfCell
       {
         CellVertices& out;
@@ -98,7 +95,7 @@ namespace embree
         }
       };
 
-      /*! Output of a decoder: stores vertices in world space. */
+      /*! Stores world positions. */
       struct WorldOfCell
       {
         CellVertices& out;
@@ -110,7 +107,7 @@ namespace embree
         }
       };
 
-      /*! Base: a class with the members of CellBase. */
+      /*! Base: CellBase, NoBase or TurnedBase. Out: CoordinatesOfCell or WorldOfCell. */
       template<typename Base>
       class CellDecoder
       {
@@ -134,8 +131,7 @@ namespace embree
         }
 
       private:
-        /*! Decodes residuals that are stored axis by axis, as in rough blocks on fine lattices. Takes the decoder by
-         *  value, so that the caller's decoder stays in registers. */
+        /*! For rough blocks on fine lattices. Takes the decoder by value, so that the caller's stays in registers. */
         template<typename Out>
         static __noinline void decodeByAxis (const CellDecoder cell, const Out out)
         {
@@ -146,8 +142,8 @@ namespace embree
           cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
         }
 
-        /*! Decodes component i of the residuals, which begins at bit `shift` of the fields, and passes the vertices to
-         *  `out`. main: residuals along the main axis, which component 0 sets. */
+        /*! Decodes component i, which starts at bit `shift` of fields. main: residuals along the main axis, which
+         *  component 0 sets. */
         template<int i, typename Out>
         __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors],
                                       const Out& out) const
@@ -175,8 +171,7 @@ namespace embree
         CellDecoder<Base>(word,data,base).decode(out);
       }
 
-      /*! Copies the vertices of group (gx,gy) of a raw block or step. from: all of its vertices. Quads beyond the
-       *  region become degenerate. */
+      /*! from: vertices of a raw block or step. Quads beyond the region become degenerate. */
       __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy,
                                            CellVertices& out)
       {
@@ -189,8 +184,8 @@ namespace embree
           }
       }
 
-      /*! Adds the remainders of the vertices of group (gx,gy), one by one because few blocks have any. start: start of
-       *  the block or step. remainders: its word of remainders. */
+      /*! Adds remainders one by one, because few blocks have any. start: of the block or step. remainders: their word.
+       *  */
       __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
                                             uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
       {
@@ -203,7 +198,7 @@ namespace embree
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
               const uint32_t bit = remainderBegin(remainders,vertex,k);
-              uint64_t word; // can extend past the block, by less than readBehindVert
+              uint64_t word; // extends past the block, by less than readBehindVert
               memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
               x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);

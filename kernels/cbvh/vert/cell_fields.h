@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Extracts all fields of a cVERT cell (cvert/format/cell.h) at once. */
+/* SIMD extraction of the fields of a cVERT cell (cvert/format/cell.h). */
 
 #include "tables.h"
 #include "../base/intrinsics.h"
@@ -19,17 +19,17 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Number of vectors that hold the vertices of a cell, and number of vectors that hold fields. The last vertex is
-       *  a corner without a field, and may occupy a vector of its own. */
+      /*! Vectors for a cell's vertices, and for its fields. The last vertex has no field, and may have its own vector.
+       *  */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
-      /*! Fields of a cell, one per lane; 0 in lanes without a field. The bits above a field are undefined. */
+      /*! One field per lane, with undefined bits above it; 0 in lanes without a field. */
       struct CellFields
       {
         vintV lanes[fieldVectors];
 
-        /*! start: first bit of the first field. Reads up to 8 bytes after the last field. */
+        /*! start: first bit of the first field. May read 8 bytes after the last field. */
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
@@ -45,7 +45,7 @@ namespace embree
             const __m512i word = _mm512_srli_epi32(bit,5), shift = _mm512_and_si512(bit,_mm512_set1_epi32(31));
             const __m512i first = _mm512_permutex2var_epi32(a,word,b);
             const __m512i second = _mm512_permutex2var_epi32(a,_mm512_add_epi32(word,_mm512_set1_epi32(1)),b);
-            /* A shift by 32 yields 0. */
+            // a shift by 32 returns 0
             lanes[c] = _mm512_or_si512(_mm512_srlv_epi32(first,shift),
               _mm512_sllv_epi32(second,_mm512_sub_epi32(_mm512_set1_epi32(32),shift)));
             lanes[c] = lanes[c] & vintV::load(vertTables.hasField+16*c);
@@ -85,13 +85,13 @@ namespace embree
             _mm_load_si128((const __m128i*)control[i]));
         }
 
-        /*! Returns the fields of the first four columns of a row. */
+        /*! First four columns of a row. */
         static __forceinline vint4 ofRow (const uint8_t* data, const VertTables::Windows& windows, int row) {
           return _mm_srli_epi32(_mm_mullo_epi32(pick(data,windows,row,windows.control),
             _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
-        /*! Returns the fields of the fifth column, in which the corners have none. */
+        /*! Fifth column, in which the corners have no field. */
         static __forceinline vint4 ofColumn (const uint8_t* data, const VertTables::Windows& windows)
         {
           auto field = [&](int row) {
@@ -103,12 +103,12 @@ namespace embree
             field(3),3);
         }
 
-        /*! As ofRow, for fields that can have bits in five bytes. */
+        /*! ofRow for fields that can extend over five bytes. */
         static __forceinline vint4 ofWideRow (const uint8_t* data, const VertTables::Windows& windows, int row)
         {
 #if defined(CBVH_LANE_SHIFTS)
           const __m128i shift = _mm_load_si128((const __m128i*)(windows.shift+4*row));
-          /* A shift by 32 yields 0. */
+          // a shift by 32 returns 0
           return _mm_or_si128(_mm_srlv_epi32(pick(data,windows,row,windows.control),shift),
                               _mm_sllv_epi32(pick(data,windows,row,windows.fifth),
                                 _mm_sub_epi32(_mm_set1_epi32(32),shift)));
@@ -123,7 +123,6 @@ namespace embree
             : ofRow(data,windows,i);
         }
 
-        /*! Returns the fields of vector c of lanes. */
         template<bool wide>
         static __forceinline vintV ofVector (const uint8_t* data, const VertTables::Windows& windows, int c)
         {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Decoder of a cVERT block (cvert/format/block.h): first the data that all groups share, then one group at a time. */
+/* SIMD decoder of a cVERT block (cvert/format/block.h). */
 
 #include "box_decoder.h"
 #include "cell_decoder.h"
@@ -15,9 +15,9 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Decodes the words of all groups, and the offsets of their fields, which are stored in the order of the groups.
-       *  low, high: halves of the words, by group; high may be null. begin: offset of the fields of the first group.
-       *  words, fields: by lane. Reads up to 16 bytes at `high`, which a block has there. */
+      /*! Decodes words of groups and offsets of their fields. low, high: halves of the words, by group; high may be
+       *  null. begin: offset of the first group's fields. words, fields: by lane. May read 16 bytes at `high`, which
+       *  every block has there. */
       __forceinline void decodeGroupWords (const uint8_t* low, const uint8_t* high, uint32_t begin,
                                            const VertLayout& layout, uint32_t words[16], uint16_t fields[16])
       {
@@ -65,7 +65,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
-        /*! Decodes the data that all groups share. Does not set out.block. */
+        /*! Decodes what all groups share, except for out.block. */
         __forceinline void decode (VertBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -83,7 +83,7 @@ namespace embree
             out.words,out.fields);
         }
 
-        /*! Decodes the vertices of the group in a lane, in world space. boxes: boxes of this block. */
+        /*! Decodes the group in a lane, in world space. boxes: of this block. */
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;
@@ -99,7 +99,6 @@ namespace embree
             addRemainders(block,wordAt(block,layout.remainders/4),spacing,block->region,gx,gy,out);
         }
 
-        /*! Packs coordinates, which are less than maxExtent. */
         static __forceinline void pack (const CellVertices& v, CellCoordinates& out)
         {
           for (int l=0; l<cellVertices; l+=4)
@@ -112,7 +111,6 @@ namespace embree
         }
 
       private:
-        /*! Decodes the corners of groups, in coordinates. */
         __forceinline void decodeCorners (CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(block->corners,c); };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Finds and reports the hits of a ray in those triangles of a cVERT group whose edges it passes inside of. */
+/* Finds and reports the hits of a ray in triangles of a cVERT group that isInside accepted. */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -15,15 +15,14 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Returns the primitive of a hit in triangle h of group g, and the parameters there. */
       template<typename Cached>
       __forceinline SurfacePoint pointOfHit (const Cached&, const VertHeader* block, uint32_t g, uint32_t h,
                                              const VertTriangle::Sides& sides) {
         return surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
       }
 
-      /*! Target: the ray, with these members: tnear(), tfar(); report(block,primID,hit), which returns true if the hit
-       *  is accepted; isRead(block), which returns false if nobody reads the data of the hit; ids(), the surface IDs of
+      /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), which returns true if the hit is accepted;
+       *  isRead(block), which returns false if the caller does not read the data of the hit; ids(), the surface IDs of
        *  the scene. Cached: as in intersector1.h. */
       template<typename Target, typename Cached>
       class VertHits
@@ -33,7 +32,7 @@ namespace embree
                                 const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
-        /*! Reports hits, nearest first, until one is accepted. Returns true if one was. triangles: mask of
+        /*! Reports hits, nearest first, until one is accepted. Returns true if one was. triangles: mask from
          *  GroupTriangles. */
         __forceinline bool report (uint32_t g, uint32_t triangles)
         {
@@ -52,8 +51,7 @@ namespace embree
         }
 
       private:
-        /*! Reports hits in any order, because nobody reads their data. If a triangle lies between tnear and tfar as a
-         *  whole, so does its hit, and the distance is not computed. */
+        /*! In any order, without data. Computes no distance if the whole triangle lies between tnear and tfar. */
         __forceinline bool reportAny (uint32_t g, uint32_t triangles)
         {
           for (; triangles; triangles&=triangles-1)
@@ -95,8 +93,8 @@ namespace embree
           return false;
         }
 
-        /*! Returns true if the hit counts: it lies between tnear and tfar, or at tfar and takes precedence over the
-         *  nearest hit. Sets t. */
+        /*! Returns true if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit.
+         *  Sets t. */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* As hits1.h, for the rays of a packet. Rays that pass inside the edges of exactly one triangle, as most do, are
- * processed together. The others, and rays whose hit is not certain, are processed one by one. */
+/* hits1.h for packets. Rays that pass inside exactly one triangle, as most do, are processed together. Other rays, and
+ * rays whose hit is not certain, are processed one by one. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/double4.h"
@@ -18,7 +18,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The target of VertHits for ray k of a packet. */
       template<int K, typename Rays>
       struct VertTargetK
       {
@@ -43,8 +42,8 @@ namespace embree
                                  const CachedVertBlock& cached)
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
-        /*! Returns the mask of the rays that accepted a hit. triangles: mask per ray, see GroupTrianglesK. kz: the same
-         *  for all rays in `mask`. */
+        /*! Returns the rays that accepted a hit. triangles: mask per ray, see GroupTrianglesK. kz: of all rays in
+         *  `mask`. */
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
         {
           uint32_t accepted = 0;
@@ -58,7 +57,6 @@ namespace embree
           return accepted;
         }
 
-        /*! As above, for ray k. */
         __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
         {
           typedef VertTargetK<K,Rays> Target;
@@ -67,14 +65,14 @@ namespace embree
         }
 
       private:
-        /*! One triangle per ray: its vertices by axis, and the intersection of the ray with its plane. */
+        /*! one triangle per ray, and the intersection with its plane */
         struct Triangles
         {
           alignas(64) float vertices[3][3][K];
           alignas(64) float x[K], y[K];  //!< quad of the patch
           alignas(64) float normal[3][K], t[K];
           uint32_t isMet; //!< rays whose intersection is not before tnear
-          uint32_t lies;  //!< rays that lie in the plane of their triangle
+          uint32_t lies;  //!< rays in the plane of their triangle
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)
@@ -110,7 +108,7 @@ namespace embree
             }
           }
 
-          /*! Returns the rays whose triangle lies between tnear and tfar as a whole. */
+          /*! Rays whose whole triangle lies between tnear and tfar. */
           __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
                                           const vfloat<K>& tfar) const
           {
@@ -150,9 +148,8 @@ namespace embree
           };
         };
 
-        /*! Processes rays together and returns the mask of those that are complete. The caller must process the others
-         *  one by one: rounding leaves open whether they are in the triangle, or they lie in its plane, or they already
-         *  have a hit at the same distance. */
+        /*! Processes rays together and returns those that are complete. The others must be processed one by one: they
+         *  may be in the triangle only due to rounding, lie in its plane, or have a hit at the same distance. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
           Triangles of(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
@@ -202,7 +199,7 @@ namespace embree
           return done;
         }
 
-        /*! Reports rays that hit different primitives, and returns the mask of those that accept the hit. */
+        /*! Reports hits in different primitives. Returns the rays that accept the hit. */
         uint32_t reportOwn (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
                             const vfloat<K>& t, const Vec3vf<K>& Ng)
         {
@@ -222,7 +219,6 @@ namespace embree
           return accepted;
         }
 
-        /*! As VertTriangle::sides. */
         __forceinline TriangleSides<vfloat<K>> sidesOf (const Triangles& of, size_t kz) const
         {
           const size_t kx = size_t(axisAfter(int(kz),1)), ky = size_t(axisAfter(int(kz),2));

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Single-ray intersector of cVERT blocks: the boxes of groups, then the groups front to back, then their triangles. */
+/* Single-ray intersector of cVERT blocks: boxes of groups, then groups front to back, then their triangles. */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -15,7 +15,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The target of VertHits for a single ray. */
       template<typename RayType>
       struct VertTarget1
       {
@@ -31,15 +30,14 @@ namespace embree
         }
       };
 
-      /*! Returns the lanes of the groups whose boxes the ray intersects between tnear and tfar. enter: entry
-       *  distances. */
+      /*! Lanes of the groups whose boxes the ray intersects. enter: receives entry distances. */
       __forceinline uint32_t meetGroupBoxes (const VertRay& vertRay, float tnear, float tfar, const GroupBoxes& boxes,
                                              float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
         vfloatV tNear[vectors], tFar[vectors];
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
-        /* descends is an index, because a branch would be mispredicted. */
+        // descends is an index, because a branch would be mispredicted
         auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
           uint32_t descends) {
           const float* near = planes.at[descends];
@@ -66,7 +64,7 @@ namespace embree
         return open & boxes.lanes;
       }
 
-      /*! Removes and returns the open group with the smallest entry distance. */
+      /*! Removes and returns the group with the smallest entry distance. */
       __forceinline uint32_t takeFirst (uint32_t& open, const float enter[16])
       {
         uint32_t best = uint32_t(bsf(open));
@@ -85,7 +83,7 @@ namespace embree
         return g;
       }
 
-      /*! Cached: a block in the thread's cache (cached_block.h), or between two of its steps (moving_block.h). */
+      /*! Cached: CachedVertBlock, CachedMeshBlock or MovingVertBlock. */
       template<typename RayType, typename Cached>
       class VertIntersector1
       {
@@ -133,7 +131,7 @@ namespace embree
         const VertRay& vertRay;
         const VertHeader* block;
         const Cached cached;
-        alignas(64) float enter[16]; //!< distance at which the ray enters the box of the group in each lane
+        alignas(64) float enter[16]; //!< entry distance into the box of the group in each lane
       };
 
       /* Not inlined, so that traversal keeps its ray in registers. */
@@ -144,7 +142,6 @@ namespace embree
         return VertIntersector1<RayType,CachedVertBlock>::intersect(ray,context,vertRay,block);
       }
 
-      /*! Intersects a moving block, at the time of the ray. */
       template<typename RayType>
       __noinline bool intersectMovingVert (RayType& ray, IntersectContext* context, VertRay& vertRay,
                                            const VertHeader* block)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersector of cVERT blocks for the rays of a packet. Boxes of groups are first culled with bounds of all rays, then
- * tested with one ray per lane, and so are triangles. */
+/* Intersector of cVERT blocks for packets. Boxes of groups are culled with bounds of all rays, then tested with one ray
+ * per lane, and so are triangles. */
 
 #include "intersector1.h"
 #include "hitsK.h"
@@ -28,7 +28,7 @@ namespace embree
         }
 
       private:
-        /*! Up to this number of rays, triangles are tested ray by ray. */
+        /*! up to this number of rays, triangles are tested ray by ray */
         static const size_t few = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
@@ -57,8 +57,7 @@ namespace embree
           return vbool<K>(int(found));
         }
 
-        /*! Rays along one axis of the boxes, all with the same sign of the direction: their values and bounds of
-         *  these. */
+        /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds of them. */
         struct Axis
         {
           vfloat<K> org, rcp, slack;
@@ -78,8 +77,8 @@ namespace embree
           __forceinline const float* nearPlanes (const GroupPlanes& planes) const { return planes.at[descends]; }
           __forceinline const float* farPlanes (const GroupPlanes& planes) const { return planes.at[!descends]; }
 
-          /*! Lower bound of the entry distances of all rays, and upper bound of their exit distances. Conservative:
-           *  rounding is monotonic, so no ray enters earlier or leaves later. */
+          /*! Lower bound of all entry distances, and upper bound of all exit distances. Conservative: rounding is
+           *  monotonic, so no ray enters earlier or leaves later. */
           __forceinline vfloatV enter (const vfloatV& planes) const
           {
             const vfloatV d = planes - vfloatV(descends ? orgLow : orgHigh), slack(slackHigh);
@@ -125,7 +124,7 @@ namespace embree
           }
         }
 
-        /*! Returns the lanes of the groups whose boxes any ray may intersect, and sets `enter`. */
+        /*! Lanes of groups whose boxes a ray may intersect. Sets `enter`. */
         __forceinline uint32_t meetBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
@@ -143,7 +142,6 @@ namespace embree
           return open & boxes.lanes;
         }
 
-        /*! Returns the rays that intersect the box of a group. */
         __forceinline vbool<K> meetBox (const VertBoxes& boxes, uint32_t g) const
         {
           vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
@@ -155,7 +153,6 @@ namespace embree
           return tNear <= tFar;
         }
 
-        /*! Returns the rays that accept a hit in a group. */
         __forceinline uint32_t meetGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
           VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);
@@ -181,7 +178,7 @@ namespace embree
         ShearedRay<vfloat<K>> sheared;
         Axis axes[3];
         uint32_t found;
-        alignas(64) float enter[16]; //!< lower bound of the entry distances into the box of the group in each lane
+        alignas(64) float enter[16]; //!< lower bound of entry distances into the box of the group in each lane
       };
     }
   }

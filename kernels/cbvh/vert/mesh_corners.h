@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Corners of the triangles of a group of a mesh block, sheared for a ray. Each vertex is sheared once; then the corners
- * of triangles are gathered. */
+/* Corners of a group's triangles, sheared for a ray. */
 
 #include "mesh_cache.h"
 #include "ray.h"
@@ -24,7 +23,6 @@ namespace embree
           for (int j=0; j<2; j++) shear(ray,triangles,16*j,x[j],y[j]);
         }
 
-        /*! Sets the corners of the triangles in the lanes from n on. */
         __forceinline void get (uint32_t n, vfloatV outX[3], vfloatV outY[3]) const
         {
           for (int c=0; c<3; c++) {
@@ -52,14 +50,13 @@ namespace embree
           }
         }
 
-        /*! Sets the corners of the triangles in the lanes from n on. Loads of pairs are faster than permutations of
-         *  vectors (40 instead of 64 ns per group on a Zen processor). */
+        /*! Loads of pairs are faster than permutations of vectors: 40 instead of 64 ns per group on a Zen processor. */
         __forceinline void get (uint32_t n, vfloatV outX[3], vfloatV outY[3]) const
         {
           for (int c=0; c<3; c++)
           {
             const uint8_t* const corners = triangles.corners[c]+n;
-            auto two = [&](int i) { // lanes without a triangle can have any number
+            auto two = [&](int i) { // lanes without a triangle may have any number
               const __m128 first = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i*)xy[corners[i] & 31]));
               return _mm_loadh_pi(first,(const __m64*)xy[corners[i+1] & 31]);
             };
@@ -88,7 +85,6 @@ namespace embree
         alignas(64) float xy[32][2]; //!< x and y per vertex
 #endif
 
-        /*! Shears the vertices from n on. */
         static __forceinline void shear (const VertRay& ray, const MeshTriangles& triangles, uint32_t n, vfloatV& x,
                                            vfloatV& y)
         {
@@ -100,8 +96,7 @@ namespace embree
         const MeshTriangles& triangles;
       };
 
-      /*! Returns the lanes of the triangles that a ray's line passes through, or may pass through, as GroupTriangles
-       *  does. */
+      /*! GroupTriangles::mask for a mesh block */
       __forceinline uint32_t trianglesAround (const VertRay& ray, const MeshTriangles& triangles)
       {
         const MeshCornersV corners(ray,triangles);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoder of mesh blocks (cvert/format/mesh_block.h): first the boxes of all groups, then the triangles of one group at
- * a time. cvert/decoder/decoded_mesh.h is the scalar reference. Reads up to 8 bytes after the block. */
+/* SIMD decoder of mesh blocks (cvert/format/mesh_block.h); cvert/decoder/decoded_mesh.h is the scalar reference. Reads
+ * up to 8 bytes after the block. */
 
 #include "../base/codec.h"
 #include "../base/vectors.h"
@@ -25,7 +25,7 @@ namespace embree
       public:
         __forceinline explicit MeshDecoder (const MeshHeader* block) : block(block) {}
 
-        /*! Decodes the boxes and the positions of all groups. Does not set out.block. */
+        /*! Decodes boxes and positions of all groups, except for out.block. */
         __forceinline void decode (MeshBoxes& out) const
         {
           const uint32_t groups = meshGroups(block->counts);
@@ -63,7 +63,7 @@ namespace embree
           followStrips(count,restarts,fans,turns,news,repeats,repeatBits,out.corners);
         }
 
-        /*! Returns the number of triangle t of group g (see primitiveOfMesh). */
+        /*! See primitiveOfMesh. */
         __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
@@ -74,7 +74,6 @@ namespace embree
         }
 
       private:
-        /*! A position in the bits of the block. */
         struct Bits
         {
           const uint8_t* data;
@@ -82,7 +81,7 @@ namespace embree
 
           __forceinline Bits (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
 
-          /*! Returns the next 57 bits, with up to 7 undefined bits above them. */
+          /*! the next 57 bits, and up to 7 undefined bits above them */
           __forceinline uint64_t wide () const
           {
             uint64_t word;
@@ -99,7 +98,7 @@ namespace embree
           }
         };
 
-        /*! The last triangle of a strip, by the numbers of its vertices in the group. */
+        /*! Last triangle of a strip, as numbers of vertices in the group. */
         struct Strip
         {
           uint32_t a = 0, b = 1, c = 2;
@@ -113,7 +112,7 @@ namespace embree
             isFlipped ^= !isFan;
           }
 
-          /*! Returns the corners in the application's order, 8 bits each. */
+          /*! Corners in the application's order, 8 bits each. */
           uint32_t corners (uint32_t turn) const
           {
             const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
@@ -121,7 +120,7 @@ namespace embree
           }
         };
 
-        /*! Sets the corners of all triangles, one after the other. */
+        /*! Sets corners one triangle after the other. */
         static void followStrips (uint32_t count, uint32_t restarts, uint32_t fans, uint64_t turns, uint64_t news,
                                   Bits repeats, uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
         {
@@ -147,7 +146,7 @@ namespace embree
         }
 
 #if defined(__AVX2__)
-        /*! Returns bytes of ones for set bits, and 0 otherwise, for 16 bits. */
+        /*! Expands 16 bits to bytes of ones or zeros. */
         static __forceinline __m128i bytesOfBits (uint32_t bits)
         {
           const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
@@ -156,7 +155,7 @@ namespace embree
           return _mm_cmpeq_epi8(_mm_and_si128(spread,each),each);
         }
 
-        /*! Returns prefix sums of bytes, inclusive. */
+        /*! inclusive prefix sums of bytes */
         static __forceinline __m128i sumsOfBytes (__m128i x)
         {
           x = _mm_add_epi8(x,_mm_slli_si128(x,1));
@@ -165,7 +164,7 @@ namespace embree
           return _mm_add_epi8(x,_mm_slli_si128(x,8));
         }
 
-        /*! Returns prefix maxima of bytes, inclusive. */
+        /*! inclusive prefix maxima of bytes */
         static __forceinline __m128i greatestOfBytes (__m128i x)
         {
           x = _mm_max_epu8(x,_mm_slli_si128(x,1));
@@ -174,16 +173,16 @@ namespace embree
           return _mm_max_epu8(x,_mm_slli_si128(x,8));
         }
 
-        /*! Sets the corners of up to 16 triangles whose stream has up to 32 entries, up to 8 of which are not new.
-         *  Implements the rule "in parallel" of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: bits of
-         *  all entries. repeats: numbers of the entries that are not new. */
+        /*! For up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new, by the rule "in parallel"
+         *  of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: of all entries. repeats: numbers of the
+         *  entries that are not new. */
         static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
                                                 uint64_t repeats, uint32_t repeatBits,
                                                 uint8_t (*corners)[maxGroupTriangles])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
-          /* Fields of entries that are not new, one byte each. */
+          // fields of entries that are not new, one byte each
           const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
           const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
           const __m256i first = _mm256_srlv_epi64(fields,shifts),
@@ -195,7 +194,7 @@ namespace embree
           const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
           __m128i entries[2];
-          __m128i before = _mm_setzero_si128(); // number of new entries before
+          __m128i before = _mm_setzero_si128(); // number of new entries so far
           for (int half=0; half<2; half++)
           {
             const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
@@ -212,14 +211,14 @@ namespace embree
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
           const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
           const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
-          /* Number of triangles that are neither part of a fan nor the start of a strip. */
+          // number of triangles that neither continue a fan nor start a strip
           const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
           const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
           const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
           const __m128i a = entryAt(kept), m = entryAt(_mm_sub_epi8(last,one)), r = entryAt(last);
           const __m128i p = _mm_blendv_epi8(a,m,isFlipped), q = _mm_blendv_epi8(m,a,isFlipped);
 
-          /* Turns, two bits each. */
+          // turns, two bits each
           const __m128i quarters = _mm_setr_epi8(0,0,0,0,1,1,1,1,2,2,2,2,3,3,3,3);
           const __m128i spread = _mm_shuffle_epi8(_mm_set1_epi32(int(turns)),quarters);
           const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
@@ -232,7 +231,7 @@ namespace embree
         }
 #endif
 
-        /*! As bitsForBelow(). */
+        /*! bitsForBelow */
         static __forceinline uint32_t bitsFor (uint32_t count) {
           return count < 2 ? 0 : 32-uint32_t(__builtin_clz(count-1));
         }
@@ -242,9 +241,8 @@ namespace embree
           return hasRanks(block->spacings,0) || hasRanks(block->spacings,1) || hasRanks(block->spacings,2);
         }
 
-        /*! Sets the shear of boxes in world space: 1 on the sheared axis, and the slopes times the ratio of spacings on
-         *  the others. If floats cannot represent a ratio well, the boxes of the block are unbounded on the sheared
-         *  axis. */
+        /*! Sets the shear of boxes in world space: 1 on the sheared axis, slopes times the ratio of spacings on the
+         *  others. If floats cannot represent a ratio well, boxes are unbounded on the sheared axis. */
         __forceinline void setAxes (MeshBoxes& out) const
         {
           out.axis = 3;
@@ -260,7 +258,7 @@ namespace embree
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< largest ratio of spacings, as an exponent
+        static const int maxRatio = 30; //!< as an exponent
 
         __forceinline int exponentRatio (int m, int i) const
         {
@@ -268,7 +266,7 @@ namespace embree
           return exponent(m) - exponent(axisAfter(m,i));
         }
 
-        /*! Decodes the planes of boxes, and extents from the origin. */
+        /*! Decodes planes, and extents from the origin. */
         __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
@@ -331,7 +329,6 @@ namespace embree
 #endif
         }
 
-        /*! Returns the number of bits of each of 16 unsigned bytes. */
         static __forceinline __m128i lengthsOf (__m128i bytes)
         {
 #if defined(__SSSE3__)
@@ -342,13 +339,13 @@ namespace embree
             _mm_shuffle_epi8(ofHigh,_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
 #else
           __m128i lengths = _mm_setzero_si128();
-          for (int bit=0; bit<8; bit++) // a number has more than `bit` bits if it is at least 2^bit
+          for (int bit=0; bit<8; bit++) // x has more than `bit` bits if x >= 2^bit
             lengths = _mm_sub_epi8(lengths,_mm_cmpeq_epi8(_mm_max_epu8(bytes,_mm_set1_epi8(char(1 << bit))),bytes));
           return lengths;
 #endif
         }
 
-        /*! Stores the sum of the numbers before each of 16 numbers. Returns the sum of all. */
+        /*! Exclusive prefix sums. Returns the sum of all. */
         static __forceinline uint32_t storeSums (const __m128i numbers[2], uint16_t out[16])
         {
           uint32_t before = 0;
@@ -364,14 +361,14 @@ namespace embree
           return before;
         }
 
-        /*! Sets the positions of groups, as MeshView does. All sums have less than 16 bits. */
+        /*! Sets positions as MeshView does. All sums have less than 16 bits. */
         __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
           const MeshLayout layout = meshLayout(block->counts);
           const __m128i none = _mm_setzero_si128(), group = _mm_loadu_si128((const __m128i*)block->groups);
 
-          /* A field has the bits of the extent and of the shift. */
+          // a field has the bits of the extent and of the shift
           __m128i bits[3], all = none;
           for (uint32_t k=0; k<3; k++) {
             const __m128i extents = _mm_loadu_si128((const __m128i*)(bytes + layout.boxes + (3+k)*groups));
@@ -402,11 +399,11 @@ namespace embree
             const __m128i of = wide(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(of,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(of,five),_mm_set1_epi16(1)),
-              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // entries of the stream, less 2
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // of the stream, minus 2
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isThere);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
-            /* restarts, fans, turns, news, owns; then repeats, and numbers of vertices of other groups */
+            // restarts, fans, turns, news, owns; then repeats, and numbers of vertices of other groups
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,locals[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
@@ -432,7 +429,7 @@ namespace embree
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
-        /*! Reads the fields of vertices that belong to a group. bits: see MeshBoxes::fieldBits. */
+        /*! Reads vertices that belong to group g. bits: MeshBoxes::fieldBits. */
         struct VertexFields
         {
           const MeshBoxes& boxes;
@@ -461,8 +458,7 @@ namespace embree
           }
         };
 
-        /*! Decodes the vertices that a group uses. owns: mask of the vertices that belong to it. others: numbers of the
-         *  other vertices. */
+        /*! owns: mask of vertices that belong to the group. others: numbers of the other vertices. */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
                                            Bits others, float (*positions)[32]) const
         {

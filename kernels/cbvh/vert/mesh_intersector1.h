@@ -3,7 +3,6 @@
 
 #pragma once
 
-/* Single-ray intersector of mesh blocks: the intersector of cVERT blocks, with the triangles of a mesh block. */
 
 #include "cached_mesh.h"
 #include "intersector1.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersector of mesh blocks for the rays of a packet: one ray after the other. */
+/* Intersector of mesh blocks for packets: one ray after the other. */
 
 #include "hitsK.h"
 #include "mesh_intersector1.h"

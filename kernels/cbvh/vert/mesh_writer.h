@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Writer of mesh blocks: rounds the corners of a cluster's triangles, encodes them, and puts the blocks into a
- * store. */
+/* Writer of mesh blocks: rounds, encodes and stores clusters of triangles. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -18,15 +17,15 @@ namespace embree
     class MeshWriter
     {
     public:
-      static const uint32_t groupTriangles = 16; //!< triangles of a full group
+      static const uint32_t groupTriangles = 16; //!< of a full group
 
       MeshWriter (const LooseTriangles& from, uint32_t surface, BlockStore& store, cbvh::BuildStatistics& statistics)
         : from(from), surface(surface), store(store), statistics(statistics) {}
 
-      /*! Number of primitives of a full group. */
+      /*! Primitives of a full group. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
 
-      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last one. */
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last cluster. */
       void write (const cbvh::MeshCenter* cluster, uint32_t count)
       {
         double moved = 0;
@@ -37,7 +36,7 @@ namespace embree
             triangle.number = from.mesh.triangleOf(cluster[i].index,k);
             if (from.mesh.areOfQuads() && from.isDegenerate(triangle.number)) continue; // half of a quad
             moved = max(moved,from.store(triangle.number,triangle.corners));
-            n += hasThreeCorners(triangle); // the lattice of a grid can be too coarse for an adjacent triangle
+            n += hasThreeCorners(triangle); // a grid's lattice can be too coarse for an adjacent triangle
           }
         statistics.addDeviation(moved);
         if (n == 0) return;
@@ -80,8 +79,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< one entry more, for a triangle that is rejected after
-                                                              //!< it was stored
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< the last entry is for triangles that are rejected
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

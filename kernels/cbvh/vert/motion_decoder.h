@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends of the segment: first the data
- * that all groups share, then one group at a time. */
+/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both of its ends. */
 
 #include "boxes.h"
 #include "decoder.h"
@@ -24,7 +23,7 @@ namespace embree
         __forceinline vfloatV last (int) const { return vfloatV(zero); }
       };
 
-      /*! A base that adds the residuals of the first step, transformed by a step's matrix, to a prediction. */
+      /*! Adds the residuals of the first step, transformed by a step's matrix, to a base. */
       class TurnedBase
       {
       public:
@@ -61,7 +60,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes the data that all groups share in a segment, and sets all of `out` but its key. */
+        /*! Decodes what all groups share in a segment, except for out.key. */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -95,10 +94,10 @@ namespace embree
           return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm);
         }
 
-        /*! Decodes the vertices of a group at both ends. */
+        /*! Decodes a group at both ends, in world space. */
         void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
         {
-          CellVertices first; // residuals of the first step, if any group is transformed
+          CellVertices first; // residuals of the first step, if a group is transformed
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
@@ -133,7 +132,6 @@ namespace embree
         }
         static __forceinline const VertStep& laterOf (const StepView& step) { return *(const VertStep*)step.data; }
 
-        /*! Decodes the corners of groups, in coordinates. */
         void decodeCorners (const StepView& step, CellVertices& out) const
         {
           auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
@@ -147,7 +145,6 @@ namespace embree
           else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
         }
 
-        /*! Decodes the residuals of a group's first step. */
         void residualsOfFirst (const SegmentBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           if (boxes.key.segment == 0) {
@@ -160,8 +157,7 @@ namespace embree
           decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
         }
 
-        /*! Widens the sheared planes by the distance that rounding can move vertices and origins between the ends
-         *  (motionSlack). */
+        /*! Widens sheared planes by motionSlack. */
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;
@@ -176,7 +172,7 @@ namespace embree
             }
         }
 
-        /*! Sets the boxes of a segment with a raw end from its vertices. The cells of both steps must be decoded. */
+        /*! For a segment with a raw end. Requires the cells of both steps. */
         __noinline void boxesOfVertices (SegmentBoxes& out) const
         {
           for (uint32_t rest=out.lanes; rest; rest&=rest-1)
@@ -193,7 +189,7 @@ namespace embree
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // the group has no quad between the ends
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad between the ends
               for (int k=0; k<3; k++) {
                 out.ends[end][k].at[0][l] = lower[k];
                 out.ends[end][k].at[1][l] = upper[k];

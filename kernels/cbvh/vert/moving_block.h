@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Gives access to a cVERT block at a time between two of its steps, with the interface of cached_block.h. Boxes and
- * vertices are interpolated between the ends of a segment, which are decoded into the thread's cache if necessary.
+/* CachedVertBlock at a time between two steps. Boxes and vertices are interpolated between the ends of a segment, which
+ * are decoded into the thread's cache if necessary.
  *
- * Vertices and planes are interpolated by the same operations, each of which rounds monotonically: what a plane bounds
- * at both ends it bounds at all times in between. A vertex that quads share, within a block or between blocks, is the
- * same floats at both ends, and therefore at all times in between. */
+ * Vertices and planes are interpolated by the same operations, which round monotonically: what a plane bounds at both
+ * ends it bounds at all times in between. A shared vertex is the same floats at both ends, and therefore at all
+ * times in between. */
 
 #include "motion_decoder.h"
 
@@ -27,7 +27,7 @@ namespace embree
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 
-        /*! Returns the boxes, or null if they are not decoded. */
+        /*! Null if the boxes are not decoded. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
@@ -37,7 +37,7 @@ namespace embree
         /*! Always true: moving blocks are checked when their file is loaded. */
         __forceinline bool isUsable () const { return true; }
 
-        /*! Returns false if a ray misses the bounds of the block between tNear and tFar. Decodes nothing. */
+        /*! Returns false if a ray misses the block's bounds between tNear and tFar. Decodes nothing. */
         __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const
         {
           const SegmentReach reach(block,segment);
@@ -47,7 +47,7 @@ namespace embree
           return meetsBounds<float>(ray,bounds,tNear,tFar);
         }
 
-        /*! Returns the boxes of groups. The reference is valid as long as this object. */
+        /*! Valid as long as this object. */
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return now;
@@ -69,8 +69,7 @@ namespace embree
           return now;
         }
 
-        /*! Returns the vertices of the group in a lane. The reference is valid until the vertices of another group are
-         *  requested. */
+        /*! Valid until another group is requested. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           if (lane != this->lane) interpolate(lane);
@@ -78,12 +77,12 @@ namespace embree
         }
 
       private:
-        /*! Interpolates between two values, at a fraction from 0 to 1. */
+        /*! fraction: 0 to 1 */
         struct Between
         {
           const vfloatV before, after;
           __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
-          /*! Computes the same floats as Embree's lerp, and therefore as Embree's own kernels. */
+          /*! Returns the same floats as Embree's lerp, and therefore as Embree's kernels. */
           __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
         };
 
@@ -125,7 +124,7 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< lane of the group in ofLane
+        mutable uint32_t lane;        //!< of the group in ofLane
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices ofLane;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads: these are the vertices themselves, shifted
- * by one lane, by four, or by both. */
+/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads: the vertices shifted by one lane, by four,
+ * or by both. */
 
 #include "cell_fields.h"
 
@@ -14,12 +14,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! One coordinate of the vertices of a cell. */
       struct CellVector
       {
         vfloatV at[fieldVectors];
 #if !defined(__AVX512F__)
-        vfloatV last; //!< last vertex, in all lanes
+        vfloatV last; //!< in all lanes
 #endif
 
         __forceinline CellVector () {}
@@ -38,7 +37,6 @@ namespace embree
 #endif
         }
 
-        /*! Applies f to each pair of vectors of a and b. */
         template<typename Function>
         static __forceinline CellVector of (const CellVector& a, const CellVector& b, const Function& f)
         {
@@ -66,7 +64,7 @@ namespace embree
         return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
-      /*! One coordinate of the four corners of the 4 x 4 quads of a cell, in vectors of quads. */
+      /*! One coordinate of the corners of 4 x 4 quads, in vectors of quads. */
       class QuadCornersV
       {
       public:
@@ -81,7 +79,7 @@ namespace embree
             v.at[1]);
         }
 
-        /*! Returns corner c (00, 10, 01, 11) of the quads of vector j. */
+        /*! Corner c (00, 10, 01, 11) of the quads of vector j. */
         __forceinline vfloatV at (int, int c) const {
           return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both
             : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),
@@ -108,7 +106,7 @@ namespace embree
         }
 
       private:
-        /*! Shifts two rows to the left by one lane, and inserts `last` into the last lane of each. */
+        /*! Shifts two rows to the left by one lane, and inserts `last` into their last lanes. */
         static __forceinline vfloatV fourth (const vfloatV& rows, const vfloatV& last) {
           return _mm256_blend_ps(_mm256_permute_ps(rows,_MM_SHUFFLE(0,3,2,1)),last,0x88);
         }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Data of a ray for cVERT blocks: the shear that maps it to the z axis, for triangles, its reciprocal direction, for
- * boxes, and its nearest hit, for the tie-break (rule.h). */
+/* Ray data for cVERT blocks: the shear that maps the ray to the z axis, for triangles; its reciprocal direction, for
+ * boxes; its nearest hit, for ties (rule.h). */
 
 #include "cache.h"
 #include "../base/surface_ids.h"
@@ -19,12 +19,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray, or the rays of a packet, for boxes. */
       template<typename Real>
       struct VertRayAxes
       {
         Real org[3], dir[3], rcp[3];
-        Real largest; //!< largest absolute component of the direction
+        Real largest; //!< largest magnitude of a component of dir
 
         template<typename Vector>
         __forceinline void set (const Vector& o, const Vector& d)
@@ -35,18 +34,17 @@ namespace embree
         }
       };
 
-      /*! The nearest hit of a ray in cVERT blocks. */
       struct VertNearest
       {
-        const VertHeader* block; //!< null if there is none
-        uint32_t triangle;       //!< triangle of the block
+        const VertHeader* block; //!< null without a hit
+        uint32_t triangle;       //!< number in the block
         float t;
 
         __forceinline VertNearest () : block(nullptr) {}
         __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
-        /*! True if another hit at the same distance takes precedence over this one. */
+        /*! True if a hit at the same distance takes precedence over this one. */
         __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
           return comesBefore(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
         }
@@ -62,8 +60,8 @@ namespace embree
         bool isSet;
         int kx, ky, kz;   //!< axes; the direction is largest along kz
         float sx, sy;     //!< shear
-        uint32_t descends; //!< mask of the axes on which rcp is negative; not set by VertRays::at
-        VertCache* cache; //!< cache of the thread
+        uint32_t descends; //!< mask of axes with negative rcp; not set by VertRays::at
+        VertCache* cache; //!< of the thread
 
         mutable VertNearest nearest;
 
@@ -98,7 +96,7 @@ namespace embree
       {
       public:
         vfloat<K> sx, sy;
-        VertCache* cache;    //!< cache of the thread
+        VertCache* cache;    //!< of the thread
         vint<K> form;        //!< bits 0..1: kz; from bit 2: signs of rcp. Rays of the same form are traced together.
 
         __forceinline VertRays () : isSet(false), loaded(0) {}
@@ -112,7 +110,7 @@ namespace embree
           for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largest);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
-          /* largestAxis: <= is false for NaN on all instruction sets, > is not, and their max differ */
+          // largestAxis: <= is false for NaN on all instruction sets, > is not, and their max differ
           const vbool<K> isX = y <= x, notZ = z <= select(isX,x,y);
           const vfloat<K> sz = vfloat<K>(1.0f)/select(notZ,select(isX,dir[0],dir[1]),dir[2]);
           sx = select(notZ,select(isX,dir[1],dir[2]),dir[0])*sz;
@@ -123,7 +121,6 @@ namespace embree
 
         __forceinline VertNearest& nearest (size_t k) { return rays[k].nearest; }
 
-        /*! Returns a single ray, for triangles. */
         __forceinline const VertRay& at (size_t k)
         {
           VertRay& ray = rays[k];

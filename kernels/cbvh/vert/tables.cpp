@@ -51,7 +51,7 @@ namespace embree
         for (int l=4*row; l<4*row+4; l++)
         {
           const int bit = field[l]*bits;
-          const int zero = 0x80; // makes the shuffle write 0
+          const int zero = 0x80; // the shuffle writes 0
           for (int byte=0; byte<4; byte++) {
             w.control[row][4*(l & 3)+byte] = uint8_t(hasField[l] ? bit/8-offset+byte : zero);
             w.fifth[row][4*(l & 3)+byte] =

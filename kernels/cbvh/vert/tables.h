@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Constants of the 25 vertices of a cVERT cell (cvert/format/cell.h), one lane per vertex. Unused lanes follow the last
- * vertex, so that vectors of any width fit. */
+/* Constants of a cVERT cell (cvert/format/cell.h), one lane per vertex, padded for vectors of any width. */
 
 #include "../embree/simd.h"
 #include <cstdint>
@@ -13,7 +12,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Lane of vertex (i,j) of a cell: the first four columns row by row, then the fifth column. */
+    /*! Lane of vertex (i,j): the first four columns row by row, then the fifth column. */
     __forceinline constexpr uint32_t laneOfVertex (uint32_t i, uint32_t j) { return i < 4 ? 4*j + i : 20 + j; }
 
     /*! Lane of corner c (column + 2 row) of quad q of 4 x 4. */
@@ -25,39 +24,37 @@ namespace embree
     {
       static const int lanes = 32;
 
-      /*! [0: cells of 4 groups, 1: cells of quads][quads along the side, less 1][lane]: weights of the upper corner
-       *  along x and along y, from 0 to 1. */
+      /*! Weights of the upper corner, 0 to 1, by [0: cells of 4 groups, 1: cells of quads][quads along the side,
+       *  minus 1][lane]. */
       float weightX[2][16][lanes];
       float weightY[2][16][lanes];
 
-      int32_t field[lanes];      //!< index of the vertex's field; 0 for a corner
+      int32_t field[lanes];      //!< index of the vertex's field, 0 for a corner
       int32_t hasField[lanes];   //!< -1, or 0 for a corner
       uint8_t laneOfField[24];   //!< inverse of `field`
-      uint8_t corners[16][4];    //!< lanes of the corners of each of 4 x 4 quads: laneOfCorner
-      uint8_t triangles[32][4];  //!< lanes of the vertices of each triangle of a group (cornerOfTriangle), then 0
+      uint8_t corners[16][4];    //!< laneOfCorner
+      uint8_t triangles[32][4];  //!< lanes of each triangle's vertices (cornerOfTriangle), then 0
 
-      /*! Positions of the fields of a cell, for one number of bits per field. The fields of the first four columns of a
-       *  row lie in 16 bytes, which a shuffle distributes to lanes. */
+      /*! Positions of a cell's fields, for one number of bits. The fields of the first four columns of a row lie in 16
+       *  bytes, which a shuffle distributes to lanes. */
       struct Windows
       {
         static const int rows = 5;
-        alignas(16) uint8_t control[rows][16];  //!< shuffle: the 4 bytes of a lane begin with the first bit of its
-                                                //!< field
-        alignas(16) uint8_t fifth[rows][16];    //!< shuffle of the fifth byte, which long fields reach into
-        alignas(32) int32_t shift[4*rows];      //!< index of a field's first bit in its byte
+        alignas(16) uint8_t control[rows][16];  //!< shuffle of 4 bytes per lane, from the byte where its field begins
+        alignas(16) uint8_t fifth[rows][16];    //!< shuffle of the fifth byte of long fields
+        alignas(32) int32_t shift[4*rows];      //!< position of a field's first bit in its byte
         alignas(16) int32_t factor[4*rows];     //!< moves the first bit of a lane's field to bit 7
         uint8_t offset[rows];                   //!< bytes from the start of the first field
-        /*! Byte and bit of the field of each row in the fifth column, if there is one. */
+        /*! Byte and bit of each row's field in the fifth column, if there is one. */
         uint8_t columnOffset[rows], columnShift[rows];
       };
 
       static const int maxWindowBits = 32;
-      static const int maxBitsOfFour = 25; //!< largest field that always fits into four bytes, whatever bit of the
-                                           //!< first byte it begins at
+      static const int maxBitsOfFour = 25; //!< largest field that fits into four bytes from any first bit
       static const int readBehind = 8;     //!< windows read at most this many bytes after the last field
 
-      /*! True if there are windows for fields of this size. Windows of smaller fields would read too far after the last
-       *  field, and four fields of 31 bits can span 17 bytes. */
+      /*! Windows of smaller fields would read too far after the last field, and four fields of 31 bits can span 17
+       *  bytes. */
       static __forceinline bool hasWindows (int bits) { return bits >= 3 && bits != 31; }
 
       Windows windows[maxWindowBits+1];

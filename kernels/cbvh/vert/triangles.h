@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Intersects the 32 triangles of a cVERT group with a single ray or the rays of a packet: the sides of rule.h, with
- * quads or rays in lanes. Each side of a quad is computed once; both triangles use the diagonal. */
+/* Intersects the 32 triangles of a cVERT group by the sides of rule.h, with quads or rays in lanes. */
 
 #include "decoder.h"
 #include "mesh_corners.h"
@@ -20,7 +19,7 @@ namespace embree
       {
         typedef TriangleSides<float> Sides;
 
-        /*! h: bit of the triangle in GroupTriangles::mask. */
+        /*! h: bit in GroupTriangles::mask */
         __forceinline VertTriangle (const CellVertices& group, uint32_t h)
         {
           const uint8_t* const lanes = vertTables.triangles[h];
@@ -28,7 +27,7 @@ namespace embree
             for (int i=0; i<3; i++) vertices[k][i] = group.at[k][lanes[i]];
         }
 
-        /*! Sets a triangle of a mesh block. h: lane of the triangle. */
+        /*! h: lane of the triangle */
         __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
         {
           for (int k=0; k<3; k++)
@@ -41,7 +40,7 @@ namespace embree
           return triangleSides(s.x[0],s.y[0],s.x[1],s.y[1],s.x[2],s.y[2]);
         }
 
-        /*! True if the ray's line passes through the triangle. sides: result of sides(ray). */
+        /*! True if the ray's line passes through the triangle. */
         __forceinline bool contains (const VertRay& ray, const Sides& sides) const {
           return likely(areCertain(sides)) || containsExactly(ray);
         }
@@ -62,22 +61,21 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Returns the range of distances in which a hit can lie. */
+        /*! Range of the distances of hits. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
           return spanOf(double(z[0]),double(z[1]),double(z[2]),double(ray.org[ray.kz]),double(ray.dir[ray.kz]));
         }
 
-        /*! Returns the distance of the hit. The ray's line must pass through the triangle. */
+        /*! Distance of the hit. Requires contains(). */
         __forceinline double distance (const VertRay& ray, const WideNormal<double>& normal, float tnear) const
         {
           const double org[3] = { ray.org[0],ray.org[1],ray.org[2] }, dir[3] = { ray.dir[0],ray.dir[1],ray.dir[2] };
           return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
-        /*! Returns the geometric normal. A triangle that is a line has none; the result is then the reversed direction
-         *  of the ray. */
+        /*! Geometric normal, or the reversed direction of the ray if the triangle is a line. */
         static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
@@ -86,7 +84,6 @@ namespace embree
         }
 
       private:
-        /*! The vertices, sheared as in GroupTriangles. */
         struct Sheared
         {
           alignas(16) float x[4], y[4];
@@ -105,11 +102,11 @@ namespace embree
         float vertices[3][3]; //!< by axis
       };
 
-      /*! The triangles of a group that a ray's line passes through, or may pass through. */
+      /*! Triangles that a ray's line passes through, or may pass through. */
       class GroupTriangles
       {
       public:
-        uint32_t mask; //!< bits 2q and 2q+1: the triangles of quad q
+        uint32_t mask; //!< bits 2q and 2q+1: triangles of quad q
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
@@ -140,12 +137,11 @@ namespace embree
           mask = likely(isOne) ? 1u << (2*(first & 15u) + (first >> 4)) : spread(firsts) | (spread(seconds) << 1);
         }
 
-        /*! Sets a mask whose bits are lanes of a group of a mesh block. */
+        /*! Bits of the mask are lanes. */
         __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles)
           : mask(trianglesAround(ray,triangles)) {}
 
       private:
-        /*! Returns coordinates of vertices relative to the ray's origin. */
         static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
         {
           const vfloatV org(ray.org[k]);
@@ -158,7 +154,7 @@ namespace embree
           return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
         }
 
-        /*! Moves the bit of each quad to every second bit. */
+        /*! Moves bit q to bit 2q. */
         static __forceinline uint32_t spread (uint32_t x)
         {
           x = (x | (x << 8)) & 0x00FF00FFu;
@@ -168,8 +164,8 @@ namespace embree
         }
       };
 
-      /*! As GroupTriangles, for the rays of a packet whose direction is largest along the same axis. Each vertex and
-       *  each edge between quads is evaluated once; seen from the other side, an edge is the exact negative. */
+      /*! GroupTriangles for rays of a packet with the same kz. Each vertex and each edge between quads is evaluated
+       *  once; from the other side, an edge is the exact negative. */
       template<int K>
       class GroupTrianglesK
       {
@@ -178,7 +174,7 @@ namespace embree
         const CellVertices& group;
 
       public:
-        vint<K> mask; //!< of each ray, as GroupTriangles::mask
+        vint<K> mask; //!< GroupTriangles::mask of each ray
 
         __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const CellVertices& group)
           : GroupTrianglesK(rays,size_t(axisAfter(int(kz),1)),size_t(axisAfter(int(kz),2)),kz,group) {}
@@ -217,7 +213,6 @@ namespace embree
 
         static __forceinline vfloat<K> side (const Point& a, const Point& b) { return edgeSide(a.x,a.y,b.x,b.y); }
 
-        /*! Returns vertex (i,j), sheared as above. */
         __forceinline Point vertex (size_t i, size_t j) const
         {
           const size_t lane = laneOfVertex(uint32_t(i),uint32_t(j));

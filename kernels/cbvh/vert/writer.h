@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* Writer of cVERT. Rounds the vertices of a patch to the patch's lattice, and the vertices on its border to shared
- * lattices (shared_border.h); blocks store the result without loss. A patch is written in strips of rows, so that a
- * patch of any rate needs no more memory than one of 256 x 256 quads, and several tasks can write it. For moving
- * geometry, the size of strips is divided by the number of time steps. The caller must flush the store after the last
- * patch. */
+/* Writer of cVERT. Rounds the vertices of a patch to its lattice, and those on its border to shared lattices
+ * (shared_border.h); blocks store the result without loss. Patches are written in strips of rows, so that several tasks
+ * can write one, with no more memory than 256 x 256 quads need. The caller must flush the store after the last patch.
+ * */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -29,13 +28,12 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), given(device), moved(device,0) {}
 
-      /*! Number of rows of a strip, a multiple of the rows of a block. Most patches are one strip. */
+      /*! A multiple of the rows of a block. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
         return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes the blocks of a patch that is one strip. evaluated(step): returns the vertices as the face evaluates
-       *  them, or null if they are not known yet. */
+      /*! Writes a patch of one strip. evaluated(step): returns vertices that the face has evaluated, or null. */
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
@@ -48,9 +46,8 @@ namespace embree
           });
       }
 
-      /*! Writes the blocks of a strip. begin, end: the first and last row as evaluated for both strips that share them,
-       *  at all time steps, or null at the border of the patch. They are passed because a displacement function may
-       *  return other values when it is called again. */
+      /*! Writes a strip. begin, end: its first and last row at all time steps, or null at the border of the patch. Both
+       *  strips at a row receive the same values, although displacement functions may return different ones. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
       {
@@ -64,9 +61,8 @@ namespace embree
       }
 
     private:
-      static const unsigned fullStrip = 256; //!< rows of a strip, for patches with as many columns
+      static const unsigned fullStrip = 256; //!< rows of a strip with as many columns
 
-      /*! evaluate(strip,step): returns the vertices of a strip. */
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
@@ -88,7 +84,7 @@ namespace embree
       void writeMovingStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
       {
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
-        moved.reserve(3*count*plan.numTimeSteps); // without this, vectors grow to a power of two
+        moved.reserve(3*count*plan.numTimeSteps); // vectors would grow to a power of two
         moved.resize(3*count*plan.numTimeSteps);
         auto ofStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
         size_t flipped = 0;
@@ -114,7 +110,7 @@ namespace embree
             closure(x,y,min(cbvh::vertBlockQuads,patch.quads[0]-x),min(cbvh::vertBlockQuads,patch.quads[1]-y));
       }
 
-      /*! Copies the vertices of w x h quads, from row y of `vertices` on. */
+      /*! y: row in `vertices` */
       static void copyBlock (const float (*vertices)[3], size_t width, unsigned x, unsigned y, unsigned w, unsigned h,
                              float (*out)[3])
       {
@@ -136,7 +132,7 @@ namespace embree
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
-      /*! copy(step,vertices): stores a step's vertices of the block. */
+      /*! copy(step,vertices): stores the block's vertices at a step */
       template<typename Copy>
       void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h,
                              const Copy& copy)
@@ -176,7 +172,7 @@ namespace embree
         bounds.extend(vertices.upper[0],vertices.upper[1],vertices.upper[2]);
       }
 
-      /*! Returns the placement of a block, and sets the numbers of its quads. */
+      /*! Sets the numbers of the block's quads. */
       cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         if (!patch.numbers) return placement(patch,x,y,w,h);
@@ -184,7 +180,6 @@ namespace embree
         return cbvh::VertPlacement(cbvh::vertRegion(w,h,x,y),numbers.form,numbers.pattern);
       }
 
-      /*! Completes an encoded block of `size` bytes. */
       void end (const SurfacePatch& patch, cbvh::VertHeader* header, size_t size, const cbvh::VertStatistics& block,
                 const cbvh::WorldBounds& bounds, uint32_t type)
       {
@@ -198,7 +193,7 @@ namespace embree
         store.end(size,toBBox(bounds),type,cbvh::readBehindVert);
       }
 
-      /*! bytes: size of the block without padding. */
+      /*! bytes: without padding */
       void addBlock (const cbvh::VertHeader* header, size_t bytes, const cbvh::VertStatistics& block)
       {
         const cbvh::VertLayout layout = cbvh::vertLayout(header->region,header->boxForm);
@@ -216,7 +211,7 @@ namespace embree
         if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
       }
 
-      /*! Returns the lattice of a patch's own vertices at a step. */
+      /*! Lattice of a patch's own vertices. */
       template<typename Patch>
       cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
       {
@@ -231,7 +226,7 @@ namespace embree
         if (min(patch.quads[0],patch.quads[1]) < looseSide) statistics.sums.numLooseQuads += quads;
       }
 
-      /*! Returns the placement of a block, with the patch's edges if necessary. */
+      /*! Placement of a block without numbers. */
       cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
       {
         const uint32_t region = cbvh::vertRegion(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
@@ -243,13 +238,13 @@ namespace embree
           cbvh::vertEdges(sideRates[0],sideRates[1],sideRates[2],sideRates[3],patch.corner[0],patch.corner[1]));
       }
 
-      /*! Rounds the vertices of a strip. Returns the number of flipped quads. */
+      /*! Returns the number of flipped quads. */
       template<typename Patch>
       size_t snapVertices (const Patch& patch, unsigned step, const PatchPart& strip, const cbvh::WorldLattice& lattice,
                            PatchVertices& vertices)
       {
         float (*p)[3] = vertices.displaced();
-        memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p)); // as the face evaluates them
+        memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p)); // as the face evaluated them
         const float (*own)[3] = vertices.undisplaced();
         for (size_t y=strip.y0 == 0; y<vertices.height - (strip.y1 == patch.quads[1]); y++)
         {
@@ -267,7 +262,6 @@ namespace embree
         return countFlipped(vertices,own,p);
       }
 
-      /*! Returns the number of quads with a triangle whose normal rounding turned by more than 90 degrees. */
       static size_t countFlipped (const PatchVertices& vertices, const float (*own)[3], const float (*stored)[3])
       {
         size_t n = 0;
@@ -297,9 +291,9 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices given;             //!< vertices that were evaluated before
-      mvector<float> moved;         //!< stored vertices of a strip, at all time steps
-      unsigned sideRates[4];        //!< rates of the patch's sides, as the faces share them
+      PatchVertices given;             //!< evaluated by the face
+      mvector<float> moved;         //!< vertices of a strip at all time steps, snapped
+      unsigned sideRates[4];        //!< as faces share them
       cbvh::VertEncoder encoder;
       std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a moving block is written
       cbvh::NumbersEncoder numbers;

@@ -3,7 +3,6 @@
 
 #pragma once
 
-/* Writing of numbers of a few bits. */
 
 #include "isa_namespace.h"
 #include <cstdint>
@@ -11,16 +10,16 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns the number of significant bits of a number, 0 for 0. */
+  /*! Number of significant bits, 0 for 0. */
   inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
-  /*! Writes numbers of up to 32 bits without gaps, the lowest bit first. */
+  /*! Appends numbers of up to 32 bits without gaps, lowest bit first. */
   class BitWriter
   {
   public:
     explicit BitWriter (uint8_t* out) : out(out) {}
 
-    /*! number: below 2^bits */
+    /*! Requires number < 2^bits. */
     void put (uint32_t number, uint32_t bits)
     {
       pending |= uint64_t(number) << count; // at most 31 + 32 bits
@@ -33,7 +32,7 @@ namespace cvert { inline namespace CVERT_ISA
       count -= 32;
     }
 
-    /*! Fills the last byte with zeros. Returns the end of the output. */
+    /*! Pads the last byte with zeros and returns the end of the output. */
     uint8_t* end ()
     {
       for (; count > 0; count = count > 8 ? count-8 : 0) { *out++ = uint8_t(pending); pending >>= 8; }

@@ -1,15 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Access to memory in code shared by C++ and GLSL: words, bits and structs at an address. In C++ an address is a
- * pointer. In GLSL it is a buffer address as two words.
+/* Memory access in code shared by C++ and GLSL. An address is a pointer in C++, a buffer address (two words) in GLSL.
  *
- *   CVERT_POINTER(Type)       address of a struct; CVERT_POINTER(void): of any bytes
+ *   CVERT_POINTER(Type)       address of a struct, or of any bytes if Type is void
  *   CVERT_AS(Type,address)    converts an address to the address of a struct
- *   CVERT_AT(Type,address)    the struct at an address; read its members one by one
- *   CVERT_READABLE(Type,A)    after a struct: makes CVERT_AT available in GLSL, for addresses that are multiples of A
+ *   CVERT_AT(Type,address)    the struct at an address; GLSL can only read single members of it
+ *   CVERT_READABLE(Type,A)    after a struct: enables CVERT_AT in GLSL, for addresses that are multiples of A
  *   CVERT_IN(Type)            type of a read-only parameter that is too large to copy
- *   CVERT_PRECISE             before a local float: its operations are neither reordered nor fused in GLSL */
+ *   CVERT_PRECISE             before a local float: GLSL neither reorders nor fuses its operations */
 
 #ifndef CVERT_BYTES_H
 #define CVERT_BYTES_H
@@ -62,7 +61,7 @@ uvec2 bytesAfter (uvec2 at, uint offset)
 
 CVERT_BEGIN
 
-/*! Word i. The address must be a multiple of 4. */
+/*! Requires an address that is a multiple of 4. */
 CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 {
   uint32_t word;
@@ -72,7 +71,7 @@ CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 
 CVERT_INLINE uint32_t byteAt (const void* at, uint32_t offset) { return ((const uint8_t*)at)[offset]; }
 
-/*! Word of 16 bits. The offset must be even. */
+/*! Reads 16 bits. The offset must be even. */
 CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
 {
   uint16_t half;
@@ -80,8 +79,8 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
   return half;
 }
 
-/*! Returns `count` bits, up to 32, from bit `bit` on. Higher bits of the result may have any value. Reads only bytes
- *  that contain one of the bits; shaders also read the rest of their words and the next word. */
+/*! Returns `count` bits (at most 32) starting at bit `bit`; higher bits of the result are undefined. C++ reads only
+ *  bytes that contain a requested bit; GLSL reads whole words and the next word. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);
@@ -99,7 +98,7 @@ CVERT_END
 
 CVERT_BEGIN
 
-/*! Float i. The address must be a multiple of 4. */
+/*! Requires an address that is a multiple of 4. */
 CVERT_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
 
 CVERT_END

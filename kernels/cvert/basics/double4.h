@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Vectors of four doubles on x86-64 and ARM64. Every operation rounds as the scalar one does. Embree has such vectors only
- * for AVX. */
+/* Vectors of four doubles. Every operation rounds as the scalar one does. Embree has such vectors only for AVX. */
 
-#if defined(__aarch64__) // before SSE2 and AVX, which Embree defines there, too
+#if defined(__aarch64__) // tested first: Embree defines SSE2 and AVX there, too
 #include "double4_neon.h"
 #elif defined(__AVX__)
 #include "double4_avx.h"
@@ -16,7 +15,6 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /* The functions that language.h defines for floats. */
   inline Double4 lesser(Double4 a, Double4 b) { return min(b,a); }
   inline Double4 greater(Double4 a, Double4 b) { return max(b,a); }
   inline Double4 magnitude(Double4 a) { return abs(a); }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four doubles in a register of AVX. */
+/* Four doubles in an AVX register. */
 
 #include "lanes.h"
 
@@ -45,10 +45,10 @@ namespace cvert { inline namespace CVERT_ISA
   inline Double4 select(Mask4 m, Double4 a, Double4 b) { return _mm256_blendv_pd(b.v,a.v,m.v); }
   inline Float4 toFloat(Double4 a) { return _mm256_cvtpd_ps(a.v); }
 
-  /*! a, 0 where the mask is not set */
+  /*! 0 in lanes whose mask is not set */
   inline Double4 operator&(Mask4 m, Double4 a) { return _mm256_and_pd(m.v,a.v); }
 
-  /*! towards zero */
+  /*! Rounds towards zero. */
   inline Int4 toInt(Double4 a) { return _mm256_cvttpd_epi32(a.v); }
 
   inline Int4 operator&(Mask4 m, Int4 a) {
@@ -56,11 +56,13 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_and_si128(_mm_castps_si128(_mm_shuffle_ps(low,high,_MM_SHUFFLE(2,0,2,0))),a.v);
   }
 
-  /*! of a bit for each lane */
+  /*! bit i sets lane i */
   inline Mask4 maskOf(uint32_t bits)
   {
-    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)), set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
-    return { _mm256_castsi256_pd(_mm256_insertf128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi32(set,set)),_mm_unpackhi_epi32(set,set),1)) };
+    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
+      set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
+    return { _mm256_castsi256_pd(_mm256_insertf128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi32(set,set)),
+      _mm_unpackhi_epi32(set,set),1)) };
   }
 
   /*! a0 b1 - a1 b0 */
@@ -69,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }
 
-  /*! of all lanes */
+  /* over all lanes */
   inline double least(Double4 a) {
     const __m128d m = _mm_min_pd(_mm256_castpd256_pd128(a.v),_mm256_extractf128_pd(a.v,1));
     return _mm_cvtsd_f64(_mm_min_sd(m,_mm_unpackhi_pd(m,m)));
@@ -79,7 +81,6 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtsd_f64(_mm_max_sd(m,_mm_unpackhi_pd(m,m)));
   }
 
-  /*! lane i in all lanes */
   template<int i> inline Double4 broadcast(Double4 a) {
     const __m128d half = i < 2 ? _mm256_castpd256_pd128(a.v) : _mm256_extractf128_pd(a.v,1);
     const __m128d lane = i & 1 ? _mm_unpackhi_pd(half,half) : _mm_unpacklo_pd(half,half);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four doubles in two registers of NEON: the operations of double4_sse.h, with the same results. */
+/* Four doubles in two NEON registers: the operations of double4_avx.h with the same results, also for NaN. */
 
 #include "lanes.h"
 
@@ -13,7 +13,6 @@ namespace cvert { inline namespace CVERT_ISA
   {
     uint64x2_t v[2];
 
-    /*! as a mask of floats or integers */
     uint32x4_t narrow() const { return vuzp1q_u32(vreinterpretq_u32_u64(v[0]),vreinterpretq_u32_u64(v[1])); }
 
     uint32_t bits() const { return bitsOf(narrow()); }
@@ -41,47 +40,48 @@ namespace cvert { inline namespace CVERT_ISA
     friend Mask4 operator<=(Double4 a, Double4 b) { return {{ vcleq_f64(a.v[0],b.v[0]),vcleq_f64(a.v[1],b.v[1]) }}; }
   };
 
-  inline Double4 toDouble(Int4 a) { return { vcvtq_f64_s64(vmovl_s32(vget_low_s32(a.v))),vcvtq_f64_s64(vmovl_high_s32(a.v)) }; }
+  inline Double4 toDouble(Int4 a) {
+    return { vcvtq_f64_s64(vmovl_s32(vget_low_s32(a.v))),vcvtq_f64_s64(vmovl_high_s32(a.v)) };
+  }
   inline Double4 abs(Double4 a) { return { vabsq_f64(a.v[0]),vabsq_f64(a.v[1]) }; }
-  inline Double4 select(Mask4 m, Double4 a, Double4 b) { return { vbslq_f64(m.v[0],a.v[0],b.v[0]),vbslq_f64(m.v[1],a.v[1],b.v[1]) }; }
+  inline Double4 select(Mask4 m, Double4 a, Double4 b) {
+    return { vbslq_f64(m.v[0],a.v[0],b.v[0]),vbslq_f64(m.v[1],a.v[1],b.v[1]) };
+  }
   inline Float4 toFloat(Double4 a) { return vcvt_high_f32_f64(vcvt_f32_f64(a.v[0]),a.v[1]); }
 
-  /* for NaN the first one, as SSE2 has it with operands in this order */
+  /* For NaN they return the first operand, as SSE2 does. */
   inline Double4 min(Double4 a, Double4 b) { return select(b < a,b,a); }
   inline Double4 max(Double4 a, Double4 b) { return select(a < b,b,a); }
 
-  /*! a, 0 where the mask is not set */
   inline Double4 operator&(Mask4 m, Double4 a) {
     auto half = [&](int i) { return vreinterpretq_f64_u64(vandq_u64(m.v[i],vreinterpretq_u64_f64(a.v[i]))); };
     return { half(0),half(1) };
   }
 
-  /*! towards zero; the least integer for what is too large */
+  /*! Rounds towards zero. Returns INT32_MIN if the value is out of range, as SSE2 does. */
   inline Int4 toInt(Double4 a)
   {
     auto half = [&](int i) {
       const int64x2_t whole = vcvtq_s64_f64(a.v[i]);
-      const uint64x2_t fits = vandq_u64(vceqq_s64(whole,vmovl_s32(vmovn_s64(whole))),vceqq_f64(a.v[i],a.v[i])); // NaN does not
+      const uint64x2_t fits = vandq_u64(vceqq_s64(whole,vmovl_s32(vmovn_s64(whole))),
+        vceqq_f64(a.v[i],a.v[i])); // not NaN
       return vmovn_s64(vbslq_s64(fits,whole,vdupq_n_s64(INT32_MIN)));
     };
     return vcombine_s32(half(0),half(1));
   }
   inline Int4 operator&(Mask4 m, Int4 a) { return vandq_s32(vreinterpretq_s32_u32(m.narrow()),a.v); }
 
-  /*! of a bit for each lane */
   inline Mask4 maskOf(uint32_t bits)
   {
     const int32x4_t set = vreinterpretq_s32_u32(vtstq_u32(vdupq_n_u32(bits),uint32x4_t{ 1,2,4,8 }));
     return {{ vreinterpretq_u64_s64(vmovl_s32(vget_low_s32(set))),vreinterpretq_u64_s64(vmovl_high_s32(set)) }};
   }
 
-  /*! a0 b1 - a1 b0 */
   inline double crossOf(Double4 a, Double4 b) {
     const float64x2_t p = vmulq_f64(a.v[0],vextq_f64(b.v[0],b.v[0],1));
     return vgetq_lane_f64(p,0) - vgetq_lane_f64(p,1);
   }
 
-  /*! of all lanes */
   inline double least(Double4 a) {
     const float64x2_t m = vbslq_f64(vcltq_f64(a.v[0],a.v[1]),a.v[0],a.v[1]);
     return vgetq_lane_f64(m,0) < vgetq_lane_f64(m,1) ? vgetq_lane_f64(m,0) : vgetq_lane_f64(m,1);
@@ -91,7 +91,6 @@ namespace cvert { inline namespace CVERT_ISA
     return vgetq_lane_f64(m,0) > vgetq_lane_f64(m,1) ? vgetq_lane_f64(m,0) : vgetq_lane_f64(m,1);
   }
 
-  /*! lane i in all lanes */
   template<int i> inline Double4 broadcast(Double4 a) {
     const float64x2_t lane = vdupq_laneq_f64(a.v[i/2],i & 1);
     return { lane,lane };

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Inline code is compiled once per instruction set of a program, each time in a namespace of its own. In a common
- * namespace the linker would keep only one copy of a function. That copy might use AVX, and machines without AVX would
- * run it. The namespaces are inline so that callers need not name them. */
+/* Inline code is compiled once per instruction set, each time in its own inline namespace. In a common namespace the
+ * linker would keep one copy of each function, which might use AVX on machines without it. */
 
 #if defined(CVERT_PORTABLE)
 #  define CVERT_ISA isa_portable

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Vectors of four floats or integers, for encoders. Every operation rounds as the scalar one does, so that the bytes of
- * blocks do not depend on the instruction set. Compilers that fuse multiplications and additions, in scalar code or
- * here, would break this: compile with -ffp-contract=off. CVERT_PORTABLE disables SSE and NEON. */
+/* Vectors of four floats or integers, for encoders. Every operation rounds as the scalar one does, so the bytes of
+ * blocks do not depend on the instruction set. Compile with -ffp-contract=off: fused multiply-adds would break this.
+ * CVERT_PORTABLE disables SSE and NEON. */
 
 #if defined(CVERT_PORTABLE)
 #include "lanes_portable.h"
-#elif defined(__aarch64__) // before SSE2, which Embree defines there, too
+#elif defined(__aarch64__) // tested first: Embree defines SSE2 there, too
 #include "lanes_neon.h"
 #elif defined(__SSE2__)
 #include "lanes_sse.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Four floats or integers in registers of NEON: the operations of lanes_sse.h, with the same results, also for NaN and for
- * floats beyond all integers. */
+/* Four floats or integers in NEON registers: the operations of lanes_sse.h with the same results, also for NaN and
+ * floats beyond the range of integers. */
 
 #include "isa_namespace.h"
 #include <arm_neon.h>
@@ -30,14 +30,16 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return vmulq_f32(a.v,b.v); }
   };
 
-  /*! A lane of a mask is all bits, or none. */
+  /*! lanes have all bits set or none */
   struct FloatMask4 { uint32x4_t v; };
 
   inline FloatMask4 below(Float4 a, Float4 b) { return { vcltq_f32(a.v,b.v) }; }
-  inline Float4 operator&(FloatMask4 mask, Float4 a) { return vreinterpretq_f32_u32(vandq_u32(mask.v,vreinterpretq_u32_f32(a.v))); }
+  inline Float4 operator&(FloatMask4 mask, Float4 a) {
+    return vreinterpretq_f32_u32(vandq_u32(mask.v,vreinterpretq_u32_f32(a.v)));
+  }
   inline Float4 select(FloatMask4 mask, Float4 a, Float4 b) { return vbslq_f32(mask.v,a.v,b.v); }
 
-  /* as std::min and std::max of the same operands have it for NaN: the first one. NEON's own give NaN. */
+  /* For NaN they return the first operand, as std::min and std::max do. NEON's own instructions return NaN. */
   inline Float4 min(Float4 a, Float4 b) { return select(below(b,a),b,a); }
   inline Float4 max(Float4 a, Float4 b) { return select(below(a,b),b,a); }
 
@@ -50,10 +52,8 @@ namespace cvert { inline namespace CVERT_ISA
     return m0 > m1 ? m0 : m1;
   }
 
-  /*! bits of the lanes of a mask */
   inline uint32_t bitsOf(uint32x4_t mask) { return vaddvq_u32(vandq_u32(mask,uint32x4_t{ 1,2,4,8 })); }
 
-  /*! bits of the lanes where a < b, or a <= b */
   inline uint32_t lanesBelow(Float4 a, Float4 b) { return bitsOf(vcltq_f32(a.v,b.v)); }
   inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return bitsOf(vcleq_f32(a.v,b.v)); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return bitsOf(vceqq_f32(a.v,b.v)); }
@@ -77,12 +77,13 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator&(Int4 a, Int4 b) { return vandq_s32(a.v,b.v); }
     friend Int4 operator^(Int4 a, Int4 b) { return veorq_s32(a.v,b.v); }
 
-    /* A shift by 32 makes 0. */
+    /* A shift by 32 returns 0. */
     friend Int4 operator<<(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(n)); }
-    friend Int4 operator>>(Int4 a, int n) { return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v),vdupq_n_s32(-n))); }
+    friend Int4 operator>>(Int4 a, int n) {
+      return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v),vdupq_n_s32(-n)));
+    }
   };
 
-  /*! with the sign's bits from above */
   inline Int4 shiftSigned(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(-n)); }
 
   inline Int4 min(Int4 a, Int4 b) { return vminq_s32(a.v,b.v); }
@@ -96,24 +97,22 @@ namespace cvert { inline namespace CVERT_ISA
     return int(uint32_t(both | both >> 32));
   }
 
-  /*! of numbers below 256 */
   inline Int4 square(Int4 a) { return vmulq_s32(a.v,a.v); }
   inline Float4 toFloat(Int4 a) { return vcvtq_f32_s32(a.v); }
 
-  /*! towards zero; the least integer for what is too large, where NEON's own is the nearest one */
+  /* NEON's own conversion saturates instead of returning INT32_MIN. */
   inline Int4 truncated(Float4 a) {
     return vbslq_s32(vcltq_f32(vabsq_f32(a.v),vdupq_n_f32(2147483648.0f)),vcvtq_s32_f32(a.v),vdupq_n_s32(INT32_MIN));
   }
 
-  /*! Rounds to the nearest integer, of two to the even one. The values must be less than 2^31. */
   inline Int4 rounded(Float4 a) { return vcvtnq_s32_f32(a.v); }
   inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? vcvtns_s32_f32(a) : INT32_MIN; }
 
-  /*! The vertices x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     auto pick = [](Float4 low, Float4 high, const uint8x16_t& bytes) {
-      return vreinterpretq_f32_u8(vqtbl2q_u8(uint8x16x2_t{ { vreinterpretq_u8_f32(low.v),vreinterpretq_u8_f32(high.v) } },bytes));
+      return vreinterpretq_f32_u8(
+        vqtbl2q_u8(uint8x16x2_t{ { vreinterpretq_u8_f32(low.v),vreinterpretq_u8_f32(high.v) } },bytes));
     };
     const Float4 xy = pick(b,c,uint8x16_t{ 8,9,10,11,12,13,14,15,20,21,22,23,24,25,26,27 }); // x2 y2 x3 y3
     x = pick(a,xy,uint8x16_t{ 0,1,2,3,12,13,14,15,16,17,18,19,24,25,26,27 });

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vectors of four floats or integers in plain C++: the operations of lanes_sse.h, with the same results. */
+/* Four floats or integers in plain C++: the operations of lanes_sse.h, with the same results. */
 
 #include "isa_namespace.h"
 #include <cmath>
@@ -31,7 +31,6 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return of([&](int i) { return a.v[i]*b.v[i]; }); }
   };
 
-  /*! Lanes of masks have all bits set or none. */
   struct FloatMask4 { bool v[4]; };
 
   inline Float4 min(Float4 a, Float4 b) { return Float4::of([&](int i) { return b.v[i] < a.v[i] ? b.v[i] : a.v[i]; }); }
@@ -54,7 +53,6 @@ namespace cvert { inline namespace CVERT_ISA
     return m.v[0] > m.v[1] ? m.v[0] : m.v[1];
   }
 
-  /*! A bit per lane for which a comparison is true. */
   template<typename Comparison>
   inline uint32_t lanesWhere(const Comparison& isTrue) {
     return uint32_t(isTrue(0)) | uint32_t(isTrue(1)) << 1 | uint32_t(isTrue(2)) << 2 | uint32_t(isTrue(3)) << 3;
@@ -87,7 +85,6 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator>>(Int4 a, int n) { return of([&](int i) { return n < 32 ? a.v[i] >> n : 0u; }); }
   };
 
-  /*! Arithmetic shift to the right. */
   inline Int4 shiftSigned(Int4 a, int n) {
     return Int4::of([&](int i) { return int32_t(a.v[i]) >> (n < 32 ? n : 31); });
   }
@@ -110,21 +107,17 @@ namespace cvert { inline namespace CVERT_ISA
   inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
   inline int anyOf(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
-  /*! Requires numbers below 256. */
   inline Int4 square(Int4 a) { return a*a; }
   inline Float4 toFloat(Int4 a) { return Float4::of([&](int i) { return float(int32_t(a.v[i])); }); }
 
-  /*! Rounds towards zero. Returns INT32_MIN if the value is out of range. */
   inline Int4 truncated(Float4 a) {
     return Int4::of([&](int i) { return std::fabs(a.v[i]) < 2147483648.0f ? int32_t(a.v[i]) : INT32_MIN; });
   }
 
-  /*! Rounds to the nearest integer, halves to even, in the default rounding mode. Returns INT32_MIN if the value is out
-   *  of range. */
+  /* nearbyint requires the default rounding mode. */
   inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? int(std::nearbyint(a)) : INT32_MIN; }
   inline Int4 rounded(Float4 a) { return Int4::of([&](int i) { return rounded(a.v[i]); }); }
 
-  /*! Separates the vertices x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     x = Float4(a.v[0],a.v[3],b.v[2],c.v[1]);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vectors of four floats or integers in SSE2 registers. */
+/* Four floats or integers in an SSE2 register. */
 
 #include "isa_namespace.h"
 #include <immintrin.h>
@@ -28,13 +28,12 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return _mm_mul_ps(a.v,b.v); }
   };
 
-  /* For NaN they return the same operand as std::min and std::max: the first. */
+  /* For NaN they return the first operand, as std::min and std::max do. */
   inline Float4 min(Float4 a, Float4 b) { return _mm_min_ps(b.v,a.v); }
   inline Float4 max(Float4 a, Float4 b) { return _mm_max_ps(b.v,a.v); }
 
   inline Float4 abs(Float4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f),a.v); }
 
-  /* masks */
   inline Float4 below(Float4 a, Float4 b) { return _mm_cmplt_ps(a.v,b.v); }
   inline Float4 operator&(Float4 mask, Float4 a) { return _mm_and_ps(mask.v,a.v); }
   inline Float4 select(Float4 mask, Float4 a, Float4 b) {
@@ -46,7 +45,7 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtss_f32(_mm_max_ss(m,_mm_shuffle_ps(m,m,1)));
   }
 
-  /*! A bit per lane where a < b, a <= b or a == b. */
+  /* Return one bit per lane. */
   inline uint32_t lanesBelow(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
   inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v,b.v))); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
@@ -72,10 +71,10 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator>>(Int4 a, int n) { return _mm_srli_epi32(a.v,n); }
   };
 
-  /*! Arithmetic shift to the right. */
+  /*! Arithmetic shift. */
   inline Int4 shiftSigned(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
 
-  /*! The lower 32 bits of the products. */
+  /*! lower 32 bits of each product */
   inline Int4 operator*(Int4 a, Int4 b) {
 #if defined(__SSE4_1__)
     return _mm_mullo_epi32(a.v,b.v);
@@ -97,7 +96,6 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 max(Int4 a, Int4 b) { return select(below(a,b),b,a); }
 #endif
 
-  /*! Combines all lanes by pairs. */
   template<typename Operation>
   inline int reduced(Int4 a, const Operation& operation) {
     const Int4 halves = operation(a,Int4(_mm_shuffle_epi32(a.v,_MM_SHUFFLE(1,0,3,2))));
@@ -107,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
   inline int anyOf(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
-  /*! Requires numbers below 256. */
+  /*! Requires lanes below 256. */
   inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }
   inline Float4 toFloat(Int4 a) { return _mm_cvtepi32_ps(a.v); }
 
@@ -118,7 +116,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 rounded(Float4 a) { return _mm_cvtps_epi32(a.v); }
   inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
-  /*! Separates the vertices x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
+  /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices

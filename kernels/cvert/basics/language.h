@@ -1,20 +1,18 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Macros with which the headers of this library compile as C++11 and as GLSL 4.60. These headers implement
- * the format and the hit rule once. The scalar CPU path, the scalar parts of the SIMD path, the tests and the shaders
- * share them.
+/* Macros for headers that compile both as C++11 and as GLSL 4.60, so that CPU code, tests and shaders share one
+ * implementation of the format and the hit rule.
  *
- * Shared code consists of free functions on plain values. It has no member functions, no references and pointers except
- * those of bytes.h and int3.h, no 64-bit integers, no recursion, and no braces around values except in initializers of
- * constants.
+ * Shared code consists of free functions on plain values. It must not use member functions, references or pointers
+ * (except those of bytes.h and int3.h), 64-bit integers, recursion, or braced values outside initializers of constants.
  *
- * Real is the type of quantities whose precision the caller chooses. CVERT_REAL precedes functions and structs that use
- * it. CVERT_OF(Type) is a struct of the same precision, CVERT_BOOL(Type) the result type of comparisons. In GLSL, Real
- * is float. In C++ it is float, double (the scalar path) or, for some functions, a vector type of Embree.
+ * The caller chooses the type Real: float in GLSL; float, double (scalar code) or, for some functions, a vector type of
+ * Embree in C++. CVERT_REAL precedes functions and structs that use it. CVERT_OF(Type) is a struct of the same
+ * precision, CVERT_BOOL(Type) the result type of comparisons.
  *
- * Wide, CVERT_WIDE and CVERT_OF_WIDE(Type) are the same for quantities in which products of floats are exact: double,
- * or in C++ a vector of doubles. Shaders without CBVH_FLOAT64 use float instead. */
+ * Wide, CVERT_WIDE and CVERT_OF_WIDE(Type) are the same for values in which products of floats are exact: double, or a
+ * vector of doubles in C++. Shaders without CBVH_FLOAT64 use float. */
 
 #ifndef CVERT_LANGUAGE_H
 #define CVERT_LANGUAGE_H
@@ -67,15 +65,14 @@
 
 CVERT_BEGIN
 
-/* These do not use the names of the standard library or of GLSL: NaN and equal operands have the same result
- * everywhere, and C++ does not call functions. */
+/* Functions of the standard library and of GLSL treat NaN and equal operands differently, and may be calls in C++. */
 CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
 CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
-/* Operators for results of comparisons, and products that are not fused with a sum. */
+/* product: never fused with a sum */
 #ifdef VULKAN
 bool both (bool a, bool b) { return a && b; }
 bool either (bool a, bool b) { return a || b; }
@@ -99,7 +96,7 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* -ffp-contract=off is not possible for whole files: cGRID's leaves must fuse products as GRID does, to the bit. */
+/* Replaces -ffp-contract=off for whole files: cGRID's leaves must fuse products exactly as GRID does. */
 template<typename Scalar>
 CVERT_INLINE Scalar unfused (Scalar p)
 {

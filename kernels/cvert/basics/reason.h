@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reasons for which input is rejected. Functions that check bytes return a Reason; they do not allocate or throw.
- * Functions that open or write files throw an Error. Callers convert both to errors of their own interface. */
+/* Why input is rejected. Functions that check bytes return a Reason and neither allocate nor throw. Functions on files
+ * throw an Error. Callers convert both to errors of their interface. */
 
 #include <cstdint>
 #include <stdexcept>
@@ -16,18 +16,17 @@ namespace cvert
   {
     NONE,
     DAMAGED,           //!< the bytes contradict each other or the format
-    UNSUPPORTED,       //!< version or part of the format that this library does not read
-    INVALID_ARGUMENT,  //!< invalid path or request
+    UNSUPPORTED,       //!< version or feature that this library does not read
+    INVALID_ARGUMENT,  //!< path or request
     INVALID_OPERATION  //!< object in the wrong state, or disk full
   };
 
   class Reason
   {
   public:
-    /*! No error. */
     Reason () : code(ErrorCode::NONE), text(""), values{ 0,0 } {}
 
-    /*! text: must have static storage. Each % is replaced by the next value. */
+    /*! text: static string, not copied. Each % is replaced by the next value. */
     Reason (ErrorCode code, const char* text, uint64_t first = 0, uint64_t second = 0)
       : code(code), text(text), values{ first,second } {}
 
@@ -38,10 +37,8 @@ namespace cvert
       return Reason(ErrorCode::UNSUPPORTED,text,first,second);
     }
 
-    /*! True if there is an error. */
     explicit operator bool () const { return code != ErrorCode::NONE; }
 
-    /*! The text with its values filled in. */
     std::string message () const;
 
     ErrorCode code;

@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* Vectors of four vertices. */
 
 #include "lanes.h"
 #include "world.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Four consecutive vertices. */
+  /*! Four consecutive vertices, one vector per axis. */
   struct Vertices4
   {
     Float4 x, y, z;
@@ -20,7 +19,7 @@ namespace cvert { inline namespace CVERT_ISA
     explicit Vertices4(const float (*p)[3])
       : Vertices4(Float4::load(&p[0][0]),Float4::load(&p[0][0]+4),Float4::load(&p[0][0]+8),true) {}
 
-    /*! From x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3. */
+    /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
     Vertices4(Float4 a, Float4 b, Float4 c, bool)
     {
       transpose(a,b,c,x,y,z);
@@ -33,7 +32,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 dot(const Vertices4& a, const Vertices4& b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
   };
 
-  /*! Computes the bounds of vertices. Returns false if one is not finite; the bounds are then undefined. */
+  /*! Returns false if a vertex is not finite; the bounds are then undefined. */
   inline bool boundVertices(const float (*vertices)[3], size_t count, float lower[3], float upper[3])
   {
     Float4 low = maxCoordinate, high = -maxCoordinate;

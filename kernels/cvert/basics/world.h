@@ -3,20 +3,20 @@
 
 #pragma once
 
-/* World positions for encoders: finite coordinates, vectors of doubles, and bounds. */
+/* World positions for encoders. */
 
 #include "isa_namespace.h"
 #include <cmath>
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Coordinates below this count as finite. Embree has the same limit for rays and bounds. */
+  /*! Bound of finite coordinates, the same as Embree's for rays and bounds. */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
   }
 
-  /* Unlike std::fmax they are not calls. They do not support NaN. */
+  /* Not std::fmin and std::fmax, which are calls. They do not support NaN. */
   inline double minimum(double a, double b) { return a < b ? a : b; }
   inline double maximum(double a, double b) { return a > b ? a : b; }
 
@@ -34,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
   inline double length1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
 
-  /*! Initially empty. */
+  /*! Empty until extended. */
   struct WorldBounds
   {
     double lower[3] = { 1e300,1e300,1e300 }, upper[3] = { -1e300,-1e300,-1e300 };

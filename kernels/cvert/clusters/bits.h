@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Writes numbers of a few bits into bytes that are zero, in any order. The lowest bits of the first byte come first. */
+/* Writes bit fields into zeroed bytes, in any order, lowest bit first. */
 
 #include "../basics/bits.h"
 #include <cstddef>
 
 namespace cvert
 {
-  /*! Writes `count` bits of value at a position in bits. The bytes must be zero there. */
+  /*! position: in bits. The bytes must be zero there. */
   inline void putBits (uint8_t* bytes, size_t position, uint32_t count, uint32_t value)
   {
     bytes += position/8;

@@ -6,15 +6,15 @@
 /* Vertices as D3D12_VERTEX_FORMAT_COMPRESSED1: a header of 12 bytes, then offsets from its anchor without gaps.
  *
  * Based on: DirectX Raytracing Functional Spec, Part 2, v0.28, "Compressed1 position encoding", Microsoft 2026. With
- * exponent 232 the specification requires that anchor plus offset is within +-8,388,607, so that vertices are finite.
- * This always holds here: vertices are finite floats, and 8,388,608 * 2^105 = 2^128 is not. */
+ * exponent 232 it requires finite vertices: anchor plus offset within +-8,388,607. This holds here, because vertices
+ * are finite floats and 8,388,608 * 2^105 = 2^128 is not. */
 
 #include "lattice_points.h"
 
 namespace cvert
 {
-  /*! Writes vertices that fit, see LatticeSpan. order: indices of the vertices among the points. out: zeros, at least
-   *  compressed1Bytes(count). Returns the number of bytes written, a multiple of 4. */
+  /*! Writes vertices that fit, see LatticeSpan. order: their indices among the points. out: zeros, at least
+   *  compressed1Bytes(count). Returns the size in bytes, a multiple of 4. */
   inline size_t putCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
                                 uint32_t count, uint8_t* out)
   {

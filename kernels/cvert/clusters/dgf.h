@@ -26,7 +26,7 @@ namespace cvert
 
     enum Control : uint8_t { RESTART = 0, EDGE1 = 1, EDGE2 = 2, BACKTRACK = 3 };
 
-    /*! Computes the number of bits of offsets on each axis. Returns their sum, a multiple of 4. */
+    /*! Bits of offsets per axis. Returns their sum, a multiple of 4. */
     inline uint32_t offsetBits (const LatticeSpan& span, uint32_t bits[3])
     {
       for (int k=0; k<3; k++) bits[k] = span.bits(k);
@@ -35,10 +35,9 @@ namespace cvert
       return bits[0]+bits[1]+bits[2];
     }
 
-    /*! Number of bits of an index of a reused vertex. highest: largest index. */
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitsOf(highest); }
 
-    /*! True if a block has room for a strip. reused: number of its indices that refer to earlier vertices. */
+    /*! reused: number of the strip's indices that refer to earlier vertices */
     inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused,
                          uint32_t bitsOfIndex)
     {
@@ -48,7 +47,7 @@ namespace cvert
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 
-    /*! True if a block has room for a grid of quads as one strip, which uses each inner vertex of the grid twice. */
+    /*! True if a grid of quads fits as one strip, which uses each inner vertex twice. */
     inline bool hasRoomForQuads (uint32_t width, uint32_t height, const LatticeSpan& span)
     {
       uint32_t bits[3];
@@ -57,16 +56,16 @@ namespace cvert
         hasRoom(vertices,triangles,offsetBits(span,bits),triangles+2,(width-1)*(height-1),indexBits(vertices-1));
     }
 
-    /*! Triangles as a strip, and their block. Rotates triangles so that they begin with the edge that they share. */
+    /*! A strip of triangles as a block. Triangles are rotated to begin with the edge that they share. */
     class Block
     {
     public:
       uint8_t bytes[blockBytes];
-      uint8_t order[maxVertices];              //!< indices of the vertices in the triangles' arrays
+      uint8_t order[maxVertices];              //!< indices of vertices in QuadTriangles
       uint32_t numVertices;
-      uint8_t indices[maxTriangles][3];        //!< vertices of triangles, as indices into order
+      uint8_t indices[maxTriangles][3];        //!< indices into order
 
-      /*! Returns false if there is no room. primitives: index of the first triangle. */
+      /*! primitives: index of the first triangle. Returns false if the block has no room. */
       bool write (const QuadTriangles& of, const LatticePoints& points, uint32_t primitives)
       {
         if (of.numTriangles > maxTriangles || of.numVertices > maxVertices) return false;
@@ -107,7 +106,7 @@ namespace cvert
       bool isFirst[3*maxTriangles];
       uint8_t reused[3*maxTriangles];
 
-      /*! Rotates a triangle so that it begins with edge (a,b). Returns false if it does not have this edge. */
+      /*! Returns false if the triangle does not have edge (a,b). */
       static bool turnTo (uint8_t triangle[3], uint8_t a, uint8_t b)
       {
         for (int i=0; i<3; i++)
@@ -130,7 +129,7 @@ namespace cvert
         return false;
       }
 
-      /*! Selects the shared edge of triangle t, and rotates the triangle to it. */
+      /*! Chooses the shared edge of triangle t, and rotates the triangle to it. */
       Control controlOf (uint32_t t)
       {
         uint8_t* const next = indices[t];
@@ -149,7 +148,7 @@ namespace cvert
         for (uint32_t t=0; t<numTriangles; t++)
         {
           control[t] = t == 0 ? RESTART : controlOf(t);
-          /* the next triangle cannot share the first edge of this one */
+          // the next triangle cannot share the first edge of this one
           if (control[t] == RESTART && t+1 < numTriangles && hasEdge(indices[t+1],indices[t][1],indices[t][0]))
             turn(indices[t],2);
         }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Divides a rectangle of quads into blocks of DGF: into bands of rows, and each band into pieces that are as wide as a
- * block has room for. Selects the bands that need the fewest blocks. */
+/* Divides a rectangle of quads into blocks of DGF: into bands of rows, and bands into pieces as wide as a block allows.
+ * Chooses the bands that need the fewest blocks. */
 
 #include "dgf.h"
 
@@ -15,7 +15,7 @@ namespace cvert
     class Tiling
     {
     public:
-      /*! quadsX, quadsY: up to 16. */
+      /*! quadsX, quadsY: up to 16 */
       Tiling (const LatticePoints& points, uint32_t quadsX, uint32_t quadsY)
         : points(points), quadsX(quadsX), quadsY(quadsY)
       {
@@ -41,7 +41,6 @@ namespace cvert
 
       bool isPossible; //!< false if a quad is too large for a block
 
-      /*! Calls closure(x, y, width, height) for all pieces. */
       template<typename Closure>
       void forEach (const Closure& closure) const
       {
@@ -57,7 +56,6 @@ namespace cvert
       }
 
     private:
-      /*! Spans of the columns of vertices of a band. */
       struct Columns
       {
         LatticeSpan spans[LatticePoints::maxSide];
@@ -73,7 +71,7 @@ namespace cvert
         }
       };
 
-      /*! Calls closure(x, width) for the pieces of a band. Returns false if a column of quads is too large. */
+      /*! Returns false if a column of quads is too large. */
       template<typename Closure>
       bool forEachPiece (const Columns& columns, uint32_t height, const Closure& closure) const
       {

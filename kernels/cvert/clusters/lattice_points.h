@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Vertices as integers on the coarsest lattice that contains all of them, the multiples of a power of two. A float is
- * an odd number times a power of two, and the smallest of these powers is the spacing, so nothing is rounded. Vertices
- * of a cVERT block that is not raw are on the lattice of the block or on a coarser one.
+/* Vertices as integers on the coarsest lattice that contains all of them. A float is an odd number times a power of
+ * two, and the smallest of these powers is the spacing, so nothing is rounded.
  *
  * COMPRESSED1 and DGF store signed integers of 24 bits plus an offset of up to 16 bits, and spacings from 2^-126 to
  * 2^105. */
@@ -19,16 +18,15 @@ namespace cvert
   {
   public:
     static const uint32_t maxSide = 17;            //!< vertices per side
-    static const int32_t lowestAnchor = -0x800000; //!< the highest anchor is 0x7FFFFF
+    static const int32_t lowestAnchor = -0x800000; //!< the highest is 0x7FFFFF
     static const int32_t maxOffset = 0xFFFF;
 
     int32_t at[maxSide*maxSide][3]; //!< row by row; 0 for vertices that are not finite
-    bool isThere[maxSide*maxSide];  //!< true if a vertex is finite
+    bool isThere[maxSide*maxSide];  //!< finite
     uint32_t width;
-    uint32_t exponent;              //!< biased exponent of the spacing, 1 to 232
+    uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 
-    /*! Places the vertices of a rectangle. stride: vertices from row to row. Returns false if they are not such
-     *  integers. */
+    /*! stride: vertices per row. Returns false if the vertices cannot be such integers. */
     bool place (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;
@@ -57,7 +55,6 @@ namespace cvert
   private:
     static const int minExponent = -126, maxExponent = 105;
 
-    /*! A float as sign, and mantissa times 2^exponent. */
     struct Parts
     {
       bool isNegative;
@@ -85,7 +82,7 @@ namespace cvert
       if (!isThere || parts.mantissa == 0) return true;
       const int shift = parts.exponent - spacing;
       if (shift > 8) return false;
-      // exact because spacing is at most the lowest bit
+      // exact because the spacing is at most the lowest bit
       const int64_t size = shift >= 0 ? int64_t(parts.mantissa) << shift : int64_t(parts.mantissa >> -shift);
       const int64_t value = parts.isNegative ? -size : size;
       if (value < lowestAnchor || value >= -int64_t(lowestAnchor) + maxOffset) return false;
@@ -94,7 +91,6 @@ namespace cvert
     }
   };
 
-  /*! Bounds of a rectangle of points. */
   struct LatticeSpan
   {
     int32_t lower[3], upper[3];
@@ -113,7 +109,7 @@ namespace cvert
 
     bool isEmpty () const { return lower[0] > upper[0]; }
 
-    /*! True if an anchor of 24 bits and offsets of 16 bits can represent the points. */
+    /*! True if an anchor of 24 bits and offsets of 16 bits suffice. */
     bool fits () const
     {
       for (int k=0; k<3; k++)
@@ -121,7 +117,7 @@ namespace cvert
       return true;
     }
 
-    /*! Number of bits of offsets on an axis, 1 to 16. */
+    /*! Bits of offsets on an axis, 1 to 16. */
     uint32_t bits (int k) const { return upper[k] > lower[k] ? bitsOf(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Triangles of a rectangle of quads of a part, with their vertices. At stitched edges, neighboring vertices at the same
- * point become one vertex. */
+/* Triangles of a rectangle of quads, with their vertices. Neighboring vertices at the same point, as at stitched edges,
+ * become one. */
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,6 @@
 
 namespace cvert
 {
-  /*! Quads of a part. */
   struct QuadRectangle
   {
     uint32_t x, y, width, height;
@@ -25,11 +24,10 @@ namespace cvert
     static const uint32_t maxVertices = 81, maxTriangles = 128;
 
     uint32_t numVertices, numTriangles;
-    uint32_t vertices[maxVertices];             //!< indices of vertices in the rectangle, row by row
+    uint32_t vertices[maxVertices];             //!< indices in the rectangle, row by row
     uint8_t indices[maxTriangles][3];           //!< indices into vertices
-    uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads per row * y + x), plus 1 for the
-                                                //!< second triangle of a quad
-    bool isWhole;                               //!< true if no vertex and no triangle is missing
+    uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads per row * y + x), plus 1 if second
+    bool isWhole;                               //!< no vertex or triangle is missing
 
     /*! points: of the part, whose rows have `stride` vertices. isStrip: alternate the direction of rows, so that
      *  consecutive triangles share an edge. */
@@ -53,8 +51,8 @@ namespace cvert
           const bool isBack = isStrip && (y & 1);
           const uint32_t x = isBack ? of.width-1-n : n;
           const uint32_t id = 2*((of.y + y)*(stride-1) + of.x + x), a = y*width + x;
-          /* In a row from right to left, the strip enters the first quad by its first triangle, continues to the second
-             and backtracks. It enters all other quads by their second triangle. */
+          // In a row from right to left, the strip enters the first quad by its first triangle, continues to the second
+          // and backtracks. It enters all other quads by their second triangle.
           const bool isSecondFirst = isBack && n > 0;
           for (uint32_t t=0; t<2; t++)
             if (isSecondFirst == (t == 0)) add(a+width,a+1,a+width+1,id+1);
@@ -94,7 +92,7 @@ namespace cvert
 
     const float* const points;
     const uint32_t stride, width;
-    uint8_t number[maxVertices];                //!< index of the vertex that replaces each vertex
+    uint8_t number[maxVertices];                //!< replacement of each vertex
     bool isUsed[maxVertices];
   };
 }

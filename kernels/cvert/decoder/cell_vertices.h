@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes single vertices of a step: residuals of a cell from their bits, vertices of the cell as coordinates, and
- * these in the world. */
 
 #ifndef CVERT_CELL_VERTICES_H
 #define CVERT_CELL_VERTICES_H
@@ -12,12 +10,12 @@
 
 CVERT_BEGIN
 
-/*! A cell of a step that is not raw. */
+/*! Cell of a step that is not raw. */
 struct CodedCell
 {
   uint32_t word;
-  uint32_t fields;           //!< offset of its fields, relative to StepView::data
-  Int3 c00, c10, c01, c11;   //!< coordinates of its corners
+  uint32_t fields;           //!< offset relative to StepView::data
+  Int3 c00, c10, c01, c11;   //!< coordinates of the corners
   int distance;              //!< between neighboring vertices, in quads
   int quadsX, quadsY;        //!< per side
 };
@@ -29,7 +27,6 @@ CVERT_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
               cornerCoordinate(cornerWord(step,cornerPair(c,2)),c,2));
 }
 
-/*! The cell whose vertices are the corners of groups. region: from the block. */
 CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
 {
   CodedCell cell;
@@ -45,7 +42,7 @@ CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
   return cell;
 }
 
-/*! The cell of group gx, gy. c00 to c11: its corners, which are vertices of the first cell. fields: fieldsOfGroup. */
+/*! c00 to c11: corners of the group, which are vertices of the first cell. fields: fieldsOfGroup. */
 CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
                                       uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
 {
@@ -68,7 +65,7 @@ CVERT_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, 
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
-/*! Residual in a field of a cell, by axis. word, fields: as in CodedCell. */
+/*! Returns a residual by axis. word, fields: as in CodedCell. */
 CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
@@ -91,7 +88,7 @@ CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, ui
   return axis == 0 ? Int3(r0,r1,r2) : axis == 1 ? Int3(r2,r0,r1) : Int3(r1,r2,r0);
 }
 
-/*! Product of the matrix of a later step and a residual of the first step. */
+/*! Applies the matrix of a later step to a residual of the first step. */
 CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1];
@@ -103,7 +100,7 @@ CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
 
 /* --- coordinates ----------------------------------------------------------------------- */
 
-/*! Predictions of a row of a cell: (start + weight slope) >> 8, equal to cellPrediction of cell.h. */
+/*! Predictions of a row: (start + weight slope) >> 8, equal to cellPrediction. */
 struct CellRow { Int3 start, slope; };
 
 CVERT_FUNCTION int weightInCell (int i, int distance, int quads) {
@@ -119,7 +116,7 @@ CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
   return row;
 }
 
-/*! Coordinates of vertex i of row j. data: of the step. */
+/*! Vertex i of row j. data: of the step. */
 CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
                                  int j)
 {
@@ -135,23 +132,22 @@ CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) 
 
 /* --- the world ------------------------------------------------------------------------- */
 
-/*! Index of vertex i, j of group gx, gy in the block, row by row. If a group has fewer quads, its last vertices are the
- *  same. */
+/*! Index in the block, row by row, of vertex i, j of a group. Smaller groups repeat their last vertices. */
 CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;
   return (y < quadsY ? y : quadsY)*(quadsX+1u) + (x < quadsX ? x : quadsX);
 }
 
-/*! World coordinate of a vertex without its remainder. The step must not be raw. The sum is exact, see block.h. */
+/*! World coordinate without remainder. Requires a step that is not raw. The sum is exact, see block.h. */
 CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
 {
   CVERT_PRECISE float at = step.origin[axis] + float(coordinate)*step.spacing.at[axis];
   return at;
 }
 
-/*! Adds the remainder to a world coordinate of a vertex. The step must have remainders. lattice: latticeVertex.
- *  vertex: vertexOfGroup. */
+/*! Adds the remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
+ *  vertexOfGroup. */
 CVERT_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
   uint32_t bits = remainderBits(step.remainders,axis);
@@ -161,7 +157,7 @@ CVERT_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, in
   return withRemainder(lattice,word,bits,step.spacing.at[axis]);
 }
 
-/*! World coordinate of a vertex of a raw step. */
+/*! Requires a raw step. */
 CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
   return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis));
 }

@@ -3,25 +3,23 @@
 
 #pragma once
 
-/* Decodes a block in scalar code, one time step at a time. This is the reference that SIMD decoders must equal. It is
- * also the decoder for programs that need all vertices of a block. */
 
 #include "cell_vertices.h"
 #include "group_planes.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Vertices of a block at a time step, exactly as they were encoded. The block must be valid (validateVert) and must
-   *  outlive this object. */
+  /*! Scalar decoder of a block's vertices at one time step, which SIMD decoders must equal. The block must be valid
+   *  (validateVert) and outlive this object. */
   class DecodedBlock
   {
   public:
     static const uint32_t maxSide = vertBlockQuads + 1u; //!< in vertices
 
-    float vertices[maxSide*maxSide][3]; //!< world positions, row by row, (quadsX+1) (quadsY+1) of them
+    float vertices[maxSide*maxSide][3]; //!< world positions, row by row
     const uint32_t quadsX, quadsY;
 
-    /*! step: less than the number of steps of a moving block, else 0. */
+    /*! step: below the number of steps; 0 unless the block moves */
     explicit DecodedBlock(const VertHeader* block, uint32_t step = 0)
       : quadsX(vertQuadsX(block->region)), quadsY(vertQuadsY(block->region)), block(block),
         layout(vertLayout(block->region,block->boxForm)), view(viewOfStep(block,layout,step))
@@ -32,7 +30,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
 
-    /*! Computes the bounds of the finite vertices. Returns false if there are none. */
+    /*! Returns false if no vertex is finite. */
     bool bounds(float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
@@ -48,8 +46,8 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! World box of a group. On the sheared axis, lower and upper are sheared coordinates times the spacing, relative
-     *  to the origin. form, margins: of the segment that begins or ends with this step; by default of the block. */
+    /*! World box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the
+     *  origin. form, margins: of the segment that begins or ends with this step. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper);
     }
@@ -66,11 +64,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! End of the fields and remainders, or null for a raw step. */
+    /*! End of fields and remainders, or null for a raw step. */
     const uint8_t* end = nullptr;
 
   private:
-    /*! Fields of the first step from which the fields of a later step are predicted. */
     struct FirstFields
     {
       bool isTurned;
@@ -121,7 +118,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Index of corner c of a group among the vertices of the first cell. */
+    /*! Index in the first cell of corner c of a group. */
     uint32_t cornerOfGroup(uint32_t g, uint32_t c) const {
       return 5*(g/layout.groupsX + (c >> 1)) + g % layout.groupsX + (c & 1);
     }
@@ -129,6 +126,6 @@ namespace cvert { inline namespace CVERT_ISA
     const VertHeader* const block;
     const VertLayout layout;
     const StepView view;
-    Int3 corners[cellVertices]; //!< vertices of the first cell
+    Int3 corners[cellVertices]; //!< the first cell
   };
 }}

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Decodes a mesh block in scalar code, group by group. This is the reference that SIMD decoders must equal. It is
- * also the decoder for programs that need all triangles of a block. */
 
 #include "mesh_view.h"
 
@@ -15,13 +13,12 @@ namespace cvert { inline namespace CVERT_ISA
   {
     uint32_t numTriangles, numVertices;
     uint32_t vertices[maxGroupVertices];                  //!< indices in the block
-    //! indices into `vertices` of the corners of each triangle, in the order of the application
+    //! by corner, in the application's order; indices into `vertices`
     uint8_t indices[3][maxGroupTriangles];
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
-    uint32_t numbers[maxGroupTriangles];                  //!< numbers of triangles, as MeshView::number
+    uint32_t numbers[maxGroupTriangles];                  //!< see MeshView::number
 
-    /*! Decodes group g. Reads the header, all records and boxes, the topology and the numbers of the group, and the
-     *  vertices that it uses. */
+    /*! Reads the header, all records and boxes, the group's topology and numbers, and the vertices that it uses. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
     {
       const uint32_t group = meshGroupByte(view.block,g), record = meshRecord(view.block,g);
@@ -60,15 +57,15 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! All triangles of a block, exactly as they were encoded. The block must be valid (validateMesh). */
+  /*! Scalar decoder of a mesh block, which SIMD decoders must equal. The block must be valid (validateMesh). */
   class DecodedMesh
   {
   public:
     uint32_t numVertices, numTriangles, numGroups;
     float vertices[maxMeshVertices][3];
-    uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices, in the order of the application
+    uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices
     uint32_t numbers[maxMeshTriangles];
-    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group, then the total number
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group, then the total
 
     explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)),
       numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))

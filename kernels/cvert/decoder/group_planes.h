@@ -1,7 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Planes of the boxes of groups: the box of the corners of a group, enlarged by margins. */
 
 #ifndef CVERT_GROUP_PLANES_H
 #define CVERT_GROUP_PLANES_H
@@ -11,12 +10,12 @@
 
 CVERT_BEGIN
 
-/*! World planes of a box on an axis. On the sheared axis they are sheared coordinates times the spacing, relative to
- *  the origin. */
+/*! World planes on an axis. On the sheared axis they bound the sheared coordinate times the spacing, relative to the
+ *  origin. */
 struct BoxPlanes { float lower, upper; };
 
-/*! Planes of a group. The step must not be raw. form: boxForm of the segment that begins or ends with the step. c00 to
- *  c11: corners of the group. margins: their byte for the axis. */
+/*! Box of a group's corners, enlarged by margins. Requires a step that is not raw. form: boxForm of the segment that
+ *  begins or ends with the step. margins: their byte for the axis. */
 CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {
@@ -40,7 +39,7 @@ CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, 
   return planes;
 }
 
-/*! Planes of a group of a raw block on a world axis. offsets: layout of the block. */
+/*! Requires a raw block. offsets: its layout. */
 CVERT_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
                                            int axis)
 {

@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* Locates the parts of a mesh block by sums over its groups, and decodes single vertices and numbers. All decoders of
- * mesh blocks use it. */
+/* Locates the parts of a mesh block, and decodes single vertices and numbers. */
 
 #include "../format/mesh_block.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Returns `count` bits, up to 32, from bit `begin` on. Reads only bytes that contain one of them. */
+  /*! Like bitsAt, with 0 in all other bits. */
   inline uint32_t meshBitsAt (const uint8_t* data, uint32_t begin, uint32_t count) {
     return count == 0 ? 0 : bitsAt(data,begin,count) & (0xFFFFFFFFu >> (32-count));
   }
@@ -22,13 +21,13 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshHeader* const block;
     const uint32_t groups;
     const MeshLayout layout;
-    //! index in the block of the first triangle of a group, then the total number
+    //! first triangle of each group in the block, then the total
     uint32_t firstTriangle[maxMeshGroups+1];
-    uint32_t firstVertex[maxMeshGroups+1];   //!< the same for vertices that belong to a group
-    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of the topology of a group, relative to `topology`
-    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of the vertex fields of a group, relative to `vertices`
-    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of the primitive numbers of a group, relative to `numbers`
-    uint32_t fieldBits[maxMeshGroups][3];    //!< bits per axis of a vertex that belongs to a group
+    uint32_t firstVertex[maxMeshGroups+1];   //!< the same for vertices that belong to groups
+    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of each group's topology, relative to `topology`
+    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of its vertex fields, relative to `vertices`
+    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of its primitive numbers, relative to `numbers`
+    uint32_t fieldBits[maxMeshGroups][3];    //!< per axis
     const uint8_t* topology, * vertices, * numbers;
 
     /*! Reads only the header, records and boxes. */
@@ -54,12 +53,10 @@ namespace cvert { inline namespace CVERT_ISA
       numbers = vertices + (vertexBegin[groups]+7)/8;
     }
 
-    /*! Size of the block in bytes. */
     uint32_t bytes () const {
       return (uint32_t(numbers - (const uint8_t*)block) + (numberBegin[groups]+7)/8 + 3) & ~3u;
     }
 
-    /*! Returns the group that a vertex of the block belongs to. */
     uint32_t groupOfVertex (uint32_t v) const
     {
       uint32_t g = 0;
@@ -67,7 +64,6 @@ namespace cvert { inline namespace CVERT_ISA
       return g;
     }
 
-    /*! Decodes vertex v of the block. */
     void vertex (uint32_t v, float out[3]) const
     {
       const uint32_t g = groupOfVertex(v), *const bits = fieldBits[g];
@@ -83,8 +79,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
     }
 
-    /*! Returns the number of triangle t of a group. It is the number of its primitive, unless the primitives are quads,
-     *  see primitiveOfMesh. */
+    /*! Number of triangle t of a group, see primitiveOfMesh. */
     uint32_t number (uint32_t g, uint32_t t) const
     {
       const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
@@ -94,8 +89,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
 
-    /*! Box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the
-     *  origin. */
+    /*! On the sheared axis the box bounds the sheared coordinate times the spacing, relative to the origin. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -116,7 +110,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! World position of a coordinate on an axis. On the sheared axis the coordinate may be negative, modulo 2^32. */
+    /*! On the sheared axis the coordinate may be negative, modulo 2^32. */
     float position (uint32_t k, uint32_t coordinate) const
     {
       if (hasRanks(block->spacings,k)) return floatOfRank(rankOfFloat(block->origin[k]) + coordinate);

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* View of a time step of a block: of the block itself at its first step, of a VertStep at later steps. Both store the
- * same parts at different offsets; the view hides the difference. */
+/* View of a time step, which hides the different offsets of first and later steps. */
 
 #ifndef CVERT_STEP_VIEW_H
 #define CVERT_STEP_VIEW_H
@@ -13,21 +12,20 @@ CVERT_BEGIN
 
 struct StepView
 {
-  CVERT_POINTER(uint8_t) data; //!< start of the block or of the step
-  bool isLater;             //!< true if data is a VertStep
+  CVERT_POINTER(uint8_t) data; //!< the block, or a later step
+  bool isLater;             //!< data is a VertStep
   float origin[3];
   VertSpacing spacing;
   uint32_t form;            //!< boxForm
   uint32_t word;            //!< word of the first cell
   uint32_t turned;          //!< VertStep::turned; 0 at the first step
   uint32_t remainders;      //!< word of remainders, or 0 if there are none
-  bool hasHigh;             //!< true if words of groups have upper bits
-  uint32_t corners;         //!< offset of the six words of corners, relative to data
+  bool hasHigh;             //!< words of groups have upper bits
+  uint32_t corners;         //!< offset of the words of corners, relative to data
   uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets relative to data, as in VertLayout
 };
 
-/*! Returns the view with its spacing and its word of remainders. All other members must be set. remainders: offset of
- *  that word. */
+/*! Sets the members `spacing` and `remainders` from the others. remainders: offset of the word of remainders. */
 CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
 {
   uint32_t c = step.corners/4u;
@@ -37,7 +35,6 @@ CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
   return step;
 }
 
-/*! offsets: layout of the block. */
 CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets)
 {
   StepView step;
@@ -59,7 +56,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   return withScales(step,offsets.remainders);
 }
 
-/*! number: from 1, less than the number of steps. */
+/*! number: from 1, less than the number of steps */
 CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
 {
   CVERT_POINTER(VertStep) later = stepOf(block,number);
@@ -83,14 +80,13 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   return withScales(step,offsets.remainders);
 }
 
-/*! offsets: layout of the block. number: less than the number of steps, or 0 if the block does not move. */
+/*! number: less than the number of steps; 0 unless the block moves */
 CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t number)
 {
   if (number == 0u) return viewOfFirstStep(block,offsets);
   return viewOfLaterStep(block,CVERT_AT(VertHeader,block).region,number);
 }
 
-/*! Word i of corners, 0 to 5. */
 CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
   return wordAt(step.data,step.corners/4u + uint32_t(i));
 }
@@ -99,25 +95,24 @@ CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHigh,g);
 }
 
-/*! Offset of the fields of a group, relative to data. */
+/*! Offset relative to data. */
 CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return endOfFields(step.data,step.cell,step.word,step.words,g);
 }
 
-/*! True if the residuals of the first cell, or of a group, are predicted from the first step. */
 CVERT_FUNCTION bool isFirstCellTurned (CVERT_IN(StepView) step) { return step.isLater && isFirstCellTurned(step.form); }
 CVERT_FUNCTION bool isGroupTurned (CVERT_IN(StepView) step, uint32_t g) { return isTurned(step.turned,g); }
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
-/*! Bounds of the block at the step with which a segment begins. */
+/*! Bounds at the beginning of a segment. */
 CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
   return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
 }
 
-/*! Bounds of the block at the step with which a segment ends. form: boxForm of the step with which it begins. */
+/*! Bounds at the end of a segment. form: boxForm of the step with which it begins. */
 CVERT_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
   return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.turned),step.spacing);
 }

@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* Validates bytes that may be a cVERT block. Sizes, numbers of bits and offsets must be consistent and within the
- * available memory. Fields may have any value, because each value decodes to a vertex. */
+/* Validates bytes that may be a cVERT block: sizes, numbers of bits and offsets. Any value of a field is valid. */
 
 #include "../basics/reason.h"
 #include "../format/motion.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! True if a corner of a patch, in halves, is valid. Faces with four corners begin at 0. Embree places the
-   *  sub-patches of other faces from 1/2 on, two units apart, up to 4 in a row. */
+  /*! True for valid corners of a patch, in halves. Faces with four corners begin at 0. Embree places the sub-patches of
+   *  other faces from 1/2 on, two units apart, up to 4 in a row. */
   inline bool isPatchCorner(uint32_t u, uint32_t v) {
     return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13);
   }
@@ -20,8 +19,7 @@ namespace cvert { inline namespace CVERT_ISA
   class VertValidation
   {
   public:
-    /*! Returns the first error in the block at data, which must be aligned and may have up to `bytes` bytes. Reads no
-     *  other bytes. */
+    /*! See validateVert. Reads at most `bytes` bytes. */
     static Reason validate(const void* data, size_t bytes)
     {
       if (bytes < vertHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,vertHeaderBytes);
@@ -58,7 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! True if the axis and the slopes of a word of a cell or of a boxForm are valid. */
+    /*! word: of a cell, or boxForm */
     static bool isForm(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
@@ -72,7 +70,7 @@ namespace cvert { inline namespace CVERT_ISA
       return isForm(word) ? Reason() : Reason::damaged("the main axis or a slope of its first cell is out of range");
     }
 
-    /*! end: set to the end of the step. */
+    /*! end: receives the end of the step */
     static Reason validateFirstStep(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       end = layout.rawBytes;
@@ -96,7 +94,7 @@ namespace cvert { inline namespace CVERT_ISA
                                 header.region,bytes,end);
     }
 
-    /*! end: end of the fields; set to the end of the remainders. */
+    /*! end: of the fields; receives the end of the remainders */
     static Reason validateRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes,
                                      size_t& end)
     {
@@ -115,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
       return bytes < end ? Reason::damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
     }
 
-    /*! end: end of the first step; set to the end of the last. */
+    /*! end: of the first step; receives the end of the last */
     static Reason validateMotion(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       const VertMotion motion = motionOf(&header);
@@ -142,7 +140,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! end: set to the size of the step. */
+    /*! end: receives the size of the step */
     static Reason validateStep(const VertHeader& header, const VertLayout& layout, const VertStep& step, size_t bytes,
                                size_t& end)
     {
@@ -191,7 +189,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! end: end of the parts before the table. */
+    /*! end: of the parts before the table */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
       const uint32_t form = header.patchQuads;
@@ -216,7 +214,7 @@ namespace cvert { inline namespace CVERT_ISA
       return patternOfNumbers(form) == numbersInTriangleTable ? validateTurns(header) : Reason();
     }
 
-    /*! Validates the turns of a table of triangles that is within the block. */
+    /*! Requires a table of triangles within the block. */
     static Reason validateTurns(const VertHeader& header)
     {
       for (uint32_t y=0; y<vertQuadsY(header.region); y++)

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Validates bytes that may be a mesh block. Counts, sizes and indices must be consistent and within the available
- * memory. Fields of vertices and primitive numbers may have any value. */
+/* Validates bytes that may be a mesh block: counts, sizes and indices. Any value of vertices and numbers is valid. */
 
 #include "../basics/reason.h"
 #include "mesh_view.h"
@@ -14,8 +13,7 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshValidation
   {
   public:
-    /*! Returns the first error in the block at data, which must be aligned to 4 bytes and may have up to `bytes` bytes.
-     *  Reads no other bytes. */
+    /*! See validateMesh. Reads at most `bytes` bytes. */
     static Reason validate (const void* data, size_t bytes)
     {
       if (bytes < meshHeaderBytes)
@@ -74,7 +72,6 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! Validates bytes, records and boxes of groups. */
     static Reason validateGroups (const MeshHeader& header)
     {
       const uint32_t groups = meshGroups(header.counts);

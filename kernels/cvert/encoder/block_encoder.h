@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Lossless encoder of a cVERT block, see format/block.h. Vertices may be snapped to lattices before (lattice.h).
- * Decoders return the same floats. */
+/* Lossless encoder of a cVERT block, see format/block.h. Callers may snap vertices to lattices before (lattice.h). */
 
 #include "box_encoder.h"
 
@@ -12,12 +11,12 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct VertStatistics
   {
-    uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
+    uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
     uint32_t fieldBytes = 0;
     bool raw = false;
   };
 
-  /*! Position of a block in its patch, and the parts of the patch that it stores. */
+  /*! Position in the patch, and what the block stores of the patch. */
   struct VertPlacement
   {
     uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
@@ -29,7 +28,7 @@ namespace cvert { inline namespace CVERT_ISA
     VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges)
       : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
 
-    /*! form: form of the numbers, stored instead of the size of the patch. */
+    /*! Stores the form of the numbers instead of the size of the patch. */
     VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers)
       : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
 
@@ -43,7 +42,7 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes
       + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
-    /*! Writes a block of `vertices`. Returns its size in bytes, a multiple of 4, or 0 if no vertex is finite. */
+    /*! Encodes `vertices`. Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite. */
     size_t encode (const VertPlacement& at, uint8_t* block, VertStatistics& statistics)
     {
       setSize(at.region);
@@ -68,9 +67,8 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   protected:
-    /*! Writes header, words, fields and remainders, but no boxes. The vertices must have been measured. Returns false
-     *  if a raw block is smaller. Calls onCell(g,cell) before each cell is encoded: for the first cell with g = -1,
-     *  then for each group. If the spacings turn out too fine, everything is repeated with coarser ones, including the
+    /*! Writes everything but boxes. Requires measure(). Returns false if a raw block is smaller. Calls onCell(g,cell)
+     *  before encoding a cell, with g = -1 for the first cell. May start over with coarser spacings, including the
      *  calls. */
     template<typename OnCell>
     bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
@@ -93,8 +91,7 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(end-block) < layout.rawBytes;
     }
 
-    /*! Appends the remainders of vertices, if any, to the block or step that begins at start. Writes their word at
-     *  start+wordOffset. */
+    /*! start: of the block or step. Writes the word of remainders at start+wordOffset. */
     void appendRemainders (const BlockVertices& of, uint8_t* start, uint32_t wordOffset)
     {
       if (!of.hasRemainders()) return;
@@ -114,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         header.origin[k] = anyFinite() ? lower[k] : 0.0f;
         for (uint32_t g=0; g<layout.groups; g++) {
-          float lo = INFINITY, hi = -INFINITY; // kept by groups without a finite vertex
+          float lo = INFINITY, hi = -INFINITY; // remain if the group has no finite vertex
           extendByGroup(g,k,lo,hi);
           boxes[k*layout.groups+g] = lo;
           boxes[(3+k)*layout.groups+g] = hi;
@@ -130,13 +127,11 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t residualBits[3]; //!< bits of residuals per axis, summed over groups
 
   private:
-    /*! If a block has remainders, residuals keep about this many bits, and their other bits become remainders. This
-     *  takes fewer bits: a vertex on the border between groups has a residual in each of their cells, but only one
-     *  remainder. */
+    /*! In blocks with remainders, residuals keep about this many bits; their other bits become remainders. This saves
+     *  bits: a vertex between groups has a residual in each of their cells, but only one remainder. */
     static const int bitsOfNoise = 5;
 
-    /*! Computes the number of bits per axis that can move from residuals to remainders. Returns false if there are
-     *  none. */
+    /*! bits: receives the bits per axis that can move from residuals to remainders. Returns false if there are none. */
     bool findMovable (int bits[3]) const
     {
       bool any = false;
@@ -166,7 +161,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) gather(coordinates[k],x0,y0,step,cell.vertices[k]);
     }
 
-    /*! Writes origin, corners, words and fields. Returns false if residuals need too many bits. */
+    /*! Returns false if residuals need too many bits. */
     template<typename OnCell>
     bool packCells (VertHeader& header, uint8_t* block, const OnCell& onCell)
     {

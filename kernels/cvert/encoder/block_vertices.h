@@ -5,10 +5,9 @@
 
 /* Vertices of a cVERT block at one time, as coordinates and remainders of format/block.h.
  *
- * Nothing is rounded here. On each axis all vertices are multiples of a power of two, the step, which is found in the
- * floats. For vertices on a lattice it is at least the spacing of the lattice. For a regular terrain it is the size of
- * a cell, for other vertices the last bit of a float. The block's spacing is the step or a larger power of two. If it
- * is larger, vertices have remainders. */
+ * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices: at least the
+ * spacing for vertices on a lattice, the last bit of a float otherwise. The block's spacing is the step or a larger
+ * power of two. If it is larger, vertices have remainders. */
 
 #include "../format/block.h"
 #include "cell_encoder.h"
@@ -17,7 +16,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Range of the exponents of spacings of blocks, in which their reciprocals are normal floats. */
+  /*! Exponents of spacings, whose reciprocals are normal floats. */
   static const int minSpacingExponent = -126, maxSpacingExponent = 126;
 
   class BlockVertices
@@ -26,15 +25,15 @@ namespace cvert { inline namespace CVERT_ISA
     static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
     static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to whole vectors of four
 
-    float vertices[maxVertices][3]; //!< row by row, (quadsX+1) (quadsY+1) of them
-    float lower[3], upper[3];       //!< of the finite vertices; infinity and -infinity if there are none
+    float vertices[maxVertices][3]; //!< row by row
+    float lower[3], upper[3];       //!< of the finite vertices; lower is infinity if there are none
     bool allFinite;
 
     uint32_t quads[2], width;
     int exponent[3];                 //!< of the spacings
     uint32_t remainderBits[3];
     float origin[3];
-    int coordinates[3][maxVertices]; //!< by axis; the first is repeated up to whole vectors
+    int coordinates[3][maxVertices]; //!< by axis, padded with the first
     uint32_t remainders[3][maxVertices];
 
     void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
@@ -70,24 +69,23 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-    /*! Finds the steps and the smallest possible spacings. All vertices must be finite. Returns false if no spacing is
-     *  possible; the block must then be raw. */
+    /*! Finds the steps and the smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
     bool measure ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
-      int size = minSpacingExponent; // exponent of a power of two above the extent of the block on every axis
+      int size = minSpacingExponent; // exponent of a power of two above the extent on every axis
       for (int k=0; k<3; k++) {
         const double span = double(upper[k])-double(lower[k]);
         if (span > 0) size = std::max(size,std::ilogb(span)+1);
       }
       findSteps();
-      /* an axis on which all vertices are 0 has no step */
+      // an axis on which all vertices are 0 has no step
       for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
       return setRemainders();
     }
 
-    /*! Multiplies spacings by 2^bits per axis: residuals become shorter and remainders longer by that many bits.
-     *  Returns false if a spacing would be too large. */
+    /*! Multiplies spacings by 2^bits: residuals become shorter, remainders longer. Returns false if a spacing would be
+     *  too large. */
     bool coarsen (const int bits[3])
     {
       for (int k=0; k<3; k++) exponent[k] += bits[k];
@@ -113,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (remainderBits[k] != 0) placeWithRemainders(k);
     }
 
-    /*! Copies the coordinates of the vertices of a cell. The last is repeated up to whole vectors. */
+    /*! Copies a cell, padded with its last vertex. */
     void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
     {
       for (uint32_t j=0; j<5; j++)
@@ -125,8 +123,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int v=cellVertices; v<paddedVertices; v++) out[v] = out[cellVertices-1];
     }
 
-    /*! Copies vertices as floats. Vertices that are not finite become NaN: no ray hits a triangle with NaN, but rays
-     *  might hit a triangle with infinity. */
+    /*! Writes NaN for vertices that are not finite: rays might hit a triangle with infinity, but never one with NaN. */
     void copyTo (float (*out)[3]) const
     {
       for (uint32_t i=0; i<numVertices(); i++)
@@ -137,7 +134,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
     }
 
-    /*! Writes the coordinates' part of the header of a block or step. Its bits must be 0. */
+    /*! Sets coordinates in a header, whose bits must be 0. */
     void write (float origin[3], uint32_t corners[6], uint32_t& word) const
     {
       memcpy(origin,this->origin,sizeof(this->origin));
@@ -150,8 +147,7 @@ namespace cvert { inline namespace CVERT_ISA
             << (16*((3*c+uint32_t(k)) & 1));
     }
 
-    /*! Writes the remainders to `out` and sets `word`. offset: of `out` from the start of the block or step. Returns
-     *  the end. */
+    /*! offset: of `out` from the start of the block or step. word: receives the word of remainders. Returns the end. */
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
       word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;
@@ -163,12 +159,10 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! On an axis that is stored as floats, only boxes use coordinates: the block has 2^unitsOfFloats of them, up to
-     *  twice as many. */
+    /*! An axis stored as floats uses coordinates only for boxes: the block has up to 2^(unitsOfFloats+1) of them. */
     static const int unitsOfFloats = 6;
 
-    /*! Number of bits of the integers of an axis before their division by the step. Their differences have at most
-     *  31. */
+    /*! Bits of the integers of an axis before their division by the step. Their differences have at most 31. */
     static const int integerBits = 29;
 
     int step[3]; //!< exponent
@@ -206,7 +200,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) {
         const unsigned differences = integral[k] == 15 ? unsigned(anyOf(any[k])) : 0;
         if (differences != 0) {
-          /* the origin must be a multiple of the step, too */
+          // the origin must be a multiple, too
           const float vertex = vertices[0][k];
           step[k] = std::min(exponents[k] + __builtin_ctz(differences),
                              vertex != 0 ? lowestBit(vertex) : maxSpacingExponent);
@@ -215,8 +209,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Exponent of the lowest bit of a float that is not 0. Less than minSpacingExponent for denormals, which readers
-     *  may treat as 0. */
+    /*! Requires x != 0. Returns less than minSpacingExponent for denormals, which readers may treat as 0. */
     static int lowestBit (float x)
     {
       uint32_t bits;
@@ -225,19 +218,18 @@ namespace cvert { inline namespace CVERT_ISA
       return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
     }
 
-    /*! For axes on which all vertices are equal, or on which some are too small compared to the largest for the
-     *  integers of findSteps. */
+    /*! For equal vertices, or vertices that are too small for the integers of findSteps. */
     void findStepOfFloats (int k)
     {
       step[k] = maxSpacingExponent;
       const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
       for (uint32_t i=0; i<count; i++)
         if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
-      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine for remainders
+      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine
     }
 
-    /*! Smallest spacing on an axis for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent
-     *  spacings outside of the vertices, are exact in float. */
+    /*! Smallest spacing for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings
+     *  outside the vertices, are exact in float. */
     int leastExponent (int k) const
     {
       const double largest = std::max(std::fabs(double(lower[k])),std::fabs(double(upper[k])));

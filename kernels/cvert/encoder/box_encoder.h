@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of the boxes of a cVERT block, see format/block.h: margins of groups, in a shear that makes groups flat.
- * Boxes of a segment of a moving block are valid at both of its ends. */
+/* Encoder of the boxes of a cVERT block: margins of groups, in a shear that makes groups flat. Boxes of a segment of a
+ * moving block are valid at both ends. */
 
 #include "block_vertices.h"
 
@@ -13,7 +13,7 @@ namespace cvert { inline namespace CVERT_ISA
   class BoxEncoder
   {
   public:
-    /*! For a block, or for a block at both ends of a segment. */
+    /*! second: the block at the end of a segment, if it moves */
     void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
     {
       ends[0] = &first; ends[1] = second ? second : &first;
@@ -46,7 +46,7 @@ namespace cvert { inline namespace CVERT_ISA
         for (uint32_t g=0; g<groups; g++) addGroup(e,g);
     }
 
-    /*! Writes margins of groups to out. Returns bits 0 to 23 of boxForm. */
+    /*! Returns bits 0 to 23 of boxForm. */
     uint32_t write (uint8_t* out) const
     {
       uint32_t boxForm = shear.axis << 12 | (uint32_t(shear.slopes[0]) & 31u) << 14
@@ -55,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
       return boxForm;
     }
 
-    /*! Returns the bounds of the block at an end, see reachStep, in steps of 2^shift, the smallest possible. */
+    /*! Bounds of the block at an end, see reachStep, in the smallest possible steps of 2^shift. */
     uint32_t reach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& of = *ends[end];
@@ -83,7 +83,6 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Sheared coordinate of boxes. */
     struct Shear
     {
       uint32_t axis = 0;
@@ -92,15 +91,14 @@ namespace cvert { inline namespace CVERT_ISA
       bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
     };
 
-    /*! Sheared coordinates of a block's vertices, without remainders, as integers. Their unit is the spacing on the
-     *  sheared axis divided by 2^shift. */
+    /*! Sheared coordinates without remainders, in multiples of 2^-shift spacings of the sheared axis. */
     struct Heights
     {
       uint32_t shift;
-      int below, above;  //!< largest amounts by which remainders decrease or increase sheared coordinates
+      int below, above;  //!< largest amounts that remainders subtract and add
       int at[BlockVertices::maxVertices];
 
-      /*! Returns false if decoders, which compute sheared coordinates in float, would have to round. */
+      /*! Returns false if decoders, which compute in float, would have to round. */
       bool set (const BlockVertices& of, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
@@ -130,18 +128,17 @@ namespace cvert { inline namespace CVERT_ISA
       }
 
     private:
-      /*! Upper bound of the coordinates on an axis. */
       static double coordinatesOf (const BlockVertices& of, uint32_t k) {
         return std::ldexp(double(of.upper[k])-double(of.origin[k]),-of.exponent[k]) + 1;
       }
     };
 
-    /*! Upper bound of the amount that a remainder adds to a coordinate. */
+    /*! upper bound, in coordinates */
     static int remainder (const BlockVertices& of, uint32_t k) { return of.remainderBits[k] != 0 ? 1 : 0; }
 
     struct Span { int lower, upper; };
 
-    /*! Span of values, which must be padded to whole vectors. */
+    /*! values: padded to whole vectors */
     static Span spanOf (const int* values, uint32_t count)
     {
       Int4 lower = Int4::load(values), upper = lower;
@@ -182,7 +179,6 @@ namespace cvert { inline namespace CVERT_ISA
         return span;
       }
 
-      /*! Span of the four corners. */
       Span corners (const int* values) const
       {
         const int* const begin = values+first;
@@ -194,7 +190,7 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t width, first, x, y; //!< x, y: number of quads
     };
 
-    /*! Returns the shear along the mean normal of the quads, if it makes groups flatter, else no shear. */
+    /*! Shear along the mean normal of the quads, or none if this does not make groups flatter. */
     Shear chooseShear ()
     {
       double n[3] = { 0,0,0 };
@@ -210,7 +206,7 @@ namespace cvert { inline namespace CVERT_ISA
         shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
       }
       if (shear.isStraight()) return straight;
-      double sheared = 0, upright = 0; // sums of thicknesses in world units
+      double sheared = 0, upright = 0; // sums of thicknesses in the world
       for (uint32_t e=0; e<numEnds; e++) {
         const BlockVertices& of = *ends[e];
         if (!heights[e].set(of,shear)) return straight;
@@ -220,7 +216,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sheared < upright ? shear : straight;
     }
 
-    /*! Adds twice the projected areas of the quads along the axes, computed from the border. */
+    /*! Adds twice the projected areas of the quads. */
     static void addNormals (const BlockVertices& of, double sum[3])
     {
       const uint32_t width = of.width;
@@ -239,7 +235,6 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),of.exponent[(k+1)%3]+of.exponent[(k+2)%3]);
     }
 
-    /*! Sum of the spans of all groups. */
     int64_t thickness (const BlockVertices& of, const int* values) const
     {
       int64_t sum = 0;
@@ -250,7 +245,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! Writes margins in steps of the smallest possible power of two. Returns its exponent. */
+    /*! Writes margins in steps of the smallest possible 2^n and returns n. */
     uint32_t writeMargins (uint8_t* out, const int* lowerMargins, const int* upperMargins) const
     {
       int largest = 0;
@@ -268,6 +263,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< at the ends, if there is a shear
+    Heights heights[2];         //!< at the ends; set if there is a shear
   };
 }}

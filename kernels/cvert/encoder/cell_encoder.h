@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of a cell of cVERT, see format/cell.h: encodes 5 x 5 integer vertices as a word and fields. */
+/* Encoder of a cell, see format/cell.h. */
 
 #include "../format/cell.h"
 #include "../basics/bits.h"
@@ -15,18 +15,18 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Number of vertices of a cell, padded to whole vectors. */
+  /*! Vertices of a cell, padded to whole vectors. */
   static const int paddedVertices = 28;
 
   class CellEncoder
   {
   public:
-    /*! Coordinates by axis, row by row, 0 to maxExtent-1. The last is repeated up to whole vectors. */
+    /*! By axis, row by row, 0 to maxExtent-1. The last is repeated up to whole vectors. */
     int vertices[3][paddedVertices];
 
     int residuals[3][paddedVertices]; //!< by axis; set by predict, modified by encode
 
-    /*! Computes the residuals of the vertices. quads: along u and v. step: quads from one vertex to the next. */
+    /*! quads: along u and v. step: quads from one vertex to the next. */
     void predict (const uint32_t quads[2], uint32_t step)
     {
       setWeights(quads,step);
@@ -44,12 +44,12 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Computes the word for the residuals. Returns false if a residual has more bits than a cell can store. */
+    /*! Returns false if a residual has too many bits. */
     bool encode ()
     {
       float squares[3], others[3];
       sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
-      // axis along which residuals are largest
+      // the axis with the largest residuals
       const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2;
       int* const r[3] = { residuals[main],residuals[axisAfter(main,1)],residuals[axisAfter(main,2)] };
       sumProducts(r[0],r[0],r[0],r[1],r[0],r[2],others);
@@ -62,7 +62,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! Like encode, without main axis and slopes, for residuals that are noise. */
+    /*! Like encode(), without main axis and slopes. */
     bool encodeNoise ()
     {
       const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
@@ -74,7 +74,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t word;
     int excess[3]; //!< by axis: surplus bits of residuals if encode fails
 
-    /*! Writes the fields of the encoded cell. Returns the end. */
+    /*! Requires encode() or encodeNoise(). Returns the end. */
     uint8_t* write (uint8_t* out) const
     {
       const int main = cellMainAxis(word), sum = cellFieldBits(word);
@@ -102,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! bits: along the main axis and the next axes. */
+    /*! bits: along the main axis and the next two */
     bool fits (const int bits[3], int main)
     {
       for (int i=0; i<3; i++) excess[axisAfter(main,i)] = std::max(bits[i]-maxResidualBits,0);
@@ -111,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
-    /*! Does nothing if the weights are already set: most cells of a block have the same weights. */
+    /*! Most cells of a block have the same weights. */
     void setWeights (const uint32_t quads[2], uint32_t step)
     {
       const uint32_t key[3] = { quads[0],quads[1],step };
@@ -128,12 +128,12 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! cellWeight, without its division where possible. */
+    /*! cellWeight, mostly without its division */
     static int weight (int i, int step, int quads) {
       return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads);
     }
 
-    /*! Sums of a b, c d and e f, in order, so that the result is the same for every ISA. */
+    /*! Adds a b, c d and e f in order, so that all ISAs return the same. */
     static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f,
                              float sums[3])
     {
@@ -151,7 +151,7 @@ namespace cvert { inline namespace CVERT_ISA
       sums[0] = sum0; sums[1] = sum1; sums[2] = sum2;
     }
 
-    /*! Number of bits of the largest residual. Residuals of corners are 0. */
+    /*! Bits of the largest residual. Residuals of corners must be 0. */
     static int bitsOf (const int r[paddedVertices])
     {
       Int4 used = 0, any = 0;
@@ -164,8 +164,8 @@ namespace cvert { inline namespace CVERT_ISA
       return bits ? 33-__builtin_clz(unsigned(bits)) : anyOf(any) ? 1 : 0;
     }
 
-    /*! Subtracts the slope that fits best from a component if this saves bits. Returns the slope or 0. squares,
-     *  products: sums of main*main and of main*r. */
+    /*! Subtracts the best slope from a component if this saves bits. Returns the slope or 0. squares, products: sums of
+     *  main*main and main*r. */
     static int removeSlope (const int main[paddedVertices], float squares, float products, int r[paddedVertices],
                             int& bits)
     {
@@ -184,7 +184,7 @@ namespace cvert { inline namespace CVERT_ISA
       return slope;
     }
 
-    int weightX[paddedVertices], weightY[paddedVertices]; //!< of upper corners, in 1/16
-    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step for which the weights are set
+    int weightX[paddedVertices], weightY[paddedVertices]; //!< in 1/16
+    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step
   };
 }}

@@ -3,12 +3,10 @@
 
 #pragma once
 
-/* Lattices to which vertices are snapped: all multiples of 2^exponent on the three world axes. A lattice is a subset of
- * every finer one. A vertex that several faces share is snapped to the coarsest of their lattices, so it is a point of
- * all of them.
+/* Lattices to which vertices are snapped: all multiples of 2^exponent on the world axes. A lattice contains every
+ * coarser one, so a shared vertex on the coarsest lattice of its faces is a point of all of them.
  *
- * Snapping floats is exact. Far from the origin, where floats are coarser than the lattice, every float is already a
- * point of the lattice and does not move. */
+ * Snapping floats is exact. Where floats are coarser than the lattice, every float is a point of it. */
 
 #include "../basics/lanes.h"
 #include "../basics/language.h"
@@ -19,49 +17,44 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Default spacing as a fraction of the median edge of a face's quads along u or v, whichever is shorter. The default
-   *  may be smaller, see below. */
+  /*! Default spacing as a fraction of the median edge of a face's quads along u or v, whichever is shorter.
+   *  spacingOfDiagonal may reduce it. */
   static constexpr double spacingOfEdge = 1.0/36;
 
-  /*! A face with fewer quads than this gets a proportionally finer spacing: it is as large in a picture as other faces,
-   *  and its headers take more memory than its vertices. */
+  /*! Faces with fewer quads get a proportionally finer spacing: they are as large in a picture as other faces, and
+   *  consist mostly of headers. */
   static constexpr unsigned fullQuads = 16;
 
-  /*! The default spacing is at most this fraction of the diagonal of the geometry, which is not visible in a picture of
-   *  the whole geometry. Objects of few quads have large quads and need little memory anyway. */
+  /*! Upper bound of the default spacing as a fraction of the geometry's diagonal, invisible in a picture of the whole
+   *  geometry. It matters for objects of few, large quads. */
   static constexpr double spacingOfDiagonal = 1.0/32768;
 
-  /*! The limit by the diagonal does not reduce the spacing below this fraction of the edge, because residuals must fit
-   *  into the fields of a cell. */
+  /*! The diagonal does not reduce the spacing below this fraction of the edge: residuals must fit into a cell. */
   static constexpr double finestOfEdge = 1.0/96;
 
-  /*! Default spacing for grids of an application, as a fraction of the median edge. The application may start rays at
-   *  its own vertices. If rays start 1/200 of an edge above the surface, they also start above the stored surface, on
-   *  slopes of up to 45 degrees. */
+  /*! For an application's grids. Rays that start 1/200 of an edge above the application's vertices also start above the
+   *  stored surface, on slopes of up to 45 degrees. */
   static constexpr double spacingOfGridEdge = 1.0/512;
 
-  /*! The same for quads and triangles. Renderers shade points on their own triangles. If the stored surface is slightly
-   *  in front of such a point, it casts a shadow on it. tests/clients counts the pixels of a smooth sheet at grazing
-   *  light that become darker by more than 5%. Of 230400 pixels these are 2055 at 1/512 of an edge, 172 at 1/2048, and
-   *  51 at 1/4096. */
+  /*! For quads and triangles. Renderers shade points on their own triangles, and a stored surface slightly in front of
+   *  such a point casts a shadow on it. tests/clients counts the pixels of a smooth sheet at grazing light that become
+   *  darker by more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
   static constexpr double spacingOfMeshEdge = 1.0/2048;
 
-  /*! median: length of edges along u or v. quads: number of quads along them. diagonal: of the geometry's bounds. */
+  /*! median: length of edges along u or v. quads: along them. diagonal: of the geometry. */
   inline double defaultSpacing(double median, unsigned quads, double diagonal)
   {
     if (quads < fullQuads) return median*spacingOfEdge*quads/fullQuads;
     return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
   }
 
-  /*! Coordinates of at least 2^floatBits spacings are multiples of the spacing, because floats have no finer bits
-   *  there. */
+  /*! Floats of at least 2^floatBits spacings have no finer bits than the spacing. */
   static constexpr int floatBits = 23;
 
-  /*! Range of the exponents of spacings. Their reciprocals are normal floats. */
+  /*! Exponents of spacings, whose reciprocals are normal floats. */
   static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
 
-  /*! Exponent for no lattice: vertices do not move. It is less than all others because the coarsest lattice of a shared
-   *  vertex is used. */
+  /*! Vertices do not move. Less than all others, because shared vertices use the coarsest lattice. */
   static constexpr int exactLattice = -126;
 
   struct WorldLattice
@@ -73,10 +66,10 @@ namespace cvert { inline namespace CVERT_ISA
       : spacing(exponent == exactLattice ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
         limit(exponent == exactLattice ? 0.0f : powerOfTwo(std::min(exponent+floatBits,127))) {}
 
-    /*! The exponent must be the exponent of a normal float. */
+    /*! Requires the exponent of a normal float. */
     static float powerOfTwo (int exponent) { return floatOfBits(uint32_t(exponent+127) << 23); }
 
-    /*! Nearest multiple of the spacing, halves to even. NaN and infinity do not change. */
+    /*! Rounds to the nearest multiple, halves to even. Keeps NaN and infinity. */
     float snap (float x) const
     {
       if (!(std::fabs(x) < limit)) return x;
@@ -89,19 +82,19 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Exponent of the largest power of two that is at most `spacing`, clamped to the valid range. */
+  /*! Rounds down to a power of two in the valid range. */
   inline int latticeExponent(double spacing) {
     return spacing > 0 ? std::min(std::max(std::ilogb(spacing),minLatticeExponent),maxLatticeExponent)
                        : minLatticeExponent;
   }
 
-  /*! Median length of the edges along lines of vertices, and bounds of the vertices. */
+  /*! Median edge length along three lines of vertices, and bounds. */
   class EdgeSample
   {
   public:
     void add(const float (*line)[3], size_t count)
     {
-      if (squares.capacity() < squares.size()+count) squares.reserve(3*(squares.size()+count)); // there are three lines
+      if (squares.capacity() < squares.size()+count) squares.reserve(3*(squares.size()+count)); // three lines
       for (size_t i=0; i<count; i++)
       {
         for (int k=0; k<3; k++)
@@ -126,7 +119,7 @@ namespace cvert { inline namespace CVERT_ISA
       return std::sqrt(squares[squares.size()/2]);
     }
 
-    double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY }; //!< of the vertices
+    double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
 
   private:
     std::vector<double> squares; //!< squared lengths

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Encodes a mesh as mesh blocks: leaves out triangles that cannot be hit, selects vertices that need a finer lattice,
- * clusters the triangles and encodes the clusters. */
+/* Encodes a mesh as mesh blocks: omits triangles that no ray can hit, and clusters the others. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -24,7 +23,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< of the spacing of the lattice
+    int exponent = exactLattice;  //!< of the lattice
     uint32_t groupTriangles = 16; //!< per full group, up to maxGroupTriangles
     uint32_t surface = 0;
   };
@@ -32,9 +31,9 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshReport
   {
     MeshStatistics statistics;
-    size_t invalidTriangles = 0;    //!< left out: an index is out of range, or a vertex is not finite
-    size_t degenerateTriangles = 0; //!< left out: the area is 0
-    size_t finerVertices = 0;       //!< vertices that are not on the lattice
+    size_t invalidTriangles = 0;    //!< omitted: an index is out of range, or a vertex is not finite
+    size_t degenerateTriangles = 0; //!< omitted
+    size_t finerVertices = 0;       //!< not on the lattice
   };
 
   class MeshBlocks
@@ -43,8 +42,8 @@ namespace cvert { inline namespace CVERT_ISA
     explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent),
       encoder(new MeshEncoder) {}
 
-    /*! Encodes a mesh. Calls onBlock(const MeshHeader*) for each block, whose bytes are valid during the call. The
-     *  number of a triangle is its index. Uses 16 bytes of temporary memory per triangle. Throws std::bad_alloc. */
+    /*! Calls onBlock(const MeshHeader*) for each block, whose bytes are valid during the call. Triangles are numbered
+     *  by their index. Uses 16 bytes of temporary memory per triangle. Throws std::bad_alloc. */
     template<typename OnBlock>
     MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
     {
@@ -91,7 +90,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Repeats the check until no triangle changes, because a finer vertex may flip other triangles that use it. */
+    /*! Repeats the check until nothing changes, because a finer vertex may flip other triangles that use it. */
     void settle (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
     {
       for (bool changed=true; changed; ) {

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Divides triangles into clusters of up to 256, and these into groups. The division is recursive, at the median of an
- * axis, such that all clusters and groups but the last are full. Compact groups share few vertices and have small
- * boxes. A part of many triangles is divided across its longest axis. A smaller part is divided across the axis that
- * minimizes the sum of the areas of both bounds; for this, bounds of triangles are rounded to 16 bits. */
+/* Divides triangles into clusters of up to 256, and these into groups, recursively at the median of an axis, such that
+ * all but the last are full. Compact groups share few vertices and have small boxes. Large parts are divided across
+ * their longest axis, smaller ones across the axis that minimizes the sum of both areas, in bounds of 16 bits. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -18,21 +17,20 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MeshCenter
   {
-    float at[3];    //!< center of its bounds, finite
-    uint32_t index; //!< of the caller
+    float at[3];    //!< center of the triangle's bounds, finite
+    uint32_t index; //!< number that the caller chooses
   };
 
   class MeshClusters
   {
   public:
-    /*! groupTriangles: number of triangles of a full group, 1 to maxGroupTriangles. */
+    /*! groupTriangles: of a full group, 1 to maxGroupTriangles */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         part(new Part) {}
 
-    /*! Reorders the triangles and calls onCluster(triangles,count) for each cluster, in order. Every groupTriangles
-     *  triangles of a cluster are a group; the last group may be smaller. boundsOf(index,lower,upper) computes the
-     *  bounds of a triangle. */
+    /*! Reorders triangles and calls onCluster(triangles,count) for each cluster, in order, whose groups are
+     *  groupTriangles consecutive triangles. boundsOf(index,lower,upper) bounds a triangle. */
     template<typename BoundsOf, typename OnCluster>
     void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster)
     {
@@ -51,11 +49,10 @@ namespace cvert { inline namespace CVERT_ISA
         onCluster(triangles+i,uint32_t(std::min(count-i,size_t(clusterTriangles))));
     }
 
-    /*! If there are more triangles, cut() first divides them with halve(). Several threads can cut the halves. */
+    /*! cut() applies halve() to larger parts. Several threads can cut the halves. */
     size_t maxPart () const { return partTriangles/clusterTriangles*clusterTriangles; }
 
-    /*! Reorders more than maxPart() triangles into two parts. Returns the size of the first part, in which all clusters
-     *  are full. */
+    /*! Reorders more than maxPart() triangles into two parts. Returns the size of the first; its clusters are full. */
     size_t halve (MeshCenter* triangles, size_t count) const
     {
       const size_t half = halfOf(count,clusterTriangles);
@@ -69,8 +66,8 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t partTriangles = 4096, sampleTriangles = 64;
     static const uint32_t bins = 32;
 
-    /*! Bounds of one or several triangles. 0 to 2: lower bounds; 3 to 5: 65535 minus the upper bounds, so that a
-     *  minimum extends both; 6: index in the part; 7: bin. */
+    /*! Bounds of triangles. 0 to 2: lower bounds; 3 to 5: 65535 minus the upper bounds, so that a minimum extends both;
+     *  6: index in the part; 7: bin. */
     struct Item
     {
       uint16_t at[8];
@@ -82,12 +79,11 @@ namespace cvert { inline namespace CVERT_ISA
 
     typedef uint16_t Lanes __attribute__((vector_size(16)));
 
-    /*! Bounds of items as a vector. */
     struct Bounds
     {
       Lanes lanes = Lanes{} + uint16_t(65535);
 
-      /*! isThere: 0xFFFF, or 0 to leave the bounds unchanged. */
+      /*! isThere: 0xFFFF, or 0 to leave the bounds unchanged */
       void extend (Lanes item, uint16_t isThere) {
         item |= uint16_t(~isThere);
         lanes = item < lanes ? item : lanes;
@@ -107,21 +103,20 @@ namespace cvert { inline namespace CVERT_ISA
 
     static size_t halfOf (size_t count, size_t unit) { return (count+unit-1)/unit/2*unit; }
 
-    /*! Moves the first `half` items on an axis to the front. counts: number of items per bin. binOf: returns the bin of
-     *  an item. less: order of items, consistent with the bins. */
+    /*! Moves the first `half` items on an axis to the front. counts: by bin. less: consistent with the bins. */
     template<typename T, typename Count, typename BinOf, typename Less>
     static void select (T* items, size_t count, size_t half, const Count* counts, const BinOf& binOf, const Less& less)
     {
       uint32_t bin = 0;
       size_t before = 0;
       while (before+counts[bin] <= half) before += counts[bin++];
-      /* no branches, because a processor would mispredict them */
+      // no branches, which would be mispredicted
       T* to = items;
       for (T* i=items; i<items+count; i++) { const T item = *i; *i = *to; *to = item; to += binOf(item) < bin; }
       if (before == half) return;
       T* const first = to;
       for (T* i=first; i<items+count; i++)
-        if (binOf(*i) == bin) std::swap(*i,*to++); // few items are in the bin
+        if (binOf(*i) == bin) std::swap(*i,*to++); // rare
       std::nth_element(first,items+half,to,less);
     }
 
@@ -139,7 +134,7 @@ namespace cvert { inline namespace CVERT_ISA
       const float from = lower[axis], size = upper[axis]-from, scale = size > 0 ? float(bins-1)/size : 0.0f;
       const auto binOf = [=](const MeshCenter& c) {
         const float x = (c.at[axis]-from)*scale;
-        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN of infinite scales: last bin
+        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN: last bin
       };
       uint32_t counts[bins] = {};
       for (size_t i=0; i<count; i++) counts[binOf(triangles[i])]++;
@@ -163,7 +158,7 @@ namespace cvert { inline namespace CVERT_ISA
         float l[3], u[3];
         boundsOf(triangles[i].index,l,u);
         Item& item = part->items[i];
-        for (int k=0; k<3; k++) { // triangles may extend beyond the bounds of the centers
+        for (int k=0; k<3; k++) { // triangles extend beyond the bounds of the centers
           item.at[k] = toGrid((l[k]-lower[k])*scale);
           item.at[3+k] = uint16_t(65535-toGrid((u[k]-lower[k])*scale));
         }
@@ -174,7 +169,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static uint16_t toGrid (float x) { return uint16_t(std::min(std::max(x+8192.0f,0.0f),65535.0f)); }
 
-    /*! Splits off multiples of `unit` items until at most `unit` are left. */
+    /*! Splits into parts of at most `unit` items. */
     template<typename OnPart>
     static void split (Item* items, size_t count, size_t unit, const OnPart& onPart)
     {
@@ -184,7 +179,7 @@ namespace cvert { inline namespace CVERT_ISA
       const int k = axisOf(items,count,half,lower,shift);
       uint16_t counts[bins] = {};
       for (size_t i=0; i<count; i++) {
-        // the range of a sample may be smaller
+        // centers may lie outside the range of a sample
         const uint32_t c = items[i].center(k), bin = std::min((std::max(c,lower)-lower) >> shift,bins-1);
         items[i].at[7] = uint16_t(bin);
         counts[bin]++;
@@ -195,7 +190,7 @@ namespace cvert { inline namespace CVERT_ISA
       split(items+half,count-half,unit,onPart);
     }
 
-    /*! Returns the axis on which to split off `half` items, and the bins of centers. Uses a sample of the items. */
+    /*! Axis on which to split off `half` items, and bins of centers, from a sample. */
     static int axisOf (const Item* items, size_t count, size_t half, uint32_t& lower, uint32_t& shift)
     {
       const size_t step = (count+sampleTriangles-1)/sampleTriangles;
@@ -206,7 +201,7 @@ namespace cvert { inline namespace CVERT_ISA
           least[k] = std::min(least[k],c);
           most[k] = std::max(most[k],c);
         }
-      /* approximate medians */
+      // approximate medians
       uint16_t counts[3][bins] = {};
       uint32_t shifts[3] = { 0,0,0 }, median[3];
       for (int k=0; k<3; k++)
@@ -219,7 +214,7 @@ namespace cvert { inline namespace CVERT_ISA
         size_t sum = 0;
         uint32_t bin = 0;
         while (bin+1 < bins && sum+counts[k][bin] <= before) sum += counts[k][bin++];
-        const bool isNearer = before-sum > counts[k][bin]/2u; // the median is nearer to the end of the bin
+        const bool isNearer = before-sum > counts[k][bin]/2u; // to the end of the bin
         median[k] = least[k] + ((bin+isNearer) << shifts[k]);
       }
       Bounds halves[3][2];

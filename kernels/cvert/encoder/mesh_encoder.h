@@ -3,13 +3,11 @@
 
 #pragma once
 
-/* Lossless encoder of a mesh block, see format/mesh_block.h. Corners may be snapped to a lattice before
- * (mesh_lattice.h). Decoders return the same floats, except that -0 may become 0. Corners with equal coordinates become
- * one vertex.
+/* Lossless encoder of a mesh block, see format/mesh_block.h. Callers may snap corners to a lattice before
+ * (mesh_lattice.h). Decoded floats are the same, except that -0 may become 0. Equal corners become one vertex.
  *
- * On each axis all vertices are multiples of a power of two, the step, which is found in the floats. It becomes the
- * spacing. If coordinates then need more than maxMeshCoordinateBits, or more bits than ranks of floats, the axis stores
- * ranks. */
+ * The spacing of an axis is the largest power of two that divides all coordinates. An axis stores ranks of
+ * floats instead if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
 
 #include "../basics/bits.h"
 #include "mesh_position.h"
@@ -21,8 +19,8 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MeshTriangle
   {
-    float corners[3][3]; //!< by corner and axis; finite, and three different points
-    uint32_t number;       //!< number of its primitive, or as described for meshIsOfQuads
+    float corners[3][3]; //!< by corner and axis; finite, three different points
+    uint32_t number;       //!< number of its primitive, or see meshIsOfQuads
   };
 
   struct MeshStatistics
@@ -40,9 +38,9 @@ namespace cvert { inline namespace CVERT_ISA
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
 
-    /*! Encodes as many triangles as fit into one block, from the first on. ends: for each group, the index of its last
-     *  triangle plus 1. A group with too many triangles, vertices or strips is stored as several groups. stored: set to
-     *  the number of encoded triangles. block: maxBytes, aligned to 4. Returns the size in bytes, a multiple of 4. */
+    /*! Encodes as many triangles as fit into one block. ends: for each group, the index of its last triangle plus 1;
+     *  groups with too many triangles, vertices or strips are divided. stored: receives the number of triangles. block:
+     *  maxBytes, aligned to 4. Returns the size in bytes, a multiple of 4. */
     size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface,
       uint8_t* block, uint32_t& stored, MeshStatistics& statistics)
     {
@@ -57,9 +55,9 @@ namespace cvert { inline namespace CVERT_ISA
       return write(surface,block,statistics);
     }
 
-    /*! Encodes a cluster of MeshClusters, whose groups have groupTriangles each. Calls onBlock(bytes,first,count) for
-     *  each block: one, or several if a group must be stored as two. first, count: triangles of the block. areOfQuads:
-     *  keep both triangles of a quad, which follow each other, in one block. block: as for encode(). */
+    /*! Encodes a cluster of MeshClusters with groups of groupTriangles. Calls onBlock(bytes,first,count) for each
+     *  block; there are several if groups were divided. areOfQuads: both triangles of a quad, which follow
+     *  each other, stay in one block. */
     template<typename OnBlock>
     void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
@@ -105,7 +103,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (++epoch == 0) { std::memset(slots,0,sizeof(slots)); epoch = 1; }
     }
 
-    /*! Returns the index of a position among the corners of this block. */
+    /*! Index of a position among the corners of this block; adds it if it is new. */
     uint32_t cornerAt (const float p[3])
     {
       const MeshPosition position(p);
@@ -124,7 +122,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Adds a group of the first triangles, up to `count` of them. */
+    /*! Adds a group of up to `count` triangles. */
     void addGroup (const MeshTriangle* triangles, uint32_t count)
     {
       uint8_t local[maxGroupTriangles][3];
@@ -184,7 +182,6 @@ namespace cvert { inline namespace CVERT_ISA
       numTriangles += count;
     }
 
-    /*! Computes origin, spacing and coordinates on an axis. */
     void place (int k)
     {
       float lo = vertices[0][k], hi = lo;
@@ -202,7 +199,7 @@ namespace cvert { inline namespace CVERT_ISA
       isRanked[k] = false;
       exponent[k] = std::max(step,-126);
       const double span = double(hi)-double(lo), least = double(lo);
-      if (span == 0) { // keeps its boxes thin
+      if (span == 0) { // thin boxes
         exponent[k] = -126;
         std::fill(coordinates[k],coordinates[k]+numVertices,0u);
         return;
@@ -219,7 +216,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! Number of bits of the fields of all vertices on an axis with these coordinates. */
+    /*! Bits of all fields on an axis. of: coordinates or ranks. */
     uint64_t bitsOnAxis (const uint32_t* of, bool ranked) const
     {
       uint32_t lo[maxMeshGroups], hi[maxMeshGroups], most = 0;
@@ -239,14 +236,14 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! Shift of boxes for coordinates up to `most`. */
+    /*! most: largest coordinate */
     static uint32_t shiftOf (uint32_t most, bool ranked)
     {
       const uint32_t bits = bitsOf(most), least = ranked ? leastRankShift : 0;
       return bits > 8+least ? bits-8 : least;
     }
 
-    static const int fewCoordinateBits = 18; //!< up to this many, ranks are not worth a try
+    static const int fewCoordinateBits = 18; //!< up to this many, ranks are not tried
 
     /*! Shears an axis if this makes its fields shorter. */
     void chooseShear ()
@@ -264,7 +261,7 @@ namespace cvert { inline namespace CVERT_ISA
         s[0][0] += x*x; s[1][1] += y*y; s[2][2] += z*z; s[0][1] += x*y; s[1][2] += y*z; s[2][0] += z*x;
       }
       s[1][0] = s[0][1]; s[2][1] = s[1][2]; s[0][2] = s[2][0];
-      /* the axis on which a plane explains the largest part of the variance */
+      // the axis on which a plane explains most of the variance
       double best = 0.5;
       for (int m=0; m<3; m++)
       {
@@ -288,7 +285,7 @@ namespace cvert { inline namespace CVERT_ISA
         other[v] = uint32_t(sheared);
         least = std::min(least,sheared);
       }
-      /* moves the origin so that sheared coordinates begin at 0 */
+      // sheared coordinates begin at 0
       for (uint32_t v=0; v<numVertices; v++) other[v] -= uint32_t(least);
       const double moved = double(origin[shearedAxis]) + std::ldexp(double(least),exponent[shearedAxis]);
       if (bitsOnAxis(other,false) >= bitsOnAxis(c,false) || double(float(moved)) != moved) {
@@ -412,7 +409,7 @@ namespace cvert { inline namespace CVERT_ISA
     struct Slot { uint32_t epoch, corner; };
     Slot slots[slotCount];
     uint32_t epoch = 0, attempt = 0;
-    /* by corner, in the order in which corners were found */
+    /* by corner, in the order of insertion */
     uint32_t numCorners;
     float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
     uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< index as a vertex of the block

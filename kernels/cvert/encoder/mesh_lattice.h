@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* The lattice of a mesh, and its exceptions. Vertices snap to the nearest point of the lattice. If this flips or
- * flattens a triangle, its vertices become exceptions, which snap to a finer lattice or do not move. Exceptions are
- * stored by position, so all triangles and blocks that share a vertex agree. The surface thus remains watertight, even
- * if the application does not weld its vertices. */
+/* The lattice of a mesh, and its exceptions. If snapping to the nearest point flips or flattens a triangle, its
+ * vertices become exceptions, which snap to a finer lattice or do not move. Exceptions are stored by position: all
+ * triangles and blocks that share a vertex agree, so the surface remains watertight even if vertices are not welded. */
 
 #include "../basics/world.h"
 #include "lattice.h"
@@ -19,12 +18,10 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshLattice
   {
   public:
-    /*! Exceptions snap to a lattice whose spacing is 2^finerBits times smaller. If this does not suffice, they do not
-     *  move. */
+    /*! A first exception has a spacing that is 2^finerBits times smaller; a second one does not move. */
     static const int finerBits = 6;
 
-    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice if vertices must not
-     *  move. */
+    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
         WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),
@@ -39,8 +36,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
     }
 
-    /*! True if a triangle has an area and is so large compared to the spacing that its normal turns by less than 90
-     *  degrees, wherever its corners snap to. A quick test that returns false for some robust triangles. */
+    /*! True if a triangle has an area and its normal turns by less than 90 degrees wherever its corners snap to.
+     *  Conservative: returns false for some such triangles. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
@@ -54,8 +51,8 @@ namespace cvert { inline namespace CVERT_ISA
       return nn > 96*ss*(ee + ff + ss) + 1e-9f*ee*ff;
     }
 
-    /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Corners must be finite. Returns
-     *  true if there are new exceptions; triangles that were checked before may then need another check. */
+    /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Requires finite corners.
+     *  Returns true if there are new exceptions; other triangles must then be checked again. */
     bool check (const float a[3], const float b[3], const float c[3])
     {
       if (isExact || isRobust(a,b,c)) return false;
@@ -75,10 +72,9 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! True if a triangle has no area in double precision: its corners are on a line. */
+    /*! True if the area is 0 in double precision. */
     static bool isDegenerate (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
 
-    /*! Number of vertices that snap to a finer lattice or do not move. */
     size_t numExceptions () const { return exceptions.size(); }
 
   private:
@@ -114,7 +110,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const WorldLattice lattices[3];
     const bool isExact;
-    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< index of the lattice for a position
+    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< lattice of a position
     uint32_t filter[2048];                                  //!< a bit per hash of an exception
   };
 }}

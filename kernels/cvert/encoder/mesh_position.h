@@ -3,7 +3,6 @@
 
 #pragma once
 
-/* A position as a hash key: vertices with equal coordinates are the same vertex. */
 
 #include "../format/block.h"
 #include <cstring>
@@ -12,7 +11,7 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MeshPosition
   {
-    uint32_t words[3]; //!< bits of x, y, z
+    uint32_t words[3];
 
     explicit MeshPosition (const float p[3]) {
       for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); // converts -0 to 0

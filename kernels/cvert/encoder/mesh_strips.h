@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Strips of a group of triangles, as format/mesh_block.h stores them. The algorithm is greedy: a strip begins with a
- * triangle that has the fewest unused neighbors, and continues with the neighbor that has the fewest. */
+/* Strips of a group of triangles, see format/mesh_block.h. Greedy: prefers triangles with the fewest unused
+ * neighbors. */
 
 #include "../format/mesh_block.h"
 #include <cstring>
@@ -14,13 +14,13 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshStrips
   {
   public:
-    uint32_t numTriangles, streamSize, numRestarts; //!< the first strip does not count as a restart
-    uint8_t order[maxGroupTriangles];               //!< input indices of triangles, in the order of the strips
+    uint32_t numTriangles, streamSize, numRestarts; //!< the first strip is not a restart
+    uint8_t order[maxGroupTriangles];               //!< input index of each triangle
     uint8_t stream[3*maxGroupTriangles];            //!< input indices of vertices
     uint8_t turns[maxGroupTriangles];
-    uint32_t restarts, fans;                        //!< a bit per triangle in the order of the strips; bit 0 is 0
+    uint32_t restarts, fans;                        //!< a bit per triangle in `order`; bit 0 is 0
 
-    /*! corners: indices below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles. */
+    /*! corners: below maxGroupVertices, three different ones per triangle. count: up to maxGroupTriangles. */
     void make (const uint8_t (*corners)[3], uint32_t count)
     {
       this->corners = corners;
@@ -36,9 +36,9 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     const uint8_t (*corners)[3];
     uint32_t incident[maxGroupVertices+1]; //!< a bit per triangle of a vertex
-    uint32_t left;                         //!< triangles that are not in a strip yet
+    uint32_t left;                         //!< triangles without a strip
 
-    /*! Triangles of `left` that have the edge from x to y. */
+    /*! Triangles of `left` with the edge from x to y. */
     uint32_t withEdge (uint8_t x, uint8_t y) const
     {
       uint32_t result = 0;
@@ -67,8 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! a, b: first corners of the strip's last triangle, in the order of the stream. isFlipped: the application's
-     *  triangle is b, a, and the third corner. */
+    /*! a, b: first two corners in the order of the stream. isFlipped: the application has them in the order b, a. */
     void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
@@ -79,7 +78,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     void makeStrip (uint32_t t)
     {
-      /* The strip cannot continue across the edge from a to b: prefer an edge without neighbor if others have one. */
+      // the strip cannot continue across edge a b: prefer one without neighbor if others have one
       left &= ~(1u << t);
       const uint8_t* own = corners[t];
       uint32_t neighbors[3], turn = 0;
@@ -93,7 +92,7 @@ namespace cvert { inline namespace CVERT_ISA
       append(t,a,b,isFlipped);
       for (;;)
       {
-      /* neighbors have the shared edge in the opposite direction */
+        // neighbors have the shared edge in the opposite direction
         const uint32_t strips = isFlipped ? withEdge(b,c) : withEdge(c,b);
         const uint32_t fansOn = isFlipped ? withEdge(c,a) : withEdge(a,c);
         if ((strips | fansOn) == 0) return;

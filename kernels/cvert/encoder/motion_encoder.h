@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Lossless encoder of a moving cVERT block, see format/motion.h, step by step. */
+/* Lossless encoder of a moving cVERT block, step by step, see format/motion.h. */
 
 #include "block_encoder.h"
 #include "../format/motion.h"
@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MotionStatistics : public VertStatistics
   {
-    uint32_t stepBytes = 0;    //!< size of all steps but the first
+    uint32_t stepBytes = 0;    //!< without the first step
     uint32_t turnedGroups = 0; //!< sum over all steps
   };
 
@@ -28,10 +28,9 @@ namespace cvert { inline namespace CVERT_ISA
                         + sizeof(float)*6*maxSide*maxSide + 64);
     }
 
-    /*! Buffer for the vertices of the next step, row by row, (quadsX+1) (quadsY+1) of them. */
+    /*! The caller fills these vertices for the next step, row by row. */
     float (*vertices ())[3] { return current().vertices; }
 
-    /*! Begins a block. out: maxBytes of memory. */
     void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
     {
       this->at = at;
@@ -43,7 +42,7 @@ namespace cvert { inline namespace CVERT_ISA
       invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
     }
 
-    /*! Adds a step with the vertices in vertices(). */
+    /*! Adds a step from vertices(). */
     void addStep ()
     {
       BlockVertices& now = current();
@@ -56,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
       step++;
     }
 
-    /*! Vertices and bounds of the last step that was added. */
+    /*! Step that was added last. */
     const BlockVertices& last () const { return (step-1) % 2 ? other : *this; }
 
     /*! Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite at any step. */
@@ -70,7 +69,7 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     static const uint32_t firstCell = maxVertGroups; //!< index of the first cell in first and own
 
-    /*! Residuals of a cell by axis. */
+    /*! by axis */
     typedef int Residuals[3][paddedVertices];
 
     BlockVertices& current () { return step % 2 ? other : *this; }
@@ -123,7 +122,7 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
-      /* boxes of the segment that ends here */
+      // boxes of the segment that ends here
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
         boxes.addGroups();
@@ -142,8 +141,7 @@ namespace cvert { inline namespace CVERT_ISA
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
 
-    /*! Writes origin, corners, words and fields. `now` must have been measured. Returns false if residuals need too
-     *  many bits. */
+    /*! Requires now.measure(). Returns false if residuals need too many bits. */
     bool packCellsOfStep (BlockVertices& now, VertStep& header)
     {
       for (;;) {
@@ -163,7 +161,7 @@ namespace cvert { inline namespace CVERT_ISA
         turns.fit(own);
         turns.write(header);
       }
-      /* The offset of fields depends on the words. */
+      // fields are at an offset that depends on the words
       uint32_t words[maxVertGroups+1];
       bool areTurned[maxVertGroups+1], haveSlopes = false;
       for (uint32_t i=0; i<=groups; i++) {
@@ -192,7 +190,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! Computes the residuals of a cell of a step in `own`. */
+    /*! Writes the residuals of a cell to own[g]. */
     void predict (const BlockVertices& now, uint32_t g)
     {
       const bool isGroup = g != firstCell;
@@ -205,8 +203,8 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
-    /*! Chooses how to store a cell: its residuals, or their difference from the turned residuals of the first step.
-     *  Stores the result in `own`. Returns false if both have too many bits. word, turned: set for the cell. */
+    /*! Chooses the residuals of a cell or their difference from the turned residuals of the first step, in own[g].
+     *  Returns false if both have too many bits. */
     bool encodeCell (uint32_t g, uint32_t& word, bool& turned)
     {
       turned = false;
@@ -238,7 +236,7 @@ namespace cvert { inline namespace CVERT_ISA
       return cell.write(out);
     }
 
-    //! number of bits of a field up to which the turned residuals are used without trying the others
+    //! Fields of up to this many bits are encoded as turned residuals without trying the others.
     static const int fewBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
@@ -246,12 +244,12 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* block;
     uint32_t step;
     bool isEmpty, isFirstRaw, wasRaw;
-    uint8_t* marginsOfSegment;  //!< of the segment that begins with the previous step
+    uint8_t* marginsOfSegment;  //!< these three belong to the segment that begins with the previous step
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
-    std::vector<bool> invalid;  //!< quads that are invalid at any step
+    std::vector<bool> invalid;  //!< invalid at any step
     BlockVertices other;        //!< of odd steps
-    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step, and of the step that is written
+    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step, and of the current step
     TurnFit turns;
   };
 }}

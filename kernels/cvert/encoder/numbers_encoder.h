@@ -3,9 +3,7 @@
 
 #pragma once
 
-/* Encoder of the numbers of a block's quads, see format/quad_numbers.h. Uses the first pattern that describes all of
- * them, else a table with as few bits per number as their range needs. Second triangles are at a constant distance from
- * the first ones, or all triangles are in a table. */
+/* Encoder of the numbers of a block's quads, see format/quad_numbers.h: the first pattern that fits, else a table. */
 
 #include "../format/block.h"
 #include <algorithm>
@@ -13,17 +11,17 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Numbers of the quads of a patch whose quads are primitives. */
+  /*! Primitive numbers of the quads of a patch. */
   struct QuadNumbers
   {
-    uint32_t form;                 //!< without a pattern; without turns if `turns` has them
+    uint32_t form;                 //!< without pattern; without turns if `turns` has them
     unsigned width;                //!< in quads
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Both are empty if each second triangle follows its first one and all
-     * turns are those of the form. Otherwise triangles must have numbers below 2^30. */
+    /* For quads of two triangles, row by row. Empty if each second triangle follows its first one and all turns are
+     * those of the form. Otherwise numbers must be below 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
-    std::vector<uint8_t> turns;    //!< as bits 4..7 of forms
+    std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
 
   class NumbersEncoder
@@ -34,7 +32,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t form;             //!< for VertHeader::patchQuads
     VertNumbers pattern;       //!< stored after the header
 
-    /*! Selects the pattern for width x height quads of a patch, from x0, y0 on. */
+    /*! Chooses the pattern for the block at x0, y0. */
     void set (const QuadNumbers& of, unsigned x0, unsigned y0, unsigned width, unsigned height)
     {
       this->width = width; this->height = height;
@@ -69,7 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
       setTable(ofBlock,numbersInTable);
     }
 
-    /*! Completes a block of `bytes` bytes that has `form` and `pattern`. Returns its new size. */
+    /*! Completes a block of `bytes` bytes. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = first;
@@ -78,7 +76,6 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! Returns the new size of the block. */
     size_t writeHalves (uint8_t* block, size_t bytes) const
     {
       const size_t begin = (bytes+3) & ~size_t(3);
@@ -148,7 +145,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       form = of | kind;
       first = lowest;
-      pattern.x = 0; // set when the block is written
+      pattern.x = 0; // set by writeTable
       pattern.y = 0;
       const uint32_t most = *std::max_element(entries,entries + width*height*entriesPerQuad(form));
       while ((uint64_t(most) >> pattern.y) != 0) pattern.y++;
@@ -164,8 +161,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
-    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
-    uint32_t distance;        //!< from first triangles to second triangles
+    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< of the table
+    uint32_t distance;        //!< from first to second triangles
     uint32_t lowest, highest, first;
   };
 }}

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Compares vertices of a patch before and after snapping to a lattice, four at a time: the distances by which they
- * moved, and the triangles that were flipped. */
 
 #include "../basics/vertices4.h"
 #include "lattice.h"
@@ -12,7 +10,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Snaps four vertices. Returns the largest squared distance, in spacings, by which a finite vertex moved. */
+  /*! Returns the largest squared distance, in spacings, by which a finite vertex moved. */
   inline float snapFour(const WorldLattice& lattice, const float (*own)[3], float (*stored)[3])
   {
     Float4 square[3];
@@ -27,8 +25,8 @@ namespace cvert { inline namespace CVERT_ISA
     return greatest(below(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
-  /*! Number of quads, among four next to each other with triangles (00,10,01) and (10,11,01), that have a triangle
-   *  whose normal turned by more than 90 degrees. width: vertices from row to row. */
+  /*! Number of quads, out of four in a row with triangles (00,10,01) and (10,11,01), whose normal turned by more than
+   *  90 degrees in a triangle. width: vertices per row. */
   inline uint32_t countFlippedOfFour(const float (*own)[3], const float (*stored)[3], size_t width)
   {
     struct Normals
@@ -42,6 +40,6 @@ namespace cvert { inline namespace CVERT_ISA
     };
     const Normals n(own,width), m(stored,width);
     const uint32_t flipped = lanesBelow(dot(n.lower,m.lower),0.0f) | lanesBelow(dot(n.upper,m.upper),0.0f);
-    return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // number of bits set
+    return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // population count
   }
 }}

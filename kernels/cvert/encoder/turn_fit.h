@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Matrix that maps the residuals of a block's first step to the residuals of a later step, see format/motion.h, by
- * least squares over the groups. Rotation, bending and growth of a surface between the steps are nearly linear over a
- * block. */
+/* Least-squares matrix from the residuals of a block's first step to the residuals of a later step, see
+ * format/motion.h. Rotation, bending and growth of a surface are nearly linear over a block. */
 
 #include "../format/motion.h"
 #include "cell_encoder.h"
@@ -15,19 +14,19 @@ namespace cvert { inline namespace CVERT_ISA
   class TurnFit
   {
   public:
-    /*! residuals: of the groups of the first step, by axis. Must outlive this object. */
+    /*! residuals: of the groups of the first step, by axis; used by fit() */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
       this->groups = groups;
       double s[3][3];
       sum(first,s);
-      /* regularizes axes without residuals, on which the matrix does not matter */
+      // regularizes axes without residuals
       for (int a=0; a<3; a++) s[a][a] += 0.001*cellFields*groups;
       invert(s,inverse);
     }
 
-    /*! later: residuals of the same groups in another step. */
+    /*! later: residuals of the same groups in another step */
     void fit (const int (*later)[3][paddedVertices])
     {
       double s[3][3], turn[3][3], largest = 0;
@@ -44,7 +43,7 @@ namespace cvert { inline namespace CVERT_ISA
           entries[a][b] = int(std::floor(std::min(std::max(turn[a][b]*(1 << (7-scale)),-127.0),127.0) + 0.5));
     }
 
-    /*! Computes the difference between a cell's residuals `to` and the turned residuals `from`. */
+    /*! Sets rest to `to` minus the transformed `from`. */
     void subtract (const int from[3][paddedVertices], const int to[3][paddedVertices],
                    int rest[3][paddedVertices]) const
     {
@@ -85,7 +84,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
-    /*! m: symmetric and positive definite. */
+    /*! m: symmetric and positive definite */
     static void invert (const double m[3][3], double out[3][3])
     {
       double cofactor[3][3];

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* CRC-32C, eight bytes at a time, with the instruction of SSE4.2 or ARM64, or with eight tables. Compiled only for the
- * lowest ISA of the library.
+/* CRC-32C of eight bytes at a time, by the instruction of SSE4.2 or ARM64 or by tables. Compiled only for the lowest
+ * ISA.
  *
  * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators",
  * 2005. */
@@ -14,7 +14,7 @@
 #define CRC_TARGET "sse4.2"
 #define CRC_OF_64 _mm_crc32_u64
 #define CRC_OF_8 _mm_crc32_u8
-#elif defined(__aarch64__) && defined(__linux__) && !defined(__clang__) // whose header has it only if all code may use it
+#elif defined(__aarch64__) && defined(__linux__) && !defined(__clang__) // clang's header requires +crc for all code
 #include <arm_acle.h>
 #include <sys/auxv.h>
 #define CRC_TARGET "+crc"

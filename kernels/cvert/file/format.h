@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Layout of files of compressed surfaces. docs/formats/file.md specifies it. A file contains a header, then the tree
- * and the blocks of each geometry, then a directory of the geometries. Offsets are relative to the start of the file.
- * Numbers are little-endian. A file contains no addresses, so it can be traced as it is on disk. */
+/* Layout of files of compressed surfaces, specified by docs/formats/file.md: a header, the tree and the blocks of each
+ * geometry, and a directory. Offsets are relative to the start of the file. Numbers are little-endian. */
 
 #include "../format/mesh_block.h"
 #include "../format/motion.h"
@@ -15,18 +14,18 @@
 
 namespace cvert
 {
-  /*! Version of the layout that this header and docs/formats/file.md describe. Blocks have their own versions. */
+  /*! Version of this layout and of docs/formats/file.md. Blocks have their own versions. */
   static const uint32_t fileVersion = 1;
   static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' }; // transfers in text mode damage it
   static const uint32_t fileByteOrder = 0x01020304u;
 
-  /*! Version of blocks with frames in files. This library copies them and does not decode them. */
+  /*! Version of blocks with frames, which this library copies but does not decode. */
   static const uint32_t fileFramedVersion = 1;
 
-  /*! Trees and blocks begin at multiples of this, so that each has its own pages. */
+  /*! Trees and blocks begin at multiples of this, in pages of their own. */
   static const uint64_t filePage = 4096;
 
-  /*! At least this many bytes follow the blocks of a geometry, because decoders read past the end of a block. */
+  /*! Bytes after the blocks of a geometry, because decoders read past the end of a block. */
   static const uint64_t fileReadBehind = 64;
 
   struct FileHeader
@@ -36,19 +35,19 @@ namespace cvert
     /*! of blocks: vertFormatVersion, or meshFormatVersion if the file has mesh blocks; fileFramedVersion */
     uint32_t vertVersion, framedVersion;
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
-    uint64_t fileBytes, directory;         //!< size of the file, and offset of the geometries' records
+    uint64_t fileBytes, directory;         //!< of the file, and offset of the geometries' records
     uint32_t directoryChecksum;
-    uint32_t key[2];                       //!< key of a writer that can be resumed, the lower half first; else 0
+    uint32_t key[2];                       //!< of a resumable writer, lower half first; else 0
     uint32_t checksum;                     //!< of the bytes before it
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
-  /*! Form of the tree of a geometry: nodes, or a list of a few blocks, or a list of moving blocks. */
+  /*! Tree of a geometry: nodes, a list of a few blocks, or a list of moving blocks. */
   enum FileForm : uint32_t { FILE_TREE = 0, FILE_LIST = 1, FILE_MOVING = 2 };
 
   enum FileSource : uint32_t { FILE_CAGE = 0, FILE_GRIDS = 1, FILE_QUADS = 2, FILE_TRIANGLES = 3 };
 
-  /*! Representation of a geometry, with the values of RTCCompression. */
+  /*! Values of RTCCompression. */
   enum FileCompression : uint32_t { FILE_COMPRESSION_GRID = 2, FILE_COMPRESSION_VOXEL = 3, FILE_COMPRESSION_LEAF = 4,
     FILE_COMPRESSION_VERT = 5 };
 
@@ -58,23 +57,23 @@ namespace cvert
     uint32_t treeChecksum, blocksChecksum;
     uint32_t form, source;
     uint32_t compression;                  //!< FileCompression
-    uint32_t surface;                      //!< surface number of its blocks, including bit 31 of moving surfaces
+    uint32_t surface;                      //!< surface number, with bit 31 for moving surfaces
     uint32_t numPrimitives, numTimeSteps;
     float begin, end;                      //!< times of the first and the last step
-    float lower[3], upper[3];              //!< bounds of everything that rays can hit; empty if lower is above upper
+    float lower[3], upper[3];              //!< of everything that rays can hit; empty if lower > upper
     uint64_t numBlocks;
     float measures[4];
-    uint64_t counts[23];                   //!< statistics of the writer, like measures
+    uint64_t counts[23];                   //!< like measures, statistics of the writer
     uint64_t reserved[2];
   };
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");
 
-  /*! Reference to a child: its type in the lower 4 bits, and the offset from the start of the tree or the blocks, a
-   *  multiple of 16, in the upper bits. */
+  /*! Type of a reference to a child, in the lower 4 bits. The upper bits are the offset from the start of the tree or
+   *  the blocks, a multiple of 16. */
   enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4,
     FILE_MESH = 5, FILE_CHILD_MASK = 15 };
 
-  /*! Nodes and blocks are stored in depth-first order, first children first. */
+  /*! Nodes and blocks are in depth-first order, first children first. */
   struct FileNode
   {
     uint64_t children[4];
@@ -82,7 +81,7 @@ namespace cvert
   };
   static_assert(sizeof(FileNode) == 128,"node of a file");
 
-  struct FileEntry                         //!< of a list; the bounds of moving blocks are zeros
+  struct FileEntry                         //!< of a list; moving blocks have bounds of 0
   {
     float lower[3], upper[3];
     uint64_t child;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Resolves an output path. It leads to a file that can be replaced, or to a device, a pipe or a descriptor of this
- * process, which must be written in place. Depends only on POSIX, so that programs use the same rule as the library. */
+/* Resolves an output path to a file that can be replaced, or to a device, a pipe or a descriptor of this process, which
+ * must be written in place. Depends only on POSIX, for use by programs. */
 
 #include <cctype>
 #include <cerrno>
@@ -18,7 +18,7 @@
 
 namespace cvert
 {
-  /*! Throws std::system_error, whose what() is the text of an errno. */
+  /*! The exception's what() is the text of the errno. */
   [[noreturn]] inline void throwErrno (int error) { throw std::system_error(error,std::generic_category()); }
 
   inline std::string folderOf (const std::string& path)
@@ -32,10 +32,10 @@ namespace cvert
   struct OutputPath
   {
     /*! A REGULAR file is replaced when the output is complete. A STREAM is written in place, because a rename would
-     *  replace it with a file. */
+     *  replace it by a file. */
     enum Kind { NEW, REGULAR, STREAM };
 
-    /*! Throws std::system_error for a folder, and if the path cannot be resolved. */
+    /*! Throws std::system_error for folders and paths that cannot be resolved. */
     explicit OutputPath (const std::string& given) : path(given)
     {
       if (given.empty()) throwErrno(ENOENT);
@@ -53,13 +53,13 @@ namespace cvert
       return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
     }
 
-    std::string path;     //!< with symbolic links followed, including links to files that do not exist yet
+    std::string path;     //!< after following links, also those to files that do not exist yet
     Kind kind = NEW;
-    int descriptor = -1;  //!< descriptor of this process that the path names, for example /dev/stdout
-    struct stat status;   //!< of the file; undefined for a new one
+    int descriptor = -1;  //!< of this process, if the path names it, for example /dev/stdout
+    struct stat status;   //!< undefined for a new file
 
   private:
-    /*! Follows symbolic links. Returns true at a link of /proc to an open file, whose text is not a path. */
+    /*! Returns true at a link of /proc to an open file, whose text is not a path. */
     bool followLinks ()
     {
       for (int links=0; ; links++)
@@ -74,7 +74,7 @@ namespace cvert
       }
     }
 
-    /*! True if a link is one of /proc/PID/fd. */
+    /*! True for links in /proc/PID/fd. */
     static bool isOpenFile (const std::string& path)
     {
       const long proc = 0x9fa0; // PROC_SUPER_MAGIC
@@ -83,7 +83,7 @@ namespace cvert
       return isNumber && ::statfs(folderOf(path).c_str(),&system) == 0 && system.f_type == proc;
     }
 
-    /*! Returns N for /proc/self/fd/N and all links to that folder, or -1 for another process. */
+    /*! N for /proc/self/fd/N and all links to that folder, else -1. */
     static int ownDescriptor (const std::string& path)
     {
       char* const real = ::realpath(folderOf(path).c_str(),nullptr);
@@ -92,7 +92,7 @@ namespace cvert
       return folder == "/proc/" + std::to_string(::getpid()) + "/fd" ? std::atoi(nameOf(path).c_str()) : -1;
     }
 
-    /*! Standard output or standard error, if it goes to the file, else -1: a rename would lose its output. */
+    /*! Standard output or error if it goes to the file, else -1. A rename would lose its output. */
     static int standardDescriptor (const struct stat& file)
     {
       struct stat open;

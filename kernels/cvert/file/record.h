@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks the record of a geometry and its blocks. A writer checks the record before it writes, a reader before it
- * loads, so everything that can be saved can be loaded. */
+/* Checks the record of a geometry and its blocks, in writers and readers: everything that can be saved can
+ * be loaded. */
 
 #include "format.h"
 #include "../decoder/validate.h"
@@ -12,15 +12,14 @@
 
 namespace cvert
 {
-  /*! True if the coordinates are finite and lower is not above upper. */
+  /*! True if the box is finite and not empty. */
   bool areBounds (const float lower[3], const float upper[3]);
 
-  /*! Checks a record except for the positions of its tree and its blocks. */
+  /*! Checks everything but the positions of the tree and the blocks. */
   Reason validateRecord (const FileGeometry& record);
 
-  /*! Checks a cVERT block of a geometry, which starts at data and has at most `bytes` bytes. Does not check its surface
-   *  number. Whatever the fields of a valid block are, decoders read only the block and readBehindVert bytes after it,
-   *  and report primitives that the geometry has. */
+  /*! Checks a cVERT block at data with at most `bytes` bytes, except for its surface number. Decoders of valid blocks
+   *  read only the block and readBehindVert bytes after it, and report primitives that the geometry has. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 
   /*! The same for a mesh block. */

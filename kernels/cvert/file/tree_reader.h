@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reads and checks the tree of a geometry in a file: every node has one parent, nodes and blocks are in the order of
- * the traversal, and boxes are finite. Does not read the blocks. */
+/* Reads and checks the tree of a geometry in a file, without its blocks: every node has one parent, nodes and blocks
+ * are in the order of traversal, and boxes are finite. */
 
 #include "../format/block.h"
 #include "record.h"
@@ -25,12 +25,12 @@ namespace cvert
   class TreeReader
   {
   public:
-    /*! Maximum depth of trees, in nodes. */
+    /*! Largest depth, in nodes. */
     static const unsigned maxDepth = 40;
 
     TreeReader (const FileGeometry& record, const char* tree, Sink& sink) : record(record), tree(tree), sink(sink) {}
 
-    /*! Returns the first error in the tree. root: set if the geometry has a tree and not a list. */
+    /*! Returns the first error. root: set unless the geometry has a list. */
     Reason read (typename Sink::Ref& root)
     {
       if (record.treeChecksum != fileChecksum(tree,size_t(record.treeBytes)))
@@ -116,8 +116,7 @@ namespace cvert
     uint64_t used = 0;       //!< number of nodes
   };
 
-  /*! Calls visit(type,offset) for each block of a geometry in the order of the file. Returns the first error in the
-   *  tree. */
+  /*! Calls visit(type,offset) for each block in the order of the file. Returns the first error in the tree. */
   template<typename Visit>
   Reason forEachBlock (const FileGeometry& record, const char* tree, const Visit& visit)
   {

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* A file that is written next to its final path and renamed when it is complete. It is locked until then, so that other
- * processes can distinguish it from a file that a killed process left. Depends only on POSIX, so that programs replace
- * files in the same way as the library. */
+/* A file that is written next to its final path, and renamed when it is complete. A lock distinguishes it from files
+ * that killed processes left. Depends only on POSIX, for use by programs. */
 
 #include "output_path.h"
 #include <algorithm>
@@ -20,8 +19,7 @@
 
 namespace cvert
 {
-  /*! During its lifetime, writes by this thread beyond the limit on file sizes fail with EFBIG, and SIGXFSZ does not
-   *  end the process. */
+  /*! Writes of this thread beyond the limit on file sizes fail with EFBIG instead of raising SIGXFSZ. */
   class FileSizeLimit
   {
   public:
@@ -47,7 +45,7 @@ namespace cvert
     sigset_t signal, before;
   };
 
-  /*! Writes all bytes with put(data, bytes, done), a system call that may write fewer. Returns 0 or an errno. */
+  /*! Writes all bytes with put(data,bytes,done), a system call that may write fewer. Returns 0 or an errno. */
   template<typename Put>
   int putAll (const void* data, size_t bytes, const Put& put)
   {
@@ -73,7 +71,7 @@ namespace cvert
   class UnfinishedFile
   {
   public:
-    /*! Creates a file that is removed unless it is committed. Removes files that killed writers of the same path left.
+    /*! Creates a file that is removed unless it is committed, and removes files of killed writers of the same path.
      *  Throws std::system_error. */
     explicit UnfinishedFile (const OutputPath& place) : place(place)
     {
@@ -84,8 +82,8 @@ namespace cvert
       removeStale(folder,begin);
     }
 
-    /*! Creates or opens a file that a later process can continue. Its name is the final name followed by `ending`.
-     *  Throws std::system_error, with EWOULDBLOCK if another writer has the file locked. */
+    /*! Creates or opens a file that a later process can continue, named by the final name and `ending`. Throws
+     *  std::system_error, with EWOULDBLOCK if another writer has it locked. */
     UnfinishedFile (const OutputPath& place, const std::string& ending) : place(place), keeps(true)
     {
       const std::string path = folderOf(place.path) + "/" + fitted(ending.size()) + ending;
@@ -93,7 +91,7 @@ namespace cvert
         if (tries == 100) throwErrno(EWOULDBLOCK);
     }
 
-    /*! Removes the file unless it was committed or is to be kept. */
+    /*! Removes the file unless it was committed or kept. */
     ~UnfinishedFile ()
     {
       if (file < 0) return;
@@ -108,7 +106,7 @@ namespace cvert
     const std::string& path () const { return name; }
     void keep (bool isKept) { keeps = isKept; }
 
-    /*! Copies the permissions of the file that this one replaces, if any, and its owner if the process may. */
+    /*! Copies permissions, and the owner if the process may, of the file that this one replaces. */
     void takeOver ()
     {
       if (place.kind != OutputPath::REGULAR) return;
@@ -118,8 +116,8 @@ namespace cvert
       (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
     }
 
-    /*! Flushes the file to the disk and renames it. The lock is held until then, because no other process may write a
-     *  file with the final name. Throws std::system_error; the file is then unchanged. */
+    /*! Flushes and renames the file. Keeps the lock until then, so that no other process writes the same file. Throws
+     *  std::system_error, and renames nothing then. */
     void commit ()
     {
       if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
@@ -131,8 +129,8 @@ namespace cvert
     }
 
   private:
-    /*! Creates and locks the file. Returns false if the caller must try again: the name exists, or the previous writer
-     *  of the file renamed or removed it. */
+    /*! Creates and locks the file. Returns false if the caller must try again, because the name exists, or because the
+     *  file's previous writer renamed or removed it. */
     bool open (const std::string& path, int flags)
     {
       const int opened = ::open(path.c_str(),O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags,0666);
@@ -140,7 +138,7 @@ namespace cvert
         if (errno == EEXIST) return false;
         throwErrno(errno);
       }
-      /* file systems without locks ignore them */
+      // file systems without locks ignore them
       const int error = ::flock(opened,LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
       if ((error == EWOULDBLOCK && !(flags & O_EXCL)) || !isNamed(opened,path) || error == EWOULDBLOCK) {
         ::close(opened);
@@ -158,8 +156,7 @@ namespace cvert
       return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
     }
 
-    /*! Returns the final name. If `more` bytes would not fit after it, it is cut and a checksum of the name is
-     *  added. */
+    /*! The final name. If `more` bytes would not fit after it, it is cut and followed by a checksum of the name. */
     std::string fitted (size_t more) const
     {
       const std::string all = nameOf(place.path);
@@ -186,7 +183,7 @@ namespace cvert
       return digitsOf((uint64_t(random()) << 32) | random());
     }
 
-    /*! Removes files of the folder whose name is `begin` and random digits, unless they are locked. */
+    /*! Removes unlocked files whose names are `begin` and random digits. */
     void removeStale (const std::string& folder, const std::string& begin) const
     {
       DIR* const entries = ::opendir(folder.c_str());

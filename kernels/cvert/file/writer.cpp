@@ -84,7 +84,7 @@ namespace cvert
   {
     if (!file || !keeps) return;
     try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
-    catch (...) {} // the file still has everything that was saved before
+    catch (...) {} // the file still contains everything that was saved before
     file->keep(saved != 0);
   }
 
@@ -108,7 +108,7 @@ namespace cvert
     const FileHeader none = FileHeader();
     if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
     {
-      /* nothing was saved in it, unless it is another kind of file */
+      // nothing was saved in it, unless it is another kind of file
       if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is not a file of compressed surfaces");
       if (::ftruncate(part,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
@@ -160,8 +160,8 @@ namespace cvert
 
   uint32_t FileWriter::numberOf (const FileGeometry& record)
   {
-    /* The same surfaces produce the same file. Surfaces of other files most likely have other numbers. */
-    const uint32_t count = firstFileNumber-1; // the last number with bit 31 is reserved
+    // Depends on the contents only, so the same surfaces produce the same file. Other files most likely differ.
+    const uint32_t count = firstFileNumber-1; // ~0u is reserved
     uint32_t number = fileChecksum(&record,sizeof(record)) % count;
     while (!numbers.insert(number).second) number = (number+1) % count;
     return number | firstFileNumber | (record.form == FILE_MOVING ? movingSurface : 0);
@@ -198,7 +198,7 @@ namespace cvert
     if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
     directory.push_back(record);
     hasMeshBlocks |= surface.hasMeshBlocks;
-    /* starts writing to the disk, so that the next checkpoint need not wait */
+    // starts writing to the disk, so that the next checkpoint need not wait
     if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
   }
 
@@ -239,7 +239,7 @@ namespace cvert
     header.key[0] = uint32_t(key);
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
-    /* If the file may be resumed, its header must only refer to data that is on the disk. */
+    // the header of a file that may be resumed must only refer to data on the disk
     int error = keeps && ::fsync(file->descriptor()) != 0 ? errno : 0;
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
     if (!error && ::fsync(file->descriptor()) != 0) error = errno;

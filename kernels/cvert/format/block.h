@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cVERT: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. Its layout is
+/* A cVERT block: up to 16 x 16 quads in up to 4 x 4 groups of 4 x 4 quads. Layout:
  *
  *   header | edges of the patch, or numbers of quads | word of remainders | margins of groups | words of groups |
  *   fields of the first cell | fields of groups | remainders | table of numbers
@@ -12,20 +12,16 @@
  *
  *   origin + coordinate * spacing + remainder * spacing / 2^bits,
  *
- * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Most blocks have no
- * remainders. A block whose vertices need more than 14 bits stores the lower bits as remainders. If an axis needs too
- * many bits, the block stores floats for it instead. A vertex is exact in float, in two fused or unfused
- * multiply-adds: the origin is a multiple of the spacing, and so is the sum before the remainder. Blocks that share a
- * vertex therefore have the same three floats, so surfaces are watertight if their triangles are. There is no frame.
+ * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Blocks whose vertices
+ * need more bits store the lower ones as remainders, or floats if an axis needs too many. Vertices are exact in float,
+ * with fused or unfused multiply-adds: the origin and the sum before the remainder are multiples of the spacing. Blocks
+ * that share a vertex therefore have the same three floats, so surfaces are watertight if their triangles are.
  *
  * The box of a group is the box of its four corners, which the first cell stores, enlarged by margins of 4 bits per
- * side. Its planes are perpendicular to two of the world axes and to a third axis that is sheared along the block.
- * Inclined sheets thus have flat boxes without a frame.
+ * side. Its planes are perpendicular to two world axes and to a third axis that is sheared along the block, so that
+ * inclined sheets have flat boxes.
  *
- * A raw block stores its vertices and boxes as floats instead, if a vertex is not finite or if floats need fewer bytes.
- *
- * This header defines the layout and reads words of the header, edges, numbers and words of groups. cell.h interprets
- * words and fields of cells. */
+ * A raw block stores vertices and boxes as floats, if a vertex is not finite or if floats need fewer bytes. */
 
 #ifndef CVERT_VERT_FORMAT_H
 #define CVERT_VERT_FORMAT_H
@@ -37,14 +33,13 @@
 
 CVERT_BEGIN
 
-/*! Version of the bytes that this header and docs/formats/block.md describe. Incremented by changes that affect
- *  readers. */
+/*! Version of this format (docs/formats/block.md). Changes that affect readers increment it. */
 CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 
-/*! Oldest version that decoders read. Decoders will always read all versions from this one on. */
+/*! Decoders will always read all versions from this one on. */
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
-/*! Decoders read at most this many bytes after a block. */
+/*! Decoders may read this many bytes after a block. */
 CVERT_CONSTANT uint32_t readBehindVert = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< per side of a group
@@ -64,10 +59,10 @@ CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: lower x, y
 
 struct VertHeader
 {
-  float origin[3];        //!< world position of coordinates 0
+  float origin[3];        //!< world position of coordinates (0,0,0)
   uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
-  uint32_t surface;       //!< number of the geometry's surface, limits.h
-  uint32_t primID;        //!< or the number that the numbers of quads are relative to, see quad_numbers.h
+  uint32_t surface;       //!< number of the surface, see limits.h
+  uint32_t primID;        //!< or the base of the numbers of quads, see quad_numbers.h
   uint32_t region;        //!< size and position: see the accessors
   uint32_t patchQuads;    //!< quads of the patch along u and v, minus 1, 16 bits each; or the form of numbers
   uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first;
@@ -93,10 +88,9 @@ CVERT_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads &
 CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
 /*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate of the edge
- *  minus 1, which may be lower than the number of quads of the patch along it. The upper 4 bits of the first two are
- *  the parameters u and v of the face at the patch's corner, in halves. A block stores edges if its patch does not
- *  begin at the corner of its face, or if it touches an edge of a lower rate. They follow the header, and bit 29 of
- *  boxForm is set. */
+ *  minus 1, which may be less than the patch's quads along it. The upper 4 bits of the first two are the parameters u
+ *  and v of the face at the patch's corner, in halves. Stored after the header, with bit 29 of boxForm set, if the
+ *  patch does not begin at the corner of its face or the block touches an edge of a lower rate. */
 struct VertEdges
 {
   uint32_t low, high; //!< the first two edges, and the other two
@@ -119,38 +113,37 @@ CVERT_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
 CVERT_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
 CVERT_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
-/*! Part of a moving block. Follows the header and, if present, edges or numbers. */
+/*! Follows the header, and edges or numbers, of a moving block. */
 struct VertMotion
 {
   float begin, end;  //!< times of the first and the last step
   uint32_t numSteps; //!< at least 2
-  uint32_t steps;    //!< offset of an array with the offsets of all steps but the first, 4 bytes each; all offsets are
-                     //!< in bytes from the start of the block
+  uint32_t steps;    //!< offset of a 4-byte offset for each step after the first; offsets are in bytes from the start
+                     //!< of the block
 };
 CVERT_READABLE(VertMotion,4)
 
 CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
-/*! Offset of the VertMotion of a moving block. */
 CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
   return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
 }
 
 CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
-/*! Number of quads of group g along a row or column of `quads` quads. */
+/*! quads: in the row or column of group g. */
 CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
   return rest < groupQuads ? rest : groupQuads;
 }
 
-/* The planes of boxes are perpendicular to two world axes. On the third axis, m, they bound the sheared coordinate
+/* Boxes have planes perpendicular to two world axes. On the third axis, m, they bound the sheared coordinate
  *
  *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
  *
- * which is constant on a plane with the slopes of the block. Shifts, axis and slopes have the bit positions that bits,
- * main axis and slopes have in the word of a cell. Slopes of 0 make boxes axis-aligned. */
+ * which is constant on a plane with the slopes of the block. Shifts, axis and slopes have the same bit positions as
+ * bits, main axis and slopes in the word of a cell. */
 
 /*! Margins on an axis are multiples of 2^marginShift. */
 CVERT_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
@@ -160,8 +153,8 @@ CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); 
 /*! Slope of axis m+i (i = 1 or 2), in 1/16. */
 CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
-/*! Unit of the bounds of the block, in coordinates. Bits 0..7 and 8..15 of the reach are the upper bounds on the axes
- *  m+1 and m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, are the bounds of the sheared coordinate. */
+/*! Unit of a block's reach, in coordinates. Bits 0..7 and 8..15 of the reach are the upper bounds on the axes m+1 and
+ *  m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, bound the sheared coordinate. */
 CVERT_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
 CVERT_FUNCTION int reachOf (uint32_t reach, int i)
 {
@@ -172,22 +165,22 @@ CVERT_FUNCTION int reachOf (uint32_t reach, int i)
 CVERT_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
 CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
 
-/* Each of the 12 values of corners has two bits that coordinates do not use. For value i, in order of corners:
+/* Coordinates leave two bits free in each of the 12 values of corners. For value i, in order of corners:
  *
  *   i = 0 to 7    bit 15: bit i of the exponent of the spacing on y, bit 14: bit i of the exponent on z
  *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
 
-/*! Bit `at` (14 or 15) of the two values in a word of corners. */
+/*! Bit `at` (14 or 15) of both values in a word. */
 CVERT_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
   return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u);
 }
 
-/*! Bits `at` of the values in four words of corners, as a byte. */
+/*! Bit `at` of the 8 values in four words. */
 CVERT_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
 
-/*! c4, c5: the last two words of corners. The version is 0 in the steps of a moving block. */
+/*! c4, c5: the last two words of corners. Steps of moving blocks have version 0. */
 CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,15u) | cornerBits(c5,15u) << 2;
 }
@@ -195,7 +188,7 @@ CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,14u) | cornerBits(c5,14u) << 2;
 }
 
-/*! Spacing per axis: powers of two, stored as exponents of floats. */
+/*! Powers of two, stored as exponents of floats. */
 struct VertSpacing { float at[3]; };
 
 /*! word: word of the first cell. c0 to c3: words of corners. */
@@ -208,11 +201,11 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
   return spacing;
 }
 
-/*! Bounds of a block relative to its origin. On the axes m+1 and m+2 they are 0 and `upper`; `sheared` bounds the
+/*! Bounds of a block relative to its origin: 0 to upper[i] on the axes m+1 and m+2, sheared[0] to sheared[1] for the
  *  sheared coordinate. */
 struct BlockReach { float upper[2], sheared[2]; };
 
-/*! reach: from the block. step: reachStep. The products are exact. */
+/*! step: reachStep. The products are exact. */
 CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
 {
   int m = shearedAxis(boxForm);
@@ -224,26 +217,25 @@ CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32
   return bounds;
 }
 
-/*! Upper bound of the distance on any axis between the origin and the block's vertices and planes of boxes. Slopes are
- *  less than 1, so no vertex is farther away than the sum of the bounds; margins may double this. All axes have the
- *  same bound because the shear of a ray mixes their rounding errors. */
+/*! Upper bound, on any axis, of the distance between the origin and the block's vertices and planes of boxes. Slopes
+ *  are less than 1, so no vertex is farther away than the sum of the bounds; margins may double this. All axes share
+ *  the bound because the shear of a ray mixes their rounding errors. */
 CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-/*! extentOfReach from the `reach` of a block. */
 CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
   return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
-/*! Contribution of a coordinate on axis m+i (i = 1 or 2) to the sheared coordinate, in spacings of m. */
+/*! Factor by which a coordinate on axis m+i (i = 1 or 2) enters the sheared coordinate, in spacings of m. */
 CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/*! Word of a group. words, wordsHigh: offsets of the lower and the upper bits. hasHigh: if false, upper bits are 0. */
+/*! words, wordsHigh: offsets of the lower and the upper bits. If hasHigh is false, upper bits are 0. */
 CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHigh,
                                      uint32_t g)
 {
@@ -251,41 +243,40 @@ CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, u
   return hasHigh ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Returns the offset of the end of the fields of the first `groups` groups, where the next group begins.
- *  cell, word: fields and word of the first cell. */
+/*! Returns the offset after the fields of the first `groups` groups. cell, word: offset of the fields and word of the
+ *  first cell. */
 CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
-  // numbers of bits are in the lower half of a word
+  // the lower half of a word contains the numbers of bits
   for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g));
   return end;
 }
 
-/* The word of remainders follows the header, edges or numbers, and motion:
+/* Word of remainders:
  *
  *   bits 0..4, 5..9, 10..14    bits of a remainder on x, y and z, or remaindersAreFloats
  *   bits 16..31                offset of the remainders, in bytes from the start of the block
  *
- * The remainders are stored row by row, x, y and z of each vertex, without gaps, the lowest bit first. */
+ * Remainders are stored row by row, x, y and z of each vertex, without gaps, lowest bit first. */
 
 CVERT_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
 CVERT_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CVERT_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
-/*! Number of bits stored per vertex for an axis: of a remainder, or 32 for a float. */
+/*! Stored bits per vertex on an axis: the bits of a remainder, or 32 for a float. */
 CVERT_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
   return bits == remaindersAreFloats ? 32u : bits;
 }
 
-/*! Number of bits stored per vertex. */
 CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
-/*! Index of the first bit of a remainder. vertex: index of the vertex, row by row. */
+/*! Position of a remainder, in bits. vertex: index, row by row. */
 CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
@@ -294,11 +285,9 @@ CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, in
   return bit;
 }
 
-/*! Spacing of remainders: spacing * 2^-bits. */
 CVERT_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
-/*! Returns a vertex on an axis with its remainder. without: the vertex without remainder. word: its lowest bits are the
- *  remainder. bits: remainderBits, not 0. */
+/*! Adds a remainder to a coordinate of a vertex. word: the remainder in the lowest bits. bits: remainderBits, not 0. */
 CVERT_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
@@ -309,11 +298,11 @@ CVERT_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region)
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
-/*! Margins of a group on an axis, in coordinates. margins: byte of the group. */
+/* Margins of a group on an axis, in coordinates. margins: the group's byte. */
 CVERT_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
 CVERT_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
-/*! Coordinate of corner c (column + 2 row) of the block along an axis. pair: word cornerPair(c,axis) of corners. */
+/* Corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
 CVERT_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
 CVERT_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
   return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
@@ -355,21 +344,21 @@ CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 /* If a patch has more quads along an edge than the rate of the edge, Embree stitches its border: several vertices of
  * the border coincide with one vertex of the edge. */
 
-/*! Index of the vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate is at most
- *  maxVertRate, so that the product fits into 32 bits, or it equals quads: then no vertex moves. */
+/*! Vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate equals quads (no vertex
+ *  moves) or is at most maxVertRate, so that the product fits into 32 bits. */
 CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
   return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
 }
 
-/*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: rate of the edge that the
- *  row lies on, or `quads` inside of the patch. */
+/*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: rate of the edge on which
+ *  the row lies, or `quads` inside the patch. */
 CVERT_REAL CVERT_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
 
 /* --- parts after the header ------------------------------------------------------------ */
 
-/*! Edges of the patch of a block. All zero if the block stores none. */
+/*! All zero if the block stores no edges. */
 CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
@@ -378,12 +367,12 @@ CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
   return edges;
 }
 
-/*! Returns the words after the header. The block must have numbers. */
+/*! Requires a block with numbers. */
 CVERT_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
 
-/*! Returns numbers as decoders need them. The distance is 1 if the block stores none. */
+/*! Numbers and their distance, which is 1 if the block does not store it. */
 CVERT_FUNCTION VertHalves halvesOf (CVERT_POINTER(VertHeader) block)
 {
   VertHalves halves;
@@ -404,8 +393,8 @@ CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
-/*! Primitive of the first or second triangle of quad x, y. The block must have numbers. Hits of a damaged block may be
- *  at quads outside of the block: x and y are clamped. */
+/*! Primitive of the first or second triangle of quad x, y. Requires a block with numbers. Clamps x and y, because hits
+ *  of a damaged block may lie outside it. */
 CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
   VertHalves halves = halvesOf(block);
@@ -436,7 +425,6 @@ CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, u
   return primitive;
 }
 
-/*! primID of quad x, y or of its first triangle. */
 CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
   return primitiveOfQuad(block,x,y,false).primID;
 }
@@ -450,12 +438,12 @@ static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes
 
 CVERT_BEGIN
 
-/*! Spacings of a block or a step. word: word of the first cell. */
+/*! word: word of the first cell. */
 inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
   return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]);
 }
 
-/*! Size of a block's first step in bytes, without numbers of quads and without padding. */
+/*! Bytes of a block's first step, without numbers of quads and padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);

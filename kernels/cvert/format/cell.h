@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A cell of cVERT: up to 5 x 5 vertices on a lattice of integers. Its four corners are known from the level above. The
- * other 21 vertices are predicted by bilinear interpolation of the corners. A bit field stores the residual of each:
+/* A cell of cVERT: up to 5 x 5 vertices with integer coordinates. Its four corners are known from the level above. The
+ * other 21 vertices are predicted by bilinear interpolation, and a bit field stores the residual of each:
  *
  *     c01--18--19--20--c11      The first cell of a block has the corners of 4 x 4 groups. The cell
  *      13  14  15  16  17       of a group has the vertices of its 4 x 4 quads. If a block ends
@@ -10,10 +10,10 @@
  *       3   4   5   6   7       one: their quads have no area and are never hit.
  *     c00---0---1---2--c10
  *
- * Displacement is along a normal, so the three components of a residual are nearly proportional. Only the component
- * along the cell's main axis is stored as it is. The other two are stored minus a slope times the main component.
- * All arithmetic is exact, in integers or in floats of 24 bits, fused or not. Every ISA and GPU computes the same
- * vertex because extents are at most maxExtent.
+ * Displacement follows a normal, so the three components of a residual are nearly proportional. The component on the
+ * cell's main axis is stored as it is, the other two minus a slope times the main one. All arithmetic is exact, in
+ * integers or in floats of 24 bits, fused or not, because coordinates are less than maxExtent. Every ISA and GPU
+ * therefore computes the same vertices.
  *
  * Word of a cell:
  *
@@ -22,8 +22,8 @@
  *   bits 14..18, 19..23       slopes of the next two axes, signed, in 1/16
  *
  * A field holds the three residuals in two's complement, the main one in the lowest bits. Field f starts at bit f*b,
- * where b is the sum of the three numbers of bits. If b exceeds 32, the residuals are stored as three arrays instead:
- * those of all fields along the main axis, then along the next axis, then along the last. */
+ * where b is the sum of the three numbers of bits. If b exceeds 32, the residuals are stored as three arrays instead,
+ * one per axis, main axis first. */
 
 #ifndef CVERT_VERTEX_CELL_H
 #define CVERT_VERTEX_CELL_H
@@ -38,7 +38,7 @@ CVERT_CONSTANT int maxFieldBits = 32; //!< of a field that holds all three resid
 CVERT_CONSTANT int maxResidualBits = 15;
 CVERT_CONSTANT int maxSlope = 15;
 
-/*! Coordinates in a block are less than this. Predictions then have 16 bits before the binary point and 8 after it,
+/*! Exclusive bound of coordinates in a block. Predictions then have 16 bits before the binary point and 8 after it,
  *  which a float represents exactly. */
 CVERT_CONSTANT int maxExtent = 16384;
 
@@ -46,8 +46,7 @@ CVERT_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) 
 CVERT_FUNCTION int cellFieldBits (uint32_t word) { return cellBits(word,0) + cellBits(word,1) + cellBits(word,2); }
 CVERT_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); }
 
-/*! Axis i (0 to 2) after another, modulo 3; axis 3 counts as 0. Uses a table of two bits per entry because a processor
- *  would mispredict a branch. */
+/*! Axis i (0 to 2) after another, modulo 3; axis 3 counts as 0. A table, because a branch would be mispredicted. */
 CVERT_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
 
 CVERT_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
@@ -55,18 +54,17 @@ CVERT_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAx
 /*! Slope of component i (1 or 2), in 1/16. */
 CVERT_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)) >> 27; }
 
-/*! Size of all fields in bytes. */
 CVERT_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
 
-/*! Field of vertex i, j, or -1 for a corner. */
+/*! Returns -1 for a corner. */
 CVERT_FUNCTION int cellField (int i, int j)
 {
   bool corner = (i == 0 || i == 4) && (j == 0 || j == 4);
   return corner ? -1 : 5*j + i - (j == 0 ? 1 : j == 4 ? 3 : 2);
 }
 
-/*! Weight of the upper corner in the prediction of vertex i of 5, in 1/16. The vertex is step*i quads away from the
- *  lower corner, and the cell has `quads` quads along this direction. */
+/*! Weight, in 1/16, of the upper corner in the prediction of vertex i, which is step*i quads from the lower corner.
+ *  quads: quads of the cell along this direction. */
 CVERT_FUNCTION int cellWeight (int i, int step, int quads)
 {
   int x = step*i;
@@ -74,10 +72,9 @@ CVERT_FUNCTION int cellWeight (int i, int step, int quads)
   return (32*x + quads)/(2*quads);
 }
 
-/*! True if residuals are stored axis by axis. */
 CVERT_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
 
-/*! Component of a residual before slopes: `bits` bits of a field, starting at bit `shift`. */
+/*! Decodes the `bits` bits of a field that start at bit `shift`. */
 CVERT_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
 {
   if (bits == 0) return 0;
@@ -85,11 +82,10 @@ CVERT_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
   return (value >> (bits-1)) != 0u ? int(value) - int(1u << bits) : int(value);
 }
 
-/*! Amount that a slope adds to a component. main: residual along the main axis. Rounds to the nearest integer, halves
- *  up. */
+/*! Contribution of a slope to a component. main: residual along the main axis. Rounds to nearest, halves up. */
 CVERT_FUNCTION int slopeResidual (int slope, int main) { return (slope*main + 8) >> 4; }
 
-/*! Bilinear prediction of a coordinate. Rounds to the nearest integer, halves up. */
+/*! Bilinear prediction. Rounds to nearest, halves up. */
 CVERT_FUNCTION int cellPrediction (int c00, int c10, int c01, int c11, int weightX, int weightY)
 {
   int sum = 16*weightX*(c10-c00) + 16*weightY*(c01-c00) + weightX*weightY*(c11-c10-c01+c00);

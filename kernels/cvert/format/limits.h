@@ -1,7 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Limits of patches, blocks and surface numbers. */
 
 #ifndef CVERT_LIMITS_H
 #define CVERT_LIMITS_H
@@ -10,13 +9,13 @@
 
 CVERT_BEGIN
 
-/*! Largest rate of an edge, and largest number of quads per side of a patch. */
+/*! Largest rate of an edge, and most quads per side of a patch. */
 CVERT_CONSTANT uint32_t maxVertRate = 4096u;
 
-/*! Blocks in memory and in files begin at multiples of this many bytes. */
+/*! Alignment of blocks in memory and in files, in bytes. */
 CVERT_CONSTANT uint32_t blockAlignment = 16u;
 
-/*! Lowest surface number in files. Lower numbers are for surfaces in memory. */
+/*! Surface numbers in files start here; lower ones are for surfaces in memory. */
 CVERT_CONSTANT uint32_t firstFileNumber = 1u << 30;
 
 /*! Added to the number of a moving surface. */

@@ -2,27 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A mesh block: up to 256 triangles of any mesh in up to 16 groups, with their vertices and primitive numbers.
- * docs/formats/mesh_block.md specifies it. Its layout is
+ * docs/formats/mesh_block.md specifies it. Layout:
  *
  *   header | records of groups | boxes of groups | topology of groups | fields of vertices | numbers of groups
  *
- * Only the sizes of groups are stored. The offsets of a group in the last three sections are sums over the groups
- * before it.
+ * Only the sizes of groups are stored: their offsets in the last three sections are sums over the groups before them.
  *
- * A vertex belongs to the first group that uses it. Groups share vertices by their number in the block. On each axis
- * a vertex is
+ * A vertex belongs to the first group that uses it; other groups refer to its number in the block. On each axis a
+ * vertex is origin + coordinate * spacing, exact in float, where the spacing is a power of two. If this takes too many
+ * bits, the coordinate is the number of floats between origin and vertex. Fields of vertices are relative to the box of
+ * the owning group. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
  *
- *   origin + coordinate * spacing,
- *
- * where the spacing is a power of two. It is exact in float. If this takes too many bits, the coordinate is the number
- * of floats between the origin and the vertex instead. Fields of vertices are relative to the box of the group that
- * owns them, and have as many bits as its box needs. On one axis, boxes and fields may use a sheared coordinate, so
- * that inclined sheets have flat boxes and short fields.
- *
- * The triangles of a group are generalized strips. A strip is a stream of vertices. Each triangle after the first
- * uses the next vertex of the stream and two vertices of the triangle before it: the last one, and the second to last
- * or the first. The position of each triangle in the stream follows from bit masks, so triangles are decoded in
- * parallel.
+ * The triangles of a group are generalized strips, streams of vertices. Each triangle after the first uses the next
+ * vertex of the stream and two vertices of the triangle before it: the last one, and the second to last or the first.
+ * Bit masks determine the position of each triangle in the stream, so triangles are decoded in parallel.
  *
  * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly
  * Geometry Format for Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
@@ -34,11 +27,11 @@
 
 CVERT_BEGIN
 
-/*! Version of the bytes that this header and docs/formats/mesh_block.md describe. It is stored where grid blocks store
- *  their version: readers that know only grid blocks reject version 6 as unknown. */
+/*! Stored where grid blocks store their version, so that readers of grid blocks reject mesh blocks as an unknown
+ *  version. */
 CVERT_CONSTANT uint32_t meshFormatVersion = 6u;
 
-/*! Kind of a block, in the bits of `counts` and `form` that are reserved in blocks of version 5. Grid blocks are 0. */
+/*! Kind of a block, in the bits of `counts` and `form` that version 5 reserves. Grid blocks have kind 0. */
 CVERT_CONSTANT uint32_t kindOfMesh = 1u;
 
 CVERT_CONSTANT uint32_t meshHeaderBytes = 56u;
@@ -55,13 +48,13 @@ CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< of boxes on an axis who
 
 struct MeshHeader
 {
-  float origin[3];        //!< position of coordinates 0
+  float origin[3];        //!< position of coordinates (0,0,0)
   //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; other bits: 0
   uint32_t spacings;
-  uint32_t surface;       //!< number of the geometry's surface, limits.h
+  uint32_t surface;       //!< number of the surface, see limits.h
   uint32_t primID;        //!< base of the primitive numbers
   uint32_t bytes;         //!< size of the block, a multiple of 4
-  uint32_t motion;        //!< 0, reserved
+  uint32_t motion;        //!< reserved, 0
   //! a byte per group, 0 if unused: bits 0..4: triangles minus 1; 5..7: lower bits of the number of restarts
   uint32_t groups[4];
   //! bits 0..9: vertices minus 1; 10..13: groups minus 1; 16..23: triangles minus 1; 24..29: bits of the base number of
@@ -77,7 +70,7 @@ CVERT_FUNCTION uint32_t meshGroups (uint32_t counts) { return ((counts >> 10) & 
 CVERT_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16) & 255u) + 1u; }
 CVERT_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
 
-/*! Bits of version and kind in `counts` and in `form`, which are words 4 and 5 of corners in a grid block. */
+/* Bits of version and kind in `counts` and `form`, which are words 4 and 5 of corners in a grid block. */
 CVERT_FUNCTION uint32_t meshMarkOfCounts () {
   return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
     | (kindOfMesh & 2u) << 29;
@@ -87,7 +80,7 @@ CVERT_FUNCTION uint32_t meshMarkOfForm () {
     | (kindOfMesh & 8u) << 27;
 }
 
-/*! Version and kind of any block, from its words 12 and 13. */
+/* Version and kind of any block, from its words 12 and 13. */
 CVERT_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
 CVERT_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
@@ -95,10 +88,10 @@ CVERT_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
 }
 
-/*! True if coordinates on an axis count floats. */
+/*! True if coordinates count floats. */
 CVERT_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
-/*! Rank of a float among all floats, by size. 0 has rank 2^31. */
+/*! Rank among all floats, by size. 0 has rank 2^31. */
 CVERT_FUNCTION uint32_t rankOfFloat (float x)
 {
   uint32_t bits = bitsOfFloat(x);
@@ -108,7 +101,7 @@ CVERT_FUNCTION float floatOfRank (uint32_t rank) {
   return floatOfBits(rank >= 0x80000000u ? rank - 0x80000000u : 0u - rank);
 }
 
-/*! Planes of boxes are multiples of 2^meshBoxShift coordinates. */
+/*! Planes of boxes are multiples of 2^meshBoxShift. */
 CVERT_FUNCTION uint32_t meshBoxShift (uint32_t spacings, uint32_t form, uint32_t axis) {
   return ((form >> (4u*axis)) & 15u) + (hasRanks(spacings,axis) ? leastRankShift : 0u);
 }
@@ -118,11 +111,11 @@ CVERT_FUNCTION uint32_t meshShearedAxis (uint32_t form) { return (form >> 12) & 
 /*! Slope of axis m+i (i = 1 or 2), in 1/16, where m is the sheared axis. */
 CVERT_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16u-5u*i)) >> 27; }
 
-/*! Bit of `form`: the primitives are quads. Each has two triangles, (v0,v1,v3) and (v2,v3,v1). The number of a triangle
- *  is twice the number of its primitive, plus 1 for the second. */
+/*! Bit of `form`: the primitives are quads with two triangles, (v0,v1,v3) and (v2,v3,v1). A triangle's number is twice
+ *  the number of its primitive, plus 1 for the second. */
 CVERT_CONSTANT uint32_t meshIsOfQuads = 1u << 26;
 
-/*! number: number of a triangle. */
+/* number: number of a triangle */
 CVERT_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
   return (form & meshIsOfQuads) != 0u ? number >> 1 : number;
 }
@@ -130,17 +123,17 @@ CVERT_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
   return (form & meshIsOfQuads) != 0u && (number & 1u) != 0u;
 }
 
-/*! Returns the value that is added to a coordinate of the sheared axis. c1, c2: coordinates on the axes m+1 and m+2.
- *  Rounds to the nearest integer, halves up. */
+/*! Amount that the shear adds to a coordinate. c1, c2: coordinates on the axes m+1 and m+2. Rounds to nearest, halves
+ *  up. */
 CVERT_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
 
-/* Byte of a group: see MeshHeader::groups. Record of a group:
+/* MeshHeader::groups describes the byte of a group. Record of a group:
  *
  *   bits 0..4      vertices
  *   bits 5..9      vertices that belong to the group
- *   bits 10..14    bits of a primitive number; 31 stands for 32
+ *   bits 10..14    bits of a primitive number; 31 means 32
  *   bit 15         upper bit of the number of restarts */
 
 CVERT_FUNCTION uint32_t groupTriangles (uint32_t group) { return (group & 31u) + 1u; }
@@ -153,7 +146,7 @@ CVERT_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
-/*! Number of bits of numbers below `count`. */
+/*! Number of bits that hold all numbers below `count`. */
 CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
 {
   uint32_t bits = 0u;
@@ -163,14 +156,13 @@ CVERT_FUNCTION uint32_t bitsForBelow (uint32_t count)
 
 CVERT_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { return triangles + 2u + 2u*restarts; }
 
-/* Topology of a group, in this order, the lowest bit first. Triangle 0 starts a strip, and the first three vertices
- * of the stream are new.
+/* Topology of a group, in this order, lowest bit first. Triangle 0 starts a strip, and the first three vertices of the
+ * stream are new.
  *
  *   restarts      a bit per triangle from 1 on: it starts a strip
  *   fans          a bit per triangle from 1 on: it keeps the first vertex of the triangle before it
  *   turns         2 bits per triangle, 0 to 2
- *   news          a bit per vertex of the stream from 3 on: it was not in the stream before, and gets the group's
- *                 next number
+ *   news          a bit per vertex of the stream from 3 on: it is new and gets the group's next number
  *   owns          a bit per vertex of the group: it belongs to the group
  *   repeats       for each vertex of the stream that is not new: its number in the group
  *   others        for each vertex of the group that does not belong to it: its number in the block */
@@ -181,7 +173,7 @@ struct MeshTopology
   uint32_t bits;                                               //!< bits of the whole topology
 };
 
-/*! group, record: byte and record of the group. vertices: number of vertices of the block. */
+/*! group, record: its byte and record. vertices: of the block */
 CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32_t vertices)
 {
   uint32_t triangles = groupTriangles(group), stream = streamLength(triangles,groupRestarts(group,record)),
@@ -200,12 +192,12 @@ CVERT_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint3
   return at;
 }
 
-/*! Number of bits of a vertex field of a group on an axis. extent: extent of the box of the group. */
+/*! Bits of a vertex field on an axis. extent: of the group's box. */
 CVERT_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
-/*! Number of bits of the primitive numbers of a group: its base, then a number per triangle. */
+/*! Bits of the primitive numbers of a group: a base, then a number per triangle. */
 CVERT_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
@@ -228,9 +220,8 @@ CVERT_FUNCTION MeshLayout meshLayout (uint32_t counts)
   return offsets;
 }
 
-/* Strips. Masks have a bit per triangle of the group. Bit 0 is triangle 0, which starts a strip. */
+/* Strips. Masks have a bit per triangle of the group, starting with triangle 0. */
 
-/*! Mask of bits 0 to t. */
 CVERT_FUNCTION uint32_t bitsUpTo (uint32_t t) { return 0xFFFFFFFFu >> (31u-t); }
 
 CVERT_FUNCTION uint32_t countBits (uint32_t mask)
@@ -240,7 +231,7 @@ CVERT_FUNCTION uint32_t countBits (uint32_t mask)
   return (((count + (count >> 4)) & 0x0F0F0F0Fu)*0x01010101u) >> 24;
 }
 
-/*! Index of the highest bit of a mask, which must not be 0. */
+/*! Requires a mask other than 0. */
 CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
 {
   uint32_t bit = 0u;
@@ -248,16 +239,16 @@ CVERT_FUNCTION uint32_t highestBit (uint32_t mask)
   return bit;
 }
 
-/*! Vertices of a triangle in the stream, in the order of the application's triangle. */
+/*! Positions in the stream, in the order of the application's triangle. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
-/*! restarts, fans: masks; bit 0 is set in restarts and clear in fans. turn: of triangle t. */
+/*! Bit 0 must be set in restarts and clear in fans. turn: of triangle t. */
 CVERT_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
-  uint32_t last = t + 2u*countBits(restarts & upTo); // position in the stream of the triangle's last vertex
+  uint32_t last = t + 2u*countBits(restarts & upTo); // the triangle's last vertex
   uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
-  // the last triangle up to t that did not keep the first vertex
+  // last triangle up to t that did not keep the first vertex
   uint32_t kept = highestBit((~fans | restarts) & upTo);
   uint32_t first = kept + 2u*countBits(restarts & bitsUpTo(kept)) - 2u;
   uint32_t flips = countBits(~(fans | restarts) & upTo & ~((1u << start) - 1u));
@@ -276,7 +267,7 @@ static_assert(sizeof(cvert::MeshHeader) == cvert::meshHeaderBytes, "header of a 
 
 CVERT_BEGIN
 
-/*! True if a block of at least 56 bytes is a mesh block of any version. */
+/*! True for mesh blocks of any version. Reads 56 bytes. */
 inline bool isMeshBlock (const void* block)
 {
   uint32_t words[2];

@@ -5,15 +5,15 @@
  *
  *   block of step 0 with the margins of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers
  *
- * A segment is the time between two steps. Vertices and planes of boxes are linear in it. A step has its own lattice,
- * origin, corners and cells, as a block has. The residuals of a cell may be predicted from its residuals in step 0:
- * details turn with the surface, so one matrix turns all residuals of the block, and only the difference is stored.
+ * A segment is the time between two steps; vertices and planes of boxes are linear in it. Each step has its own
+ * lattice, origin, corners and cells. The residuals of a cell may be predicted from its residuals in step 0: details
+ * rotate with the surface, so one matrix rotates all residuals of the block, and only the difference is stored.
  *
  *   step: VertStep | word of remainders | margins of the segment that begins | words of groups |
  *         fields of the first cell | fields of groups | remainders
  *
- * A raw step stores its vertices as floats after VertStep. If either end of a segment is raw, its margins are not used,
- * and its boxes are the boxes of the decoded vertices. */
+ * A raw step stores its vertices as floats after VertStep. A segment with a raw end does not use its margins: its boxes
+ * are the boxes of the decoded vertices. */
 
 #ifndef CVERT_VERT_MOTION_FORMAT_H
 #define CVERT_VERT_MOTION_FORMAT_H
@@ -42,7 +42,7 @@ struct VertStep
 };
 CVERT_READABLE(VertStep,4)
 
-/*! Units of the bounds of a block at the beginning and at the end of a segment, see reachStep. */
+/* Units of the bounds of a block at the beginning and at the end of a segment, see reachStep. */
 CVERT_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
 CVERT_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >> 19) & 15u); }
 
@@ -51,21 +51,21 @@ CVERT_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 
 CVERT_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
 CVERT_FUNCTION bool isTurned (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
 
-/*! Entries of the matrix are in units of 2^-turnShift, 1 to 7. */
+/*! 1 to 7; entries of the matrix are multiples of 2^-turnShift */
 CVERT_FUNCTION uint32_t turnShift (uint32_t turned) { return 7u - ((turned >> 16) & 7u); }
 
-/*! Byte 0 to 3 of a word of entries, signed. */
+/*! Signed byte 0 to 3 of a word of entries. */
 CVERT_FUNCTION int turnEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
 
-/*! Product of a row of the matrix and a residual. Rounds to the nearest integer, halves up. */
+/*! Product of a row of the matrix and a residual. Rounds to nearest, halves up. */
 CVERT_FUNCTION int turnedResidual (int a, int b, int c, int x, int y, int z, uint32_t shift) {
   return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
 }
 
-/*! True if a block exists at a time: from its first step to its last, both included. */
+/*! True from the first step to the last, both included. */
 CVERT_FUNCTION bool isThere (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
-/*! Position of a time: its segment, and the fraction of the segment before it, 0 to 1, as Embree computes it. */
+/*! Segment of a time, and position in it, 0 to 1, as Embree computes them. */
 struct TimeInMotion
 {
   uint32_t segment;
@@ -82,7 +82,7 @@ CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
   return at;
 }
 
-/*! Bounds of a block between two steps. fraction: position between them, 0 to 1. */
+/*! fraction: position between the steps a and b, 0 to 1 */
 CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
 {
   float e = 1.0f-fraction;
@@ -94,9 +94,9 @@ CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fracti
   return bounds;
 }
 
-/*! Distance by which planes of boxes must be moved outwards on an axis between two steps. Vertices, origins and planes
- *  there are rounded by less than 3 times 2^-24 of themselves. a, b: origins at the steps on that axis. extent:
- *  extentOfReach, the larger of the two steps. */
+/*! Distance by which planes of boxes must move outwards on an axis between two steps, because vertices, origins and
+ *  planes there are rounded by less than 3 times 2^-24 of themselves. a, b: origins at the steps on that axis. extent:
+ *  the larger extentOfReach of the two steps. */
 CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
@@ -123,12 +123,11 @@ CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
-/*! Entry i of the matrix of a step, row by row. */
 CVERT_FUNCTION int turnEntry (CVERT_IN(VertStep) step, uint32_t i) {
   return i < 8u ? turnEntry(step.turn[i >> 2],i & 3u) : turnEntry(step.turned,3u);
 }
 
-/*! step: from 1 on. */
+/*! Requires step >= 1. */
 CVERT_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
   return CVERT_AS(VertStep,bytesAfter(block,wordAt(block,motionOf(block).steps/4u + step-1u)));
 }
@@ -141,7 +140,7 @@ static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes
 
 CVERT_BEGIN
 
-/*! Size of a step in bytes, without padding. */
+/*! Bytes of a step, without padding. */
 inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 {
   const VertStepLayout layout = vertStepLayout(region,step->boxForm);
@@ -154,7 +153,7 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
                      groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
 }
 
-/*! Size of a block in bytes, without padding. */
+/*! Bytes of a block, without padding. */
 inline uint32_t vertBytes (const VertHeader* block)
 {
   const uint32_t form = block->patchQuads;

@@ -6,16 +6,16 @@
  *
  *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row
  *   recursive   bits of x and y map to bits of the number: quads that were split into four recursively
- *   table       any other order of quads; for each quad: its number minus the lowest
+ *   table       any order of quads; for each quad: its number minus the lowest
  *   triangles   any order of triangles; for each triangle: its number minus the lowest, and its turn
  *
  * Bit 30 of boxForm marks such blocks. VertNumbers follows the header, where other blocks have edges. patchQuads is the
- * form of the numbers, and primID is the number that they are relative to.
+ * form of the numbers, and primID their base.
  *
- * The number of a quad of two triangles is the number of its first triangle. The second triangle has a higher number;
- * the distance is 1 or stored in VertHalves, so that an application may list all first triangles before all second
- * ones. The parameters of a triangle depend on its turn: the corner with which the application's triangle begins. Forms
- * or the table of triangles store turns. block.h reads all of this. */
+ * The number of a quad of two triangles is the number of its first triangle. The number of the second triangle is
+ * higher by 1, or by a distance in VertHalves if the application lists all first triangles before all second ones. The
+ * parameters of a triangle depend on its turn: the corner with which the application's triangle begins. The form or the
+ * table stores turns. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
@@ -32,18 +32,18 @@ struct VertNumbers
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Part of blocks whose second triangles do not follow the first ones. Only a table is stored after it. */
+/*! Part of blocks whose second triangles do not follow the first ones. Only a table may follow it. */
 struct VertHalves
 {
   VertNumbers numbers;
-  uint32_t distance; //!< from the number of a first triangle to the number of its second triangle, modulo 2^32
+  uint32_t distance; //!< from a first triangle's number to its second triangle's number, modulo 2^32
 };
 CVERT_READABLE(VertHalves,4)
 
 CVERT_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
 
-/* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles without a second one; 4..5, 6..7: turns of the first and
- * the second triangle; 8..15: value that recursive numbers begin with; 16: has VertHalves. */
+/* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: turns of the first and the second triangle;
+ * 8..15: initial value of recursive numbers; 16: has VertHalves. */
 CVERT_CONSTANT uint32_t numbersInRows = 0u;
 CVERT_CONSTANT uint32_t numbersRecursive = 1u;
 CVERT_CONSTANT uint32_t numbersInTable = 2u;
@@ -60,7 +60,7 @@ CVERT_FUNCTION bool isOneTriangle (uint32_t form) { return (form & numbersOfOneT
 CVERT_FUNCTION uint32_t formOfTurns (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
 CVERT_FUNCTION uint32_t turnOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6 : 4)) & 3u; }
 
-/*! Number of quad x, y relative to the first. The form must not be a table. */
+/*! Number of quad x, y relative to the first. Requires a form without table. */
 CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
@@ -72,26 +72,23 @@ CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint3
   return isOfTriangles(form) && !haveHalves(form) ? 2u*code : code;
 }
 
-/*! Number of bits of the turn, the lowest bits of an entry in a table of triangles. Numbers in such a table are
- *  therefore within 2^30 of the lowest. */
+/*! The lowest bits of an entry in a table of triangles. Numbers in it are therefore within 2^30 of the lowest. */
 CVERT_CONSTANT uint32_t turnBits = 2u;
 
-/*! Number of table entries per quad. */
 CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
   return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
 
-/*! Size of a table in bytes. Readers may read 32 bits after its end. */
+/*! Bytes of a table. Readers may read 32 bits after its end. */
 CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
-/*! A primitive at a quad: the quad or one of its triangles. */
+/*! The quad or one of its triangles. */
 struct QuadPrimitive
 {
   uint32_t primID;
-  uint32_t form; //!< form of its block, with the turn of this triangle, for ownParameters() and turnOfTriangle()
+  uint32_t form; //!< form of its block with the turn of this triangle
 };
 
-/*! Parameters of a primitive at position a, b of a quad, 0 to 1. */
 struct OwnParameters { float u, v; };
 
 CVERT_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
@@ -100,7 +97,7 @@ CVERT_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float 
   parameters.u = a;
   parameters.v = b;
   if (!isOfTriangles(form)) return parameters;
-  /* weights of the corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second */
+  // weights of the corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
   uint32_t turn = turnOfTriangle(form,isSecond);

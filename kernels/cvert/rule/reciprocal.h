@@ -1,7 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Reciprocal of a component of a direction, by which distances to planes become distances along the ray. */
 
 #ifndef CVERT_RECIPROCAL_H
 #define CVERT_RECIPROCAL_H
@@ -10,10 +9,9 @@
 
 CVERT_BEGIN
 
-/*! Returns the reciprocal of component d of a direction. largest: magnitude of its largest component. Magnitudes below
- *  1e-18 of the largest count as 1e-18 of it, which is far below the precision of floats at any length of the
- *  direction. The result is neither 0 nor infinite nor denormal, so its product with a distance is a number, even if
- *  the distance is 0 or infinite. d and largest must be finite. */
+/*! Reciprocal of component d of a direction. largest: magnitude of the largest component. Both must be finite.
+ *  Magnitudes below 1e-18 of the largest, far below the precision of floats, count as 1e-18 of it. The result is normal
+ *  and not 0, so its product with a distance is a number, even if the distance is 0 or infinite. */
 CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
 {
   Real least = greater(Real(1e-18f)*largest,Real(1.17549435e-38f));

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule by which rays hit the triangles of cVERT. docs/formats/rays.md specifies it. Single rays, packets, shaders
- * and tests share this code. Its parts, in the order in which a ray needs them:
+/* The rule by which rays hit the triangles of cVERT, for single rays, packets, shaders and tests.
+ * docs/formats/rays.md specifies it. Its parts, in the order in which a ray needs them:
  *
  *   boxes        by how much boxes are enlarged, because they only cull
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
@@ -19,8 +19,8 @@
  *      |      \   |
  *     00-bottom--10
  *
- * Real is a float, or a vector of floats with a ray or a quad per lane. In Wide, products of Reals are exact: it is a
- * double or a vector of doubles. In shaders without 64-bit floats Wide is a float, too, and signs are computed exactly
+ * Real is a float, or a vector of floats with a ray or a quad per lane. Wide is a double or a vector of doubles, in
+ * which products of Reals are exact. In shaders without 64-bit floats Wide is a float, and signs are computed exactly
  * in integers.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
@@ -35,24 +35,24 @@ CVERT_BEGIN
 
 /* --- boxes --------------------------------------------------------------------------- */
 
-/*! Bound of the total rounding error of the sheared vertices, the boxes and the ray's distances to them, in ulps: 1/2
- *  for a difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders the error of a quotient is
- *  up to 2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each of the two distances. */
+/*! Bound of the total rounding error of sheared vertices, boxes and the ray's distances to them, in ulps: 1/2 for a
+ *  difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders the error of a quotient is up to
+ *  2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each distance. */
 #ifdef VULKAN
 CVERT_CONSTANT float slackUlps = 14.0f;
 #else
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! The same bound for the sheared coordinate, in which the ray's origin and direction are sums of three terms. */
+/*! The same for the sheared coordinate, in which the ray's origin and direction are sums of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
-/*! Distance by which planes on a world axis are moved outwards. extent: at least the block's extent from its origin. */
+/*! Outward offset of planes on a world axis. extent: at least the block's extent from its origin. */
 CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
   return Real(slackUlps*floatUlp)*(magnitude(Real(origin)-org) + Real(extent));
 }
 
-/*! A ray along the sheared coordinate of the boxes of a block, relative to the origin of the block. */
+/*! Ray along the sheared coordinate, relative to the block's origin. */
 CVERT_REAL struct ShearedCoordinate
 {
   Real org, dir;
@@ -66,7 +66,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
   return sum;
 }
 
-/*! Adds the contribution of a world axis. shear: factor of the axis. */
+/*! Adds a world axis, whose factor is `shear`. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -77,16 +77,14 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
   return sum;
 }
 
-/*! Distance by which planes of the sheared coordinate are moved outwards. size: ShearedCoordinate::size. */
+/*! Outward offset of planes of the sheared coordinate. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! Factor of a world axis in the sheared coordinate of boxes: i = 0 for the sheared axis m, 1 and 2 for the next
- *  axes. */
+/*! Factor of a world axis in the sheared coordinate: i = 0 for the sheared axis m, 1 and 2 for the next axes. */
 CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
 
-/*! Part of a ray between planes. */
 CVERT_REAL struct RayInterval { Real from, to; };
 
 /*! lower, upper: planes relative to the ray's origin. rcp: directionReciprocal. */
@@ -94,42 +92,41 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) int
 {
   Real a = lower*rcp, b = upper*rcp;
   interval.from = greater(interval.from,lesser(a,b));
-  interval.to = lesser(interval.to,greater(b,a)); // (a,b) would make the compiler merge both lines into one branch
+  interval.to = lesser(interval.to,greater(b,a)); // with (a,b) compilers merge both lines into a branch
   return interval;
 }
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Returns the axis of the largest of three magnitudes, or the first if several are equal. NaN counts as largest. The
- *  code has no branches because processors would often mispredict them. */
+/*! Axis of the largest magnitude, or the first of several. NaN counts as largest. Has no branches, which would often be
+ *  mispredicted. */
 CVERT_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
   return 2*isZ + (isY & (1-isZ));
 }
 
-/*! Side of the ray on which the sheared edge from a to b lies. The result for the edge's other triangle is the exact
- *  negative because products commute. Rounding is monotonic, so the result may round to 0 but never to the wrong
- *  sign. */
+/*! Side of the ray on which the sheared edge from a to b lies. The edge's other triangle gets the exact negative,
+ *  because products commute. Rounding is monotonic, so the result may round to 0 but never to the wrong sign. */
 CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 {
-  CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // CVERT_PRECISE: drivers must not fuse the difference
+  CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // drivers must not fuse the difference
   return side;
 }
 
-/*! True if the ray is on the same side of three edges, or on some of them. Never false for a triangle that contains the
- *  ray. */
+/*! True if the ray is on the same side of three edges, or on some of them. Conservative: never false for a triangle
+ *  that contains the ray. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
 
-/*! Sides of the edges of a triangle. Each is the weight of the opposite vertex. */
+/*! Sides of a triangle's edges, which are the weights of the opposite vertices. */
 CVERT_REAL struct TriangleSides
 {
   Real w0, w1, w2, sum;
 };
 
-/*! a, b, c: sheared vertices of the triangle. */
+/*! a, b, c: sheared vertices */
 CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay, Real bx, Real by, Real cx, Real cy)
 {
   CVERT_OF(TriangleSides) sides;
@@ -140,9 +137,8 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
   return sides;
 }
 
-/*! True if no side rounded to 0. For triangles that satisfy isInside the signs are then exact. The operands of lesser
- *  and greater are nested differently: otherwise the compiler would generate a branch, which a processor would
- *  mispredict. */
+/*! True if no side rounded to 0: signs are exact for triangles that satisfy isInside. lesser and greater are nested
+ *  differently, because compilers would otherwise generate a branch, which would be mispredicted. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) areCertain (CVERT_OF(TriangleSides) sides)
 {
   return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),
@@ -152,8 +148,8 @@ CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) areCertain (CVERT_OF(TriangleSides) sid
 
 /* --- containment --------------------------------------------------------------------- */
 
-/*! Product of two floats for the exact sign of ax by - ay bx in integers: the product of the mantissas, shifted until
- *  its highest bit is at a fixed position, and the exponent. The floats must be finite. */
+/*! Product of two finite floats: the product of the mantissas, shifted until its highest bit is at a fixed position,
+ *  and the exponent. For the exact sign of ax by - ay bx in integers. */
 struct ExactProduct
 {
   int exponent;
@@ -169,7 +165,7 @@ CVERT_FUNCTION ExactProduct exactProduct (float a, float b)
   if (e != 0) m |= 0x800000u; else e = 1;
   if (f != 0) n |= 0x800000u; else f = 1;
 
-  /* halves of 12 bits */
+  // halves of 12 bits
   uint32_t cross = (m >> 12)*(n & 4095u) + (m & 4095u)*(n >> 12);
   uint32_t low = (m & 4095u)*(n & 4095u) + ((cross & 4095u) << 12);
   ExactProduct p;
@@ -209,7 +205,7 @@ CVERT_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
-/*! The same sign by doubles, in which products of floats are exact. */
+/*! The same in doubles, in which products of floats are exact. */
 CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
@@ -220,7 +216,7 @@ CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return e
 #endif
 
 /*! True if a sheared triangle contains the ray, by exact signs. A side of 0 counts as inside for both triangles of its
- *  edge. A triangle whose three sides are 0 is a line and covers nothing that other triangles do not cover. */
+ *  edge. A triangle with three sides of 0 is a line, which other triangles cover. */
 CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
@@ -232,12 +228,11 @@ CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, 
 
 /* --- distance ------------------------------------------------------------------------ */
 
-/*! Vertices of a triangle by axis: at[axis][vertex]. Differences of floats are exact in double if their exponents
- *  differ by at most 28. Distances come from the plane because weights of a needle have larger errors than its
- *  plane. */
+/*! Vertices by axis: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at most
+ *  28. Distances come from the plane because the weights of a needle have larger errors than its plane. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
-/*! Cross product of the edges from the first vertex. 0 if the triangle is a line. */
+/*! Cross product of the edges from the first vertex; 0 for a line. */
 CVERT_WIDE struct WideNormal { Wide at[3]; };
 
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTriangle) triangle)
@@ -254,15 +249,14 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTr
   return n;
 }
 
-/*! A ray counts as lying in a plane if |n d| is at most this fraction of the sum of |n_k d_k|: vertices of 24 bits do
- *  not resolve smaller angles. */
+/*! A ray lies in a plane if |n d| is at most this fraction of the sum of |n_k d_k|: vertices of 24 bits do not resolve
+ *  smaller angles. */
 CVERT_CONSTANT float minCosine = 1e-6f;
 
-/*! Intersection of a ray and a plane. */
 CVERT_WIDE struct PlaneMeeting
 {
-  Wide t;            //!< infinite or NaN if the ray is parallel to the plane
-  Wide speed, least; //!< n d, and the bound of |n d| up to which the ray lies in the plane
+  Wide t;            //!< infinite or NaN if the ray is parallel
+  Wide speed, least; //!< n d, and the largest |n d| of a ray in the plane
 };
 
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(WideTriangle) triangle,
@@ -283,11 +277,11 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(Wid
   return at;
 }
 
-/*! Distances of the nearest and the farthest vertex of a triangle along a ray. */
+/*! Distances along a ray of a triangle's nearest and farthest vertex. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
-/*! z0, z1, z2: coordinates of the vertices on the axis of the ray's largest component. org, dir: of the ray on this
- *  axis. Division is monotonic, so dividing the lowest and the highest difference suffices. */
+/*! All parameters: on the axis of the ray's largest component. Division is monotonic, so dividing the lowest and the
+ *  highest difference suffices. */
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;
@@ -302,14 +296,13 @@ CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide
   return lesser(greater(t,span.nearest),span.farthest);
 }
 
-/*! True if the plane determines the distance: the ray does not lie in it, or the plane's distance is within the
- *  triangle. Otherwise the ray may be inside only because vertices are rounded, and the plane does not determine
- *  where. */
+/*! True if the plane determines the distance: the ray does not lie in it, or the distance is within the triangle.
+ *  Otherwise the ray may be inside only because vertices are rounded. */
 CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isOfPlane (CVERT_OF_WIDE(PlaneMeeting) at, CVERT_OF_WIDE(TriangleSpan) span) {
   return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
 }
 
-/*! Distance at which a ray is nearest to the longest edge of a triangle. */
+/*! Distance at which a ray is nearest to a triangle's longest edge. */
 CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
                                                  const Wide dir[3])
 {
@@ -326,16 +319,17 @@ CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) tri
     if (ee <= best) continue;
     best = ee;
     Wide det = dd*ee - de*de;
+    // position on the edge
     Wide s = det > Wide(0.0f) ? lesser(greater((de*dw - dd*ew)/det,Wide(0.0f)),Wide(1.0f))
-                              : Wide(0.0f); // position on the edge
+                              : Wide(0.0f);
     t = (dw + s*de)/dd;
   }
   return t;
 }
 
-/*! Distance of the hit of a ray that starts at tnear and whose line passes through a triangle. If the plane does not
- *  determine the distance because the ray lies in it, the hit is where the ray is nearest to the longest edge. It is
- *  not before tnear: otherwise the ray could leave a closed surface there without a hit. */
+/*! Distance at which a ray hits a triangle that its line passes through. If the ray lies in the plane, it hits where it
+ *  is nearest to the longest edge, but not before tnear: otherwise a ray could leave a closed surface there without a
+ *  hit. */
 CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)
@@ -349,12 +343,11 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
 /* --- nearest hit --------------------------------------------------------------------- */
 
 /* results of placeOfHit */
-CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
-CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
-CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it comesBefore the previous hit of the ray
+CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< does not count
+CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< counts
+CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< counts if it comesBefore the previous hit of the ray
 
-/*! exact: distance of the hit. tfar: end of the ray, or distance of the nearest hit so far. isOfHit: true if tfar is
- *  the distance of a cVERT hit. */
+/*! tfar: end of the ray, or distance of the nearest hit so far. isOfHit: tfar is the distance of a cVERT hit. */
 CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isOfHit)
 {
   float t = float(exact);
@@ -367,13 +360,13 @@ CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar
 struct TriangleName
 {
   uint32_t geomID, primID;
-  uint32_t region;     //!< of the block, see VertHeader
-  uint32_t triangle;   //!< 32 (column + 4 row) of its group in the block + 2 (column + 4 row) of its quad in the group,
-                       //!< plus 1 for the second triangle of the quad
+  uint32_t region;     //!< VertHeader::region of the block
+  uint32_t triangle;   //!< 32 (column + 4 row) of the group in the block + 2 (column + 4 row) of the quad in the group
+                       //!< + 1 for the second triangle of the quad
 };
 
-/*! Order of hits at the same distance. The first hit in this order counts, so that the result does not depend on the
- *  order in which blocks are traced. */
+/*! Order of hits at the same distance. The first one counts, so that the order in which blocks are traced does not
+ *  matter. */
 CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
@@ -381,25 +374,25 @@ CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
-/*! Corner of the quad, column + 2 row, that is a vertex of triangle h of a group. */
+/*! Corner of the quad, column + 2 row, at a vertex of triangle h of a group. */
 CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
-/*! Position in its group of the quad of triangle h. */
+/* Position in its group of the quad of triangle h. */
 CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
 CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! Position in a quad, 0 to 1 along u and v. */
+/*! 0 to 1 along u and v */
 CVERT_REAL struct QuadPosition { Real a, b; };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(TriangleSides) sides, CVERT_BOOL(Real) isSecond)
 {
-  // weights of the second and the third vertex; NaN if all sides rounded to 0
+  // weights of the second and the third vertex, NaN if all sides rounded to 0
   Real b1 = sides.w1/sides.sum, b2 = sides.w2/sides.sum;
   CVERT_OF(QuadPosition) position;
   position.a = choose(isSecond,b1+b2,b1);
@@ -407,22 +400,21 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
   return position;
 }
 
-/*! Clamps to 0 to 1. NaN, which slivers produce, becomes 1/2: the middle of the diagonal belongs to both triangles. */
+/*! Clamps to 0 to 1. NaN of slivers becomes 1/2: the middle of the diagonal belongs to both triangles. */
 CVERT_REAL CVERT_INLINE Real inUnit (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
-/*! Parameter of the face at position a of quad x of `quads` quads along the patch. corner: corner of the patch, in
- *  halves. */
+/*! Parameter of the face at position a of quad x of `quads` along the patch. corner: of the patch, in halves. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
   return Real(0.5f*float(corner)) + greater((x + inUnit(a))/Real(float(quads)),Real(0.0f));
 }
 
-/*! Position in the patch of the first quad of the group in a lane. */
+/* Position in the patch of the first quad of the group in a lane. */
 CVERT_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
 CVERT_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
 
-/*! True if an edge of a patch has a lower rate than the patch has quads. The block must have edges. */
+/*! True if an edge has a lower rate than the patch has quads. Requires a block with edges. */
 CVERT_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -430,8 +422,7 @@ CVERT_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
     || vertRate(edges,3) != quadsY;
 }
 
-/*! True if a quad of a patch is at an edge of a lower rate: its parameters are interpolated from the parameters of its
- *  vertices. The block must have edges. */
+/*! True if a quad is at such an edge, where its parameters are interpolated from those of its vertices. */
 CVERT_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -441,8 +432,8 @@ CVERT_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_
 
 struct FaceParameters { float u, v; };
 
-/*! Parameters at position (a,b) of a quad that isAtLowerEdge: barycentric interpolation in a triangle of the parameters
- *  of its vertices, which Embree stitches at edges of a lower rate. */
+/*! Parameters at position (a,b) of a quad that isAtLowerEdge: barycentric interpolation of the parameters of vertices,
+ *  which Embree stitches there. */
 CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {
@@ -464,7 +455,6 @@ CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEd
   return parameters;
 }
 
-/*! Primitive and parameters of a hit. */
 struct SurfacePoint
 {
   uint32_t primID;
