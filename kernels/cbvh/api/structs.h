@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Structs of include/embree3, and conversions to and from the structs of the core. */
+/* Public structs and their conversions. */
 
 #include "../core/struct_size.h"
 #include "../embree/scene.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Memory of the blocks of one surface and of the nodes above them. It grows while tasks build the surface concurrently,
- * and is released as a whole. */
+/* Memory of the blocks of a surface and of the nodes above them. It grows while tasks build the surface, and is
+ * released as a whole. */
 
 #include "../embree/scene.h"
 
@@ -20,15 +20,14 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called first. bytes: estimated size, or 0 if there are few blocks. With 0 each piece is allocated
-       *  separately, because there may be many such surfaces. Otherwise tasks allocate concurrently from Embree's
-       *  allocator. */
+      /*! Must be called first. bytes: estimated size, for Embree's allocator, from which tasks allocate concurrently; 0
+       *  if there are few blocks. Then each piece is allocated separately, because there may be many such surfaces. */
       void expect (size_t bytes);
 
       /*! Null if there are few blocks. */
       FastAllocator* pool () { return shared.get(); }
 
-      /*! Allocates memory that is aligned for blocks. Has the signature of Embree's allocators. */
+      /*! Memory is aligned for blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
       /*! Ends allocation. */

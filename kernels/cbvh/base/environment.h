@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The environment variable EMBREE_CBVH: items separated by commas, for example "1,max_error=0.001,verbose". */
+/* EMBREE_CBVH: items separated by commas, for example "1,max_error=0.001,verbose". */
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! Returns the items without surrounding blanks. */
+  /*! Without surrounding blanks. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;

@@ -23,8 +23,8 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. It begins before the part if the pages of this machine are larger than
-       *  the pages of files, as on ARM64. */
+      /*! Copy-on-write mapping of a part of a file. It begins before the part if the machine's pages are larger than
+       *  the file's, as on ARM64. */
       struct PrivatePages
       {
         const size_t before;
@@ -41,7 +41,7 @@ namespace embree
         ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
-      /*! The file of the blocks of a geometry, and their private pages, if any. */
+      /*! Keeps both alive. pages: null without private pages. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;
@@ -68,7 +68,7 @@ namespace embree
 
         Ref leaf (FileChild type, uint64_t offset)
         {
-          if (type == FILE_MOVING_VERT) { // scenes decode its boxes when they are committed
+          if (type == FILE_MOVING_VERT) { // scenes decode its boxes
             if (const Reason reason = mapped.validate(size_t(offset),VERT_FORM))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
             mapped.number(size_t(offset),VERT_FORM);
@@ -131,7 +131,7 @@ namespace embree
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 
-      /* A second surface of the same blocks needs private pages: its number is written into the blocks. */
+      /* A second surface of the same blocks needs private pages: its number is written into them. */
       std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
       memory->file = file;
       char* first = (char*)file->blocks(i);

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Size of a block, and the offset of its surface number. */
-
 #include "../framed/block.h"
 #include "../base/codec.h"
 #include "../base/primitive_type.h"
@@ -24,7 +22,7 @@ namespace embree
       }
     }
 
-    /*! Offset of the surface number in a block. */
+    /*! In a block. */
     inline uint32_t offsetOfSurface (BlockForm form)
     {
       static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"same offset in both headers");

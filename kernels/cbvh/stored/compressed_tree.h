@@ -7,10 +7,10 @@
 
 namespace embree
 {
-  /*! Tree of a scene over blocks and over grids of GRID. */
+  /*! Over blocks and over grids of GRID. */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool hasGrids = false; //!< true if a geometry was given as grids, which point queries find
+    bool hasGrids = false; //!< a geometry was given as grids, which point queries find
   };
 }

@@ -17,7 +17,7 @@ namespace embree
   {
     namespace
     {
-      /*! Divides parts into clusters, one after the other. */
+      /*! Divides parts into clusters. */
       class Cutter
       {
       public:
@@ -44,7 +44,7 @@ namespace embree
         }
 
       private:
-        /*! Calls closure(square) for squares of up to 8 x 8 quads until it returns false. */
+        /*! Squares of up to 8 x 8 quads, until closure(square) returns false. */
         template<typename Closure>
         static bool forEachSquare (const QuadRectangle& of, const Closure& closure)
         {
@@ -61,7 +61,7 @@ namespace embree
           return points.place(part->vertices + 3*(size_t(of.y)*part->width + of.x),part->width,of.width+1,of.height+1);
         }
 
-        /*! Passes a cluster in COMPRESSED1 or as floats to the closure. */
+        /*! In COMPRESSED1 if possible, otherwise as floats. */
         bool handOutVertices (const QuadRectangle& square)
         {
           if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);
@@ -159,10 +159,10 @@ namespace embree
         const std::function<bool(const StoredCluster&)>& closure;
         ClusterReport& report;
         const StoredPart* part = nullptr;
-        ClusterReason whyFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
+        ClusterReason whyFloats = ClusterReason::FITS; //!< of the part
         LatticePoints points;
         dgf::Block block;
-        uint32_t data[3*QuadTriangles::maxVertices];   //!< data of a cluster
+        uint32_t data[3*QuadTriangles::maxVertices];
       };
 
       static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,

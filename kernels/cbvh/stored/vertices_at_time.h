@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices of a cVERT block at a time: the same floats as in traversal. */
+/* Vertices of a cVERT block, the same floats as in traversal. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"
@@ -17,7 +17,7 @@ namespace embree
     class VerticesAtTime
     {
     public:
-      float vertices[DecodedBlock::maxSide*DecodedBlock::maxSide][3]; //!< row by row
+      float vertices[DecodedBlock::maxSide*DecodedBlock::maxSide][3];
       const uint32_t width;
 
       VerticesAtTime (const VertHeader* block, const TraversalTime& at) : width(vertQuadsX(block->region)+1)
@@ -36,13 +36,13 @@ namespace embree
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
-      /*! True if a block exists at a time. Always true if it does not move. */
+      /*! Always true if the block does not move. */
       static bool isThere (const VertHeader* block, const TraversalTime& at) {
         return !isMoving(block->boxForm) || cbvh::isThere(motionOf(block),at.time);
       }
 
     private:
-      /*! Interpolates as vert/moving_block.h does for vectors. */
+      /*! As vert/moving_block.h for vectors. */
       static float between (float a, float b, float f, bool isFused)
       {
         const float last = f*b;

@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Checks of the buffers of geometries, before Embree or the kernels read them. All throw rtcore_error, which names the
- * first wrong value. */
+/* Checks of buffers before Embree or the kernels read them. All throw rtcore_error, which names the first wrong
+ * value. */
 
 #include "../embree/scene.h"
 
 namespace embree
 {
-  /*! Throws if a time step has fewer vertices than the first, or if the time range is empty. */
+  /*! Each time step needs as many vertices as the first; the time range must not be empty. */
   template<typename Mesh>
   void checkTimeSteps (const Mesh* mesh)
   {
@@ -26,17 +26,16 @@ namespace embree
         + std::to_string(mesh->time_range.upper));
   }
 
-  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would access memory past their
-   *  ends. */
+  /*! Buffers of a cage must be as long as its faces and creases require: Embree would access memory past their ends. */
   void checkSizes (const SubdivMesh* mesh);
 
-  /*! Throws if a face of a cage refers to indices or vertices that do not exist. Also checks time steps and sizes. */
+  /*! Faces of a cage must refer to existing indices and vertices. Includes the two checks above. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count, which uses 15 bits. */
+  /*! Embree's own kernel counts vertices along a side in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws if all rows of a large grid are the same vertices. Its quads have no area, but there can be billions of
+  /*! Rows of a large grid must not all be the same vertices: such quads have no area, but there can be billions of
    *  them. */
   void checkStrides (const GridMesh* mesh);
 }

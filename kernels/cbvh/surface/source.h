@@ -5,10 +5,9 @@
 
 /* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the code that builds
  * blocks. A source enumerates the primitives of one geometry. A patch is a rectangle of quads of one primitive. Both
- * are template parameters, not base classes: BuilderOf (building/surface_builder.h) is compiled for each source, and
- * the writers (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source at compile time, and its
- * messages name missing members. CageSource and GridSource (building/) are sources; tests/library/sphere_source.h is a
- * short example.
+ * are template parameters: BuilderOf (building/surface_builder.h) is compiled for each source, and the writers
+ * (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source at compile time. CageSource and
+ * GridSource (building/) are sources; tests/library/sphere_source.h is a short example.
  *
  * UNITS. Positions are floats in object space. Quads and rates are counts. A lattice is the exponent of its spacing
  * (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
@@ -65,8 +64,8 @@
  *       Calls closure(Patch&) for the patches of a primitive, always in the same order. A primitive that cannot be
  *       evaluated has none. A patch is valid during its call.
  *   bool isInvalid (size_t primitive, bool hasInvalidQuads) const
- *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it.
- *   bool isUnsupported (size_t primitive) const
+ *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it. bool
+ *   isUnsupported (size_t primitive) const
  *       True if the primitive has no patches because Embree cannot evaluate it. It is counted; this is not an error.
  *   size_t bytesInEmbree (const SurfacePatch& patch) const
  *       Estimated bytes of Embree's own kernels for the patch, for the line that reports a commit.
@@ -88,20 +87,19 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned looseSide = 4; //!< quads of a mesh are loose if they are in no grid with so many quads along
-                                         //!< each side
+    static const unsigned looseSide = 4; //!< sides of grids have at least so many quads; other quads are loose
 
     struct SurfacePatch
     {
-      uint32_t surface;     //!< number of the surface, see surface_ids.h
+      uint32_t surface;     //!< see surface_ids.h
       unsigned primID;
       unsigned corner[2];   //!< parameters of the primitive at the patch's corner, times 2
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
-      const float* rate;    //!< rates of the four sides, integers
-      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is a single primitive
+      const float* rate;    //!< of the four sides, integers
+      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is one primitive
     };
 
-    /*! Types of the expressions that builder and writers apply to a source S. Has is true if an expression compiles. */
+    /*! Types of the expressions that builder and writers apply to a source S. */
     namespace source_members
     {
       template<typename> struct Void { typedef void type; };

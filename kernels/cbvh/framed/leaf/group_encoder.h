@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Encoder of cLEAF groups: a lattice, or loose leaves if no lattice is accurate enough. */
-
 #include "lattice_encoder.h"
 #include "loose_encoder.h"
 
@@ -12,7 +10,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Returns how far the edges on the border extend into their leaves' boxes. */
+    /*! How far the edges on the border extend into their leaves' boxes, see borderWidthOf(). */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;

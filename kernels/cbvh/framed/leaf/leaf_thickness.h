@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics that the encoders collect of a block, in particular the world-space thickness of its leaves. */
+/* Statistics of a block, in particular the world-space thickness of its leaves. */
 
 #include "leaf_fit.h"
 
@@ -13,7 +13,7 @@ namespace embree
   {
     struct BlockStatistics
     {
-      uint32_t invalidQuads = 0;   //!< quads with a vertex that is not finite
+      uint32_t invalidQuads = 0;
       uint32_t solidLeaves = 0;
       bool affine = false;
       float maxThickness = 0;      //!< world units
@@ -39,7 +39,6 @@ namespace embree
         return t;
       }
 
-      /*! Adds a leaf whose box is the surface. */
       void addBoxThickness(const BlockGeometry& geometry, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };
