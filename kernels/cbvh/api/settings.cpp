@@ -34,7 +34,7 @@ namespace embree
     return text;
   }
 
-  /*! For example "cvert", "vert" or "cbvh.vert", case-insensitive. */
+  /*! Parses, for example, "cvert", "vert" or "cbvh.vert", case-insensitive. */
   static bool parseKind (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
@@ -67,7 +67,7 @@ namespace embree
   /*! Unknown keys of a device string, until verify() is called. */
   static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
-  /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
+  /*! Returns, for example, "cbvh.grid, cbvh.voxel or cbvh.leaf". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string keys;
@@ -122,7 +122,7 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
-  /*! Of any token type. */
+  /*! Returns the text of a value of any token type. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}

@@ -27,7 +27,7 @@ namespace embree
       /*! Null if there are few blocks. */
       FastAllocator* pool () { return shared.get(); }
 
-      /*! Memory is aligned for blocks. Has the signature of Embree's allocators. */
+      /*! Allocates memory that is aligned for blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
       /*! Ends allocation. */

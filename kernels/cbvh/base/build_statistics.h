@@ -66,7 +66,7 @@ namespace embree
       }
 
     private:
-      /*! 0 if a vertex is not finite. */
+      /*! Squared distance; 0 if a vertex is not finite. */
       static double distance2 (const float a[3], const float b[3])
       {
         const double x = double(a[0])-b[0], y = double(a[1])-b[1], z = double(a[2])-b[2];

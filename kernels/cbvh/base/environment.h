@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! Without surrounding blanks. */
+  /*! Returns the items without surrounding blanks. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;

@@ -13,7 +13,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! For Embree's single-hit epilogues. */
+      /*! A hit for Embree's single-hit epilogues. */
       struct SurfaceHit1
       {
         float u, v, t;

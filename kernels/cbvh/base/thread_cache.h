@@ -20,10 +20,10 @@ namespace embree
     /*! Invalidates all caches. Call it after blocks are built and before they are traced. */
     void outdateThreadCaches ();
 
-    /*! Calls of outdateThreadCaches. */
+    /*! Number of calls of outdateThreadCaches. */
     extern std::atomic<unsigned> cacheGeneration;
 
-    /*! The caller reduces it to the number of entries. */
+    /*! Hash of a block, before it is reduced to the number of entries. */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
     /*! Like hashOfBlock, with one entry per `bytes` bytes of memory, so that neighboring blocks never share an entry. A
@@ -48,7 +48,7 @@ namespace embree
     private:
       static ThreadCache& renew (unsigned now);
 
-      unsigned made; //!< cacheGeneration at that time
+      unsigned made; //!< value of cacheGeneration
 
       static __thread ThreadCache* current __attribute__((tls_model("initial-exec")));
     };

@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Refuses nothing and reports nothing. Thread-safe. */
+    /*! Returns a monitor that refuses nothing and reports nothing. Thread-safe. */
     inline MemoryMonitorInterface* unmonitoredMemory ()
     {
       struct None : public MemoryMonitorInterface

@@ -38,7 +38,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! In floats. */
+      /*! Width of the widest vectors, in floats. */
 #if defined(__AVX512F__)
       static const int vectorWidth = 16;
 #elif defined(__AVX__)

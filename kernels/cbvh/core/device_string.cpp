@@ -10,7 +10,7 @@ namespace embree
 {
   namespace
   {
-    /*! Check of a value. Builds check the names of accelerators and builders. */
+    /*! How a value is checked here. Builds check the names of accelerators and builders. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };

@@ -13,7 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! In the order of FileGeometry::counts. */
+    /*! Calls closure(count) for each count, in the order of FileGeometry::counts. */
     template<typename Statistics, typename Closure>
     void forEachCount (Statistics& s, const Closure& closure)
     {

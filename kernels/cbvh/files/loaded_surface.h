@@ -17,11 +17,12 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Blocks of geometry i and the tree above them. Throws cvert::Error if the tree or a moving block is damaged. */
+    /*! Returns the blocks of geometry i and the tree above them. Throws cvert::Error if the tree or a moving block is
+     *  damaged. */
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
                                                       size_t i);
 
-    /*! Throws cvert::Error if a checksum differs or a block is damaged. */
+    /*! Reads a whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
     void verifyFile (const cvert::File& file);
   }
 }

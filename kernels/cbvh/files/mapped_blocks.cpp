@@ -61,7 +61,7 @@ namespace embree
       }
 
     private:
-      /*! Of the calling thread. The list may be outdated while a geometry in it is traced. */
+      /*! Cache of the calling thread. Its list may be outdated while a geometry in it is traced. */
       struct Known
       {
         uint64_t generation = 0;
@@ -114,7 +114,7 @@ namespace embree
         return Place{ nullptr, 0, nullptr };
       }
 
-      /*! All existing mapped blocks and another. The mutex must be locked. */
+      /*! Returns a list of all existing mapped blocks and another. The mutex must be locked. */
       static std::shared_ptr<const List> listOf (const MappedBlocks* another)
       {
         const std::shared_ptr<List> made = std::make_shared<List>();

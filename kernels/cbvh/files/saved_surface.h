@@ -13,7 +13,8 @@ namespace embree
 
   namespace cbvh
   {
-    /*! For cvert::FileWriter. The result refers to the blocks. Throws if a part of the geometry is not compressed. */
+    /*! Returns a compressed geometry for cvert::FileWriter. The result refers to the blocks. Throws if a part of the
+     *  geometry is not compressed. */
     FileSurface savedSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks);
   }
 }

@@ -15,7 +15,7 @@
 
 CBVH_BEGIN
 
-/*! Incremented by each change of the layout that affects readers. */
+/*! Version of the layout. Incremented by each change that affects readers. */
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
 /*! True if the last level of nodes has words of groups (leaf/format.h). */

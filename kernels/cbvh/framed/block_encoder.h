@@ -58,7 +58,7 @@ namespace embree
         }
       }
 
-      /*! Of the block that encode() wrote: for culling, and for everything that a ray can hit. */
+      /*! Bounds of the block that encode() wrote: for culling, and of everything that a ray can hit. */
       WorldBounds surfaceBounds() const { return boundSurface(geometry); }
       void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 

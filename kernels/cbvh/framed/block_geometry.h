@@ -40,7 +40,7 @@ namespace embree
       double (*local)[4];         //!< vertices of cells, in the frame
       uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
 
-      /*! Of scratch memory for blocks of this height, 16-byte aligned. */
+      /*! Bytes of scratch memory for blocks of this height, 16-byte aligned. */
       static size_t scratchBytes(uint32_t height) {
         BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // has cells as small as those of any kind
         return geometry.layoutScratch(nullptr);
@@ -105,7 +105,7 @@ namespace embree
         return 2*small > valid;
       }
 
-      /*! Call fit() first. */
+      /*! Sets the boxes. Requires fit(). */
       void bound()
       {
         inverse = InverseFrame(frameMap(frame.columns));

@@ -79,7 +79,7 @@ namespace embree
           return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1;
         }
 
-        /*! Index of a word. */
+        /*! Index of the word of the first child of a tile. */
         static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
 
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)

@@ -245,7 +245,7 @@ namespace embree
       std::vector<BBox3fa> blocks;   //!< bounds, by position in the tiling; empty for blocks that were not encoded
       mvector<float> own;            //!< as the patch's face evaluates them
       mvector<float> vertices;       //!< of one block
-      mvector<Vec3fa> scratch;       //!< of the encoder
+      mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< blocks of a patch, or a trial block
     };
   }

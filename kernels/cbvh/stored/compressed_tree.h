@@ -7,7 +7,7 @@
 
 namespace embree
 {
-  /*! Over blocks and over grids of GRID. */
+  /*! Tree of a scene over blocks and over grids of GRID. */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;

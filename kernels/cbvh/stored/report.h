@@ -26,8 +26,8 @@ namespace embree
     }
   };
 
-  /*! For the moving compressed surfaces of a scene, or for its static subdivision surfaces if one of them is
-   *  compressed. */
+  /*! Accelerator for the moving compressed surfaces of a scene, or for its static subdivision surfaces if one of them
+   *  is compressed. */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

@@ -44,7 +44,7 @@ namespace embree
         }
 
       private:
-        /*! Squares of up to 8 x 8 quads, until closure(square) returns false. */
+        /*! Calls closure(square) for squares of up to 8 x 8 quads until it returns false. */
         template<typename Closure>
         static bool forEachSquare (const QuadRectangle& of, const Closure& closure)
         {
@@ -61,7 +61,7 @@ namespace embree
           return points.place(part->vertices + 3*(size_t(of.y)*part->width + of.x),part->width,of.width+1,of.height+1);
         }
 
-        /*! In COMPRESSED1 if possible, otherwise as floats. */
+        /*! Passes a cluster to the closure, in COMPRESSED1 if possible. */
         bool handOutVertices (const QuadRectangle& square)
         {
           if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);

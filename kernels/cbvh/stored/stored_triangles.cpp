@@ -82,7 +82,7 @@ namespace embree
         }
       };
 
-      /*! For blocks without numbers of quads. */
+      /*! A decoded block without numbers of quads. */
       struct DecodedBlock
       {
         const Place place;
@@ -116,7 +116,7 @@ namespace embree
           for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y);
       }
 
-      /*! closure(number, corners) */
+      /*! Calls closure(number, corners) for the triangles of a mesh block. */
       template<typename Closure>
       void forEachTriangle (const MeshHeader* block, const Closure& closure)
       {
@@ -260,7 +260,7 @@ namespace embree
           }
         }
 
-        /*! Between the normal of a triangle and Ng, as 1 minus the square of the cosine. */
+        /*! Angle between the normal of a triangle and Ng, as 1 minus the square of the cosine. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -334,8 +334,8 @@ namespace embree
       return search.found();
     }
 
-    /*! For each quad of a mesh block, or each triangle. A quad whose triangles are in different blocks is two parts.
-     *  Returns the result of the last call of closure. */
+    /*! Calls closure(block, part) for each quad of a mesh block whose triangles are both in the block, and for each
+     *  other triangle, until it returns false. Returns the result of the last call. */
     static bool forEachMeshPart (const StoredBlock& block,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {

@@ -42,7 +42,7 @@ namespace embree
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 
-    /*! For looking up triangles. Created by the first call. Thread-safe. */
+    /*! Returns the index for looking up triangles, which the first call creates. Thread-safe. */
     const cbvh::BlockIndex& index () const;
 
   private:
@@ -57,10 +57,10 @@ namespace embree
     /*! Sets the table of a scene that maps surface numbers to geometry IDs. Thread-safe. */
     void nameSurfaces (Scene* scene);
 
-    /*! Assigned by the first call. Thread-safe. */
+    /*! Returns the number of a geometry, which the first call assigns. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
-    /*! Of the last commit, or null if they must be built. */
+    /*! Returns the blocks of the last commit, or null if they must be built. */
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry);
 
     /*! Sets the blocks unless another scene already did. Returns the blocks of the geometry. */

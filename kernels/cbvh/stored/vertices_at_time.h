@@ -36,13 +36,13 @@ namespace embree
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
-      /*! Always true if the block does not move. */
+      /*! True if a block exists at a time. Always true if it does not move. */
       static bool isThere (const VertHeader* block, const TraversalTime& at) {
         return !isMoving(block->boxForm) || cbvh::isThere(motionOf(block),at.time);
       }
 
     private:
-      /*! As vert/moving_block.h for vectors. */
+      /*! Interpolates as vert/moving_block.h does for vectors. */
       static float between (float a, float b, float f, bool isFused)
       {
         const float last = f*b;

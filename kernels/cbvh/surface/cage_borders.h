@@ -175,7 +175,7 @@ namespace embree
         return size_t(size.x)*size_t(size.y);
       }
 
-      /*! In vertices of `kept`. */
+      /*! First of a patch's vertices in `kept`. */
       size_t firstOf (size_t face, int subPatch) const {
         return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
       }

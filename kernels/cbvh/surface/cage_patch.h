@@ -50,7 +50,7 @@ namespace embree
       /*! See sharpSidesOf(). */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! For patches that GRID traces. */
+      /*! Embree's patch, for patches that GRID traces. */
       const SubdivPatch1Base& ofEmbree () const { return base; }
 
     private:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Sizes as a camera sees them, in pixels and as if seen from the front. Computes in doubles: squares of lengths that
- * occur in scenes, 1e-20 to 1e20, overflow or underflow in floats. */
+/* Measures sizes in pixels, as a camera sees them and as if seen from the front. Computes in doubles: squares of
+ * lengths that occur in scenes, 1e-20 to 1e20, overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"

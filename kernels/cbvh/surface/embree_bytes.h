@@ -13,12 +13,13 @@ namespace embree
   /*! Embree stores grids as 2 x 2 quads. Motion does not change their size. */
   inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
 
-  /*! As cVERT, with its share of the tree: 130 bytes per block, 8 more if numbers follow a pattern, and 1 per quad. */
+  /*! Bytes as cVERT, with the share of the tree: 130 bytes per block, 8 more if numbers follow a pattern, and 1 per
+   *  quad. */
   inline size_t bytesOfGridBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
-  /*! With their share of the tree. */
+  /*! Bytes in mesh blocks, with their share of the tree. */
   inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
 
   inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) {

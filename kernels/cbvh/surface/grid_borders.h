@@ -77,7 +77,7 @@ namespace embree
         return SharedVertex(onEdge,cbvh::exactLattice);
       }
 
-      /*! For meshes with one time step. */
+      /*! Returns where a vertex is stored. For meshes with one time step. */
       bool find (size_t vertex, float out[3]) const override
       {
         if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;

@@ -257,7 +257,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Of the primitives that can be hit. Set by prepare(); users reorder them. */
+      /*! Centers of the primitives that can be hit. Set by prepare(); users reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

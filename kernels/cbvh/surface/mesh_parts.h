@@ -13,8 +13,8 @@ namespace embree
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 
-  /*! The parts that the commit of a compressed mesh found, or finds them again if a build has released them. Throws if
-   *  out of memory. */
+  /*! Returns the parts that the commit of a compressed mesh found. Finds them again if a build has released them.
+   *  Throws if out of memory. */
   template<typename Mesh>
   inline std::shared_ptr<const QuadRegions> partsOf (const Mesh* mesh)
   {

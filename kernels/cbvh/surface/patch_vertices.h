@@ -21,7 +21,7 @@ namespace embree
     public:
       explicit PatchVertices (Device* device) : interleaved(device,0) {}
 
-      /*! In vertices, whose values are then undefined. */
+      /*! width, height: in vertices, whose values are then undefined. */
       void setSize (size_t width, size_t height)
       {
         this->width = width; this->height = height;

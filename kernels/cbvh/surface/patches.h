@@ -14,7 +14,7 @@ namespace embree
     /*! Embree's half-edge of a face without edges belongs to the next face. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
-    /*! At any time step. */
+    /*! True if a face has a surface at any time step. */
     inline bool hasSurface(const SubdivMesh* mesh, size_t face)
     {
       if (!hasEdges(mesh,face)) return false;

@@ -56,7 +56,7 @@ namespace embree
           && cbvh::describe(kind()).hasThickness;
       }
 
-      /*! Of a patch: Embree's GRID, blocks with frames, or cVERT. */
+      /*! Storage of a patch: Embree's GRID, blocks with frames, or cVERT. */
       enum Storage { GRID, FRAMED, VERT };
 
       Storage storage (const float rate[4]) const

@@ -125,7 +125,8 @@ namespace embree
       unsigned width, height; //!< in quads
     };
 
-    /*! In quads along a side. A region has one lattice, and the size of quads may change along it. */
+    /*! Maximum number of quads along a side, because a region has one lattice, and the size of quads may change along
+     *  it. */
     static const unsigned maxSide = 64;
 
     /*! Quads are loose if their region has fewer quads along a side. A block needs 138 bytes and about 1 per quad: 16

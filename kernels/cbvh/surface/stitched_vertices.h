@@ -103,7 +103,7 @@ namespace embree
         return dot(p-a,d)/dot(d,d);
       }
 
-      /*! In both directions, sorted. */
+      /*! Returns the open edges in both directions, sorted. */
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {

@@ -146,7 +146,7 @@ namespace embree
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! From counts to ends of ranges. */
+      /*! Converts counts to ends of ranges. */
       static void sumUp (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
@@ -201,7 +201,7 @@ namespace embree
         }
       }
 
-      /*! Squared, at the first time step; 0 if it is not finite. */
+      /*! Squared length at the first time step; 0 if it is not finite. */
       double lengthOf (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;

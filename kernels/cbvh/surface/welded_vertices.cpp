@@ -48,7 +48,7 @@ namespace embree
         unsigned at[3]; //!< see bitsOf()
       };
 
-      /*! Equal if the floats are. */
+      /*! Returns bits that are equal if the floats are. */
       static unsigned bitsOf (float x)
       {
         unsigned bits;

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Leaves of cGRID, for a single ray. */
-
 #include "../block_visitor1.h"
 #include "leaf.h"
 

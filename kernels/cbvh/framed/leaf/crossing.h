@@ -104,7 +104,7 @@ CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across
   return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
 }
 
-/*! From 0 to 1. */
+/*! Position in a box along an axis, 0 to 1. */
 CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }

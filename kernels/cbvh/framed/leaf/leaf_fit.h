@@ -103,7 +103,7 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! Of the angle to the plane with these slopes through the middle of a box. */
+        /*! Cosine of the angle to the plane with these slopes through the middle of a box. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
           const double c[3] =
