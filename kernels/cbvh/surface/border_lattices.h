@@ -16,8 +16,8 @@
  *       Extends bounds by the primitive. The diagonal of the geometry's bounds limits default spacings.
  *   bool addLines (size_t primitive, unsigned step, Scratch& scratch, LatticeChoice& choice)
  *       Adds the borders and the middles of the primitive's patches. Returns false if it has no vertices at that step.
- *   May store vertices for later: it is called once per primitive and step, the steps of a primitive in order. void
- *   forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
+ *       May store vertices for later: it is called once per primitive and step, the steps of a primitive in order.
+ *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
  *       Calls closure for each element that the primitive may share with others. An element is the number of vertices
  *       with one lattice: a corner, the interior of an edge, or one vertex. */
 

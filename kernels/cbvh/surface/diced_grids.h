@@ -7,8 +7,8 @@
  * (building/grid_source.h) makes patches of them. Both classes have these members, all thread-safe:
  *
  *   typedef Mesh, Grid
- *       Embree's geometry, and a DicedGrid. The constructor takes a const Mesh*, which must outlive the object. size_t
- *   size () const
+ *       Embree's geometry, and a DicedGrid. The constructor takes a const Mesh*, which must outlive the object.
+ *   size_t size () const
  *       Number of grids.
  *   bool isValid (size_t i) const
  *       True if grid i has quads and all its vertices are in their buffer. No other member may be called for invalid

@@ -64,8 +64,8 @@
  *       Calls closure(Patch&) for the patches of a primitive, always in the same order. A primitive that cannot be
  *       evaluated has none. A patch is valid during its call.
  *   bool isInvalid (size_t primitive, bool hasInvalidQuads) const
- *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it. bool
- *   isUnsupported (size_t primitive) const
+ *       True if the commit should report the primitive as invalid. hasInvalidQuads: a writer left out quads of it.
+ *   bool isUnsupported (size_t primitive) const
  *       True if the primitive has no patches because Embree cannot evaluate it. It is counted; this is not an error.
  *   size_t bytesInEmbree (const SurfacePatch& patch) const
  *       Estimated bytes of Embree's own kernels for the patch, for the line that reports a commit.
