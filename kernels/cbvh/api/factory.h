@@ -10,7 +10,8 @@ namespace embree
 {
   class Scene;
 
-  /*! subdivAccel: value of the key. True for "cbvh", "cbvh.vert" or "cvert", case-insensitive. */
+  /*! True if a value of subdiv_accel requests compression, for example "cbvh", "cbvh.vert" or "cvert";
+   *  case-insensitive. */
   bool isNameOfOurs (const std::string& subdivAccel);
 
   /*! True if a scene that keeps its accelerators must create new ones: it now has its first compressed surface, or no

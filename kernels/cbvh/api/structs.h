@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Public structs and their conversions. */
-
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
 #include "../../../include/embree3/rtcore_compressed_clusters.h"

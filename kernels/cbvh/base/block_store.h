@@ -34,7 +34,7 @@ namespace embree
     public:
       cbvh::WorldBounds hitBounds;  //!< of everything that rays can hit
 
-      /*! memory: null to discard all blocks. */
+      /*! memory: null if nothing is kept. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 

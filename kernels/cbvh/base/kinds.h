@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Kinds of blocks. The number of a kind is stored in headers of blocks with frames (framed/block.h). References of flat
- * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it. The tables below add keys of
- * device strings and names for messages.
+ * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it.
  *
  * To remove a kind, remove its number and its rows here, and its folder. Also remove its rows where code selects by
  * kind: block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. The other numbers must not

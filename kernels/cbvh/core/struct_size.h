@@ -8,8 +8,7 @@
  * which zero selects the previous behavior. They begin at the sizeof of the previous version, so structs that the
  * library reads have no padding at their end.
  *
- * The application's struct may be smaller than the type that this version declares. Functions therefore receive
- * pointers, and their callers may access only structSize directly.
+ * The application's struct may be smaller than this version's type. Callers may access only structSize directly.
  *
  * All functions throw RTC_ERROR_INVALID_ARGUMENT with the struct's name if structSize is out of range. */
 

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Validates blocks with frames. */
+
 #include "../framed/block.h"
 #include "../base/codec.h"
 #include "../../cvert/decoder/validate.h"

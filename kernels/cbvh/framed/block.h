@@ -91,9 +91,9 @@ CVERT_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! Returns a parameter of the face at a point x quads from the block's corner along an axis. corner: parameter of the
- *  patch's corner, times 2. block, last: position of the block and of the patch's last block. Divides instead of
- *  multiplying by a reciprocal, so that the patch ends at 1. */
+/*! Parameter of the face at a point x quads from the block's corner. corner: parameter of the patch's corner, times 2.
+ *  block, last: positions of the block and of the patch's last block. Divides instead of multiplying by a reciprocal,
+ *  so that the patch ends at 1. */
 CVERT_REAL CVERT_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));

@@ -205,9 +205,9 @@ namespace embree
       bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box. Keeps the extent of each axis above a fraction of the
-     *  block's world-space size, and above the resolution of floats at its position. Returns true if it widened x or y,
-     *  see Frame::degenerate. */
+    /*! Scales X, Y and Z so that the vertices fill the box. The extent of each axis stays above a fraction of the
+     *  block's world-space size, and above the resolution of floats. Returns true if it widened x or y, see
+     *  Frame::degenerate. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))

@@ -34,7 +34,7 @@ CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 /*! Column (axis 0) or row (axis 1) of a child, or of a corner of a box. */
 CVERT_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
-/*! Node m of level n has the index nodesOfLevels(n) + m. */
+/*! Number of nodes in the first n levels, and index of the first node of level n. */
 CVERT_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END

@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* Geometric normals of hits. */
+
 #ifndef CBVH_NORMAL_H
 #define CBVH_NORMAL_H
 

@@ -1,6 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
+/* The words of a block as a tree, for all kinds of leaves. */
+
 #ifndef CBVH_TREE_H
 #define CBVH_TREE_H
 

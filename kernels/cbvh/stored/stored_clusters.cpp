@@ -17,7 +17,6 @@ namespace embree
   {
     namespace
     {
-      /*! Divides parts into clusters. */
       class Cutter
       {
       public:

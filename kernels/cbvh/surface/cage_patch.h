@@ -47,7 +47,6 @@ namespace embree
       CageSide side (int s, unsigned step) const { return borders->side(primID,patch.subPatch,s,step); }
       int latticeExponent (unsigned step) const { return borders->exponent(primID,step); }
 
-      /*! See sharpSidesOf(). */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
       /*! Embree's patch, for patches that GRID traces. */

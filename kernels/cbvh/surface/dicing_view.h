@@ -74,9 +74,9 @@ namespace embree
       return sqr_length(e-t*d);
     }
 
-    /*! Factor by which quads may be larger than in the picture. It grows with the distance from the picture, up to
-     *  where a line to the cell is 60 degrees off its border. It has no discontinuity, so that adjacent faces get
-     *  similar rates. */
+    /*! Factor by which quads may be larger than in the picture. It grows continuously with the distance from the
+     *  picture, so that adjacent faces get similar rates, up to where a line to the cell is 60 degrees off its
+     *  border. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;

@@ -69,9 +69,9 @@ namespace embree
         return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
-      /*! Without max_error. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly so, at all levels
-       *  and in all scenes that were measured (docs/paper.md). Smaller blocks are hardly faster, and their frames cost
-       *  more than their leaves save. Larger blocks save little and are slower. */
+      /*! Without max_error. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly so, in all
+       *  measurements (docs/paper.md). Smaller blocks are hardly faster, and their frames cost more than their leaves
+       *  save. Larger blocks save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {
         if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);

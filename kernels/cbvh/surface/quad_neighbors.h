@@ -76,7 +76,6 @@ namespace embree
       return q;
     }
 
-    /*! True if `other` is right of q. */
     static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }

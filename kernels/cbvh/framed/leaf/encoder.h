@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Encoder of the leaves of cLEAF: groups of 2 x 2 cells. */
+
 #include "../block_geometry.h"
 #include "group_encoder.h"
 #include "leaf_lanes.h"

@@ -3,6 +3,8 @@
 
 #pragma once
 
+/* Encoder of cLEAF groups: a lattice, or loose leaves if no lattice is accurate enough. */
+
 #include "lattice_encoder.h"
 #include "loose_encoder.h"
 

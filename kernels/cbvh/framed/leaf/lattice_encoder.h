@@ -102,9 +102,9 @@ namespace embree
       }
     };
 
-    /*! The outer planes keep the slack to all vertices, the middle planes are nearest to the mean of the vertices on
-     *  them. Returns false if a vertex of an outer side on the block's border is not in the cells on that side, because
-     *  the intersector searches for the border there. */
+    /*! Returns false if a vertex of an outer side on the block's border is not in the cells on that side, because the
+     *  intersector searches for the border there. Outer planes keep the slack to all vertices; middle planes are
+     *  nearest to the mean of the vertices on them. */
     inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
       double planes[3])
     {

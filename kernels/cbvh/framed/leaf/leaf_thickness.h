@@ -20,8 +20,8 @@ namespace embree
       LeafFit fit;
 
       /*! Adds and returns the world-space distance between the plane z = slope (x,y) through the middle of a box and
-       *  the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the plane (a_x Rx + a_y Ry + a_z
-       *  Rz - k Rw).p = const in world space, where R are the rows of the map. The length of its normal divided by W is
+       *  the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the world-space plane (a_x Rx +
+       *  a_y Ry + a_z Rz - k Rw).p = const, where R are the rows of the map. The length of its normal divided by W is
        *  the distance in the frame per unit of world space. */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
