@@ -224,7 +224,7 @@ namespace embree
     if (compressNow(mesh)) releaseInput(mesh);
   }
 
-  /*! Keeps vertex attributes and the grids or indices by which they are interpolated. */
+  /*! Releases the input, except for vertex attributes and the grids or indices by which they are interpolated. */
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
@@ -238,7 +238,7 @@ namespace embree
   void endCommit (QuadMesh* mesh) { endCommitOfDiced(mesh,mesh->quads); }
   void endCommit (TriangleMesh* mesh) { endCommitOfDiced(mesh,mesh->triangles); }
 
-  /*! Keeps vertex attributes and the topology by which they are interpolated. */
+  /*! Releases the input, except for vertex attributes and the topology by which they are interpolated. */
   void releaseInput (SubdivMesh* mesh)
   {
     const bool hasAttributes = !mesh->vertexAttribs.empty();

@@ -22,12 +22,12 @@ namespace embree
       T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
-      /*! If it fails, sets `expected` to the current value. May fail spuriously. */
+      /*! Returns false, and sets `expected` to the current value, if they differ. May fail spuriously. */
       bool exchangeWeak (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),onFailure(order));
       }
 
-      /*! Never fails spuriously. */
+      /*! Like exchangeWeak, without spurious failures. */
       bool exchange (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,false,int(order),onFailure(order));
       }

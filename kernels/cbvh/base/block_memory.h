@@ -20,8 +20,9 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called first. bytes: estimated size, for Embree's allocator, from which tasks allocate concurrently; 0
-       *  if there are few blocks. Then each piece is allocated separately, because there may be many such surfaces. */
+      /*! Must be called first. bytes: estimated size, or 0 if there are few blocks. With 0 each piece is allocated
+       *  separately, because there may be many such surfaces. Otherwise tasks allocate concurrently from Embree's
+       *  allocator. */
       void expect (size_t bytes);
 
       /*! Null if there are few blocks. */

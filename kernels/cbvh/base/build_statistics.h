@@ -74,7 +74,7 @@ namespace embree
         return d2 < std::numeric_limits<double>::max() ? d2 : 0.0;
       }
 
-      double deviation2 = 0, gap2 = 0; //!< squares of the members of `sums`
+      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderGap
     };
   }}
 }

@@ -16,7 +16,7 @@ namespace embree
     class GridSOAWriter
     {
     public:
-      /*! Quads along a side of GRID's grids. */
+      /*! Maximum number of quads along a side of GRID's grids. */
       static const unsigned gridQuads = 8;
 
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)

@@ -67,7 +67,7 @@ struct KindDescription
   Kind kind;
   const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
   const char* name;          //!< in messages
-  bool alignsToLimit;        //!< to corners before displacement, not after it
+  bool alignsToLimit;        //!< frames align to corners before displacement, otherwise after it
   bool takesHoles;           //!< leaves can leave out a quad
   bool hasThickness;         //!< leaves are not exact, so a bound on their thickness applies
 
@@ -75,8 +75,8 @@ struct KindDescription
   RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_GRID + uint32_t(kind)); }
 };
 
-/*! alignsToLimit: heights need the fewest bits along the normal of the smooth surface; boxes are tightest along the
- *  displaced one. */
+/*! alignsToLimit: heights are stored best along the normal of the smooth surface; boxes are tightest if they align to
+ *  the displaced surface. */
 static constexpr KindDescription kindDescriptions[] = {
 #if !defined(EMBREE_CBVH_NO_PAPER)
   { Kind::GRID,  "grid",  "cGRID",  false, true,  false },

@@ -15,7 +15,8 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Addresses that contain all mapped blocks, and possibly other memory. Must be read in this order. */
+    /*! Range of addresses that contains all mapped blocks and may contain other memory. Empty if there are none. Must
+     *  be read in this order. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
     /*! Implements isUsable for blocks in this range. Null until a file is mapped. */

@@ -24,7 +24,7 @@ CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; /
 CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< of cVERT
 CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
 
-/*! Reference of an unused child. */
+/*! Reference of an unused child. No other reference has its type. */
 CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
 CVERT_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }

@@ -34,9 +34,10 @@ namespace embree
      *
      *  Errors: RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, does not request compression, changed
      *  since its last commit, or is not completely stored as blocks because only GRID supports some of its edge rates.
-     *  The same if writing fails, for example because the disk is full. RTC_ERROR_INVALID_ARGUMENT for a path that
-     *  cannot be written, or that is a device or a pipe. Thread safety: other threads may trace the geometry during
-     *  this call, but not commit it. Cost: reads all blocks, writes them and computes their checksums. */
+     *  The same if writing fails, for example because the disk is full or a limit on file sizes is reached.
+     *  RTC_ERROR_INVALID_ARGUMENT for a path that cannot be written, or that is a device or a pipe. Thread safety:
+     *  other threads may trace the geometry during this call, but not commit it. Cost: reads all blocks, writes them
+     *  and computes their checksums. */
     void saveGeometry (Geometry* geometry, const char* path);
 
     /*! Writes a file with any number of geometries. Only one thread at a time may use it. */
@@ -47,8 +48,8 @@ namespace embree
       CompressedFileWriter (Device* device, const char* path);
 
       /*! Starts a file, or continues one that was not committed. Appended geometries are kept in a file next to the
-       *  path, with ".part" added to its name. If the process is killed or the disk is full, the last geometry is lost,
-       *  or the last 64 MiB of smaller ones.
+       *  path, with ".part" added to its name. A continued writer already has its geometries. If the process is killed
+       *  or the disk is full, the last geometry is lost, or the last 64 MiB of smaller ones.
        *
        *  key: identifies the source of the geometries, so that files of different sources are not mixed.
        *
@@ -78,14 +79,14 @@ namespace embree
       std::unique_ptr<cvert::FileWriter> writer;
     };
 
-    /*! In a file's directory. */
+    /*! Description of a geometry in a file's directory. */
     struct FileDescription
     {
       RTCGeometryType type;                    //!< of the saved geometry
       RTCCompression compression;              //!< of the saved geometry
       unsigned primitiveCount, timeStepCount;
-      float begin, end;                        //!< of the first and the last step
-      /*! Of everything that rays can hit, at all times. Empty if lower is above upper. */
+      float begin, end;                        //!< times of the first and the last step
+      /*! Bounds of everything that rays can hit, at all times. Empty if lower is above upper. */
       float lower[3], upper[3];
       size_t bytes;                            //!< in the file
     };
@@ -108,7 +109,7 @@ namespace embree
        *  not below size(). */
       FileDescription describe (size_t index) const;
 
-      /*! Errors: as describe. */
+      /*! Returns the statistics of one geometry. Errors: as describe. */
       cbvh::CompressionStatistics statistics (size_t index) const;
 
       /*! Returns a new, committed geometry with one reference, which the caller must release. It has blocks but not the

@@ -33,7 +33,8 @@ namespace embree
      *  triangles (x,y), (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). For quad meshes and triangle meshes they are
      *  in the order of the primitive; for quads this is v0, v1, v3 or v2, v3, v1.
      *
-     *  Returns false if (u,v) is on no triangle of the primitive.
+     *  Returns false if (u,v) is on no triangle of the primitive: for an unknown primID, for triangles that were left
+     *  out, and for numbers that are not finite.
      *
      *  Cost: decodes one or a few blocks. The first call after a commit builds an index of the geometry's blocks. It
      *  needs 16 bytes per block, plus 4 per primitive of a quad or triangle mesh. */

@@ -57,7 +57,7 @@ namespace embree
       return to;
     }
 
-    /*! Call it before computing what will be written. */
+    /*! Checks a struct that will be written. Call it before computing the result. */
     template<typename T>
     void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
 

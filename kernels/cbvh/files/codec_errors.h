@@ -11,7 +11,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls function(). Rethrows errors of the codec as errors of Embree. */
+    /*! Returns the result of function(). Rethrows errors of the codec as errors of Embree. */
     template<typename Function>
     auto withEmbreeErrors (const Function& function) -> decltype(function())
     {

@@ -68,7 +68,7 @@ namespace embree
 
         Ref leaf (FileChild type, uint64_t offset)
         {
-          if (type == FILE_MOVING_VERT) { // scenes decode its boxes
+          if (type == FILE_MOVING_VERT) { // scenes decode its boxes when they are committed
             if (const Reason reason = mapped.validate(size_t(offset),VERT_FORM))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
             mapped.number(size_t(offset),VERT_FORM);

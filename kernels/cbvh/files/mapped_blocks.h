@@ -65,7 +65,7 @@ namespace embree
       const std::string name;
       std::atomic<uint64_t>* good; //!< one bit per 16 bytes, at which a block may begin
       mutable std::atomic<bool> isReported;
-      MappedBlocks* next, * previous; //!< of all existing mapped blocks
+      MappedBlocks* next, * previous; //!< list of all existing mapped blocks
     };
   }
 }

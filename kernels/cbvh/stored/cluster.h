@@ -16,7 +16,7 @@ namespace embree
   {
     enum class ClusterFormat : int
     {
-      FLOAT3 = 0,      //!< x, y, z of each vertex
+      FLOAT3 = 0,      //!< x, y, z of each vertex as floats
       /*! D3D12_VERTEX_FORMAT_COMPRESSED1: header and vertices, padded to 4 bytes. */
       COMPRESSED1 = 1,
       DGF1 = 2         //!< 128 bytes of AMD's Dense Geometry Format, including the topology

@@ -14,7 +14,7 @@ namespace embree
     /*! A triangle of cVERT or cGRID. */
     struct StoredTriangle
     {
-      float vertices[3][3]; //!< in the geometry's space
+      float vertices[3][3]; //!< x, y, z in the geometry's space
       /*! Parameters of the vertices. Parameters of hits are interpolated between them. */
       float u[3], v[3];
     };
@@ -25,7 +25,7 @@ namespace embree
     {
       uint32_t primID;           //!< of all quads, if primitivesPerQuad is 0
       uint32_t width, height;    //!< in vertices
-      /*! Width*height vertices, row by row. Triangles with a vertex that is not finite are left out. */
+      /*! x, y, z of width*height vertices, row by row. Triangles with a vertex that is not finite are left out. */
       const float* vertices;
       const float* parameters;   //!< u, v of each vertex; null unless primitivesPerQuad is 0
       const uint32_t* primIDs;   //!< primitivesPerQuad per quad, row by row

@@ -158,7 +158,7 @@ namespace embree
         const std::function<bool(const StoredCluster&)>& closure;
         ClusterReport& report;
         const StoredPart* part = nullptr;
-        ClusterReason whyFloats = ClusterReason::FITS; //!< of the part
+        ClusterReason whyFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
         LatticePoints points;
         dgf::Block block;
         uint32_t data[3*QuadTriangles::maxVertices];

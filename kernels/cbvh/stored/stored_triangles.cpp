@@ -335,7 +335,8 @@ namespace embree
     }
 
     /*! Calls closure(block, part) for each quad of a mesh block whose triangles are both in the block, and for each
-     *  other triangle, until it returns false. Returns the result of the last call. */
+     *  other triangle, until it returns false. A quad whose triangles are in different blocks is two parts. Returns the
+     *  result of the last call. */
     static bool forEachMeshPart (const StoredBlock& block,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {

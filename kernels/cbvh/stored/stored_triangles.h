@@ -43,6 +43,7 @@ namespace embree
 
       uint32_t primID () const { return isVert() ? vert()->primID : isMesh() ? mesh()->primID : framed()->primID; }
 
+      /*! True if each quad is a primitive. */
       bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
@@ -59,8 +60,8 @@ namespace embree
     private:
       enum : uint32_t { none = 0xFFFFFFFFu };
 
-      std::vector<StoredBlock> blocks; //!< by primitive
-      std::vector<uint32_t> blockOf;   //!< by primitive of a mesh; otherwise empty
+      std::vector<StoredBlock> blocks; //!< sorted by primitive
+      std::vector<uint32_t> blockOf;   //!< block of each primitive of a mesh; otherwise empty
       /*! Primitive and block, sorted: quads with a triangle in a second mesh block. */
       std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
 

@@ -16,7 +16,7 @@ namespace embree
   {
     namespace
     {
-      MutexSys mutex;                    //!< protects these, and the blocks of geometries
+      MutexSys mutex;                    //!< protects the following, and the blocks of geometries
       std::priority_queue<uint32_t,std::vector<uint32_t>,std::greater<uint32_t>> freeNumbers; //!< below usedNumbers
       uint32_t usedNumbers = 0;
       std::set<uint32_t> fileNumbers;    //!< in use
@@ -44,7 +44,7 @@ namespace embree
         Lock<MutexSys> lock(mutex);
         if (geometry->surface.number) return geometry->surface.number;
       }
-      /* the constructor locks the mutex */
+      /* constructor and destructor lock the mutex */
       std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>();
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.number == nullptr) geometry->surface.number = number;

@@ -36,8 +36,8 @@ namespace embree
     /*! Boxes of those blocks at their steps, block by block. Released after the first build; later users decode the
      *  blocks. Accessed with atomic_load and atomic_store, because scenes may be built concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
-    BVH4::NodeRef root;       //!< over all parts, for scenes without other surfaces; empty if there are few parts
-    BBox3fa bounds;           //!< of everything that rays can hit
+    BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
+    BBox3fa bounds;           //!< bounds of everything that rays can hit
     size_t numPrimitives;     //!< blocks and grids
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
@@ -51,13 +51,13 @@ namespace embree
 
   namespace cbvh
   {
-    /*! True if a surface, moving or static, of a scene is compressed. */
+    /*! True if one of the moving, or static, surfaces of a scene is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
     /*! Sets the table of a scene that maps surface numbers to geometry IDs. Thread-safe. */
     void nameSurfaces (Scene* scene);
 
-    /*! Returns the number of a geometry, which the first call assigns. Thread-safe. */
+    /*! Returns the surface number of a geometry, which the first call assigns. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
     /*! Returns the blocks of the last commit, or null if they must be built. */

@@ -166,7 +166,7 @@ namespace embree
       const Grids grids;
       const CompressionPlan& plan;
       BorderLattices lattices;
-      Table table;                            //!< on borders; empty for a single grid
+      Table table;                            //!< vertices on borders; empty for a single grid
       StitchedVertices<GridBorders> stitched;
     };
   }

@@ -10,7 +10,7 @@
 
 namespace embree
 {
-  /*! Each time step needs as many vertices as the first; the time range must not be empty. */
+  /*! Throws if a time step has fewer vertices than the first, or if the time range is empty. */
   template<typename Mesh>
   void checkTimeSteps (const Mesh* mesh)
   {
@@ -26,16 +26,17 @@ namespace embree
         + std::to_string(mesh->time_range.upper));
   }
 
-  /*! Buffers of a cage must be as long as its faces and creases require: Embree would access memory past their ends. */
+  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would access memory past their
+   *  ends. */
   void checkSizes (const SubdivMesh* mesh);
 
-  /*! Faces of a cage must refer to existing indices and vertices. Includes the two checks above. */
+  /*! Throws if a face of a cage refers to indices or vertices that do not exist. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Embree's own kernel counts vertices along a side in 15 bits. */
+  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Rows of a large grid must not all be the same vertices: such quads have no area, but there can be billions of
+  /*! Throws if all rows of a large grid are the same vertices: its quads have no area, but there can be billions of
    *  them. */
   void checkStrides (const GridMesh* mesh);
 }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Hash table of vertices by position. Vertices that are equal floats at all time steps have one entry. */
+/* Hash table of vertices by position. Vertices that are equal floats at all time steps have one entry. Several threads
+ * may add vertices at once. */
 
 #include "../base/codec.h"
 #include "../base/atomic_ref.h"

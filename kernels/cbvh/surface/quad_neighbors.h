@@ -230,6 +230,6 @@ namespace embree
     cbvh::UnmonitoredVector<uint8_t> forms;
     unsigned lowest = 0;
     cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad, by vertex
-    std::vector<Other> othersRight, othersAbove; //!< by the vertices that neighbors must share
+    std::vector<Other> othersRight, othersAbove; //!< sorted by the vertices that neighbors must share
   };
 }

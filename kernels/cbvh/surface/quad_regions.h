@@ -37,7 +37,7 @@ namespace embree
           for (int i=0; i<4; i++) v[i] = (*welded)[v[i]];
       }
 
-      unsigned number (size_t quad) const { return unsigned(quad); }
+      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID
       unsigned second (size_t quad) const { return unsigned(quad); }
 
       /*! See cvert/format/quad_numbers.h. */
@@ -51,8 +51,8 @@ namespace embree
     {
       const TriangleMesh* mesh;
       const WeldedVertices* welded;     //!< null if all vertices differ
-      const mvector<unsigned>* firsts;  //!< null: 2i for pair i
-      const mvector<unsigned>* seconds; //!< null: those after the first ones
+      const mvector<unsigned>* firsts;  //!< first triangles of pairs; null if pair i begins with triangle 2i
+      const mvector<unsigned>* seconds; //!< second triangles; null if they follow the first ones
 
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
       unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }

@@ -179,7 +179,7 @@ namespace embree
       Table& table;
       const BorderLattices& lattices;
       const unsigned numSteps;
-      std::vector<Stitched> stitched; //!< by vertex
+      std::vector<Stitched> stitched; //!< sorted by vertex
     };
   }
 }

@@ -136,7 +136,7 @@ namespace embree
       size_t numBuckets = 1;
       unsigned bucketBits = 0;
       cbvh::UnmonitoredVector<Entry> entries;
-      cbvh::UnmonitoredVector<unsigned> ends; //!< of the entries of each task in each bucket, by bucket
+      cbvh::UnmonitoredVector<unsigned> ends; //!< ends of the entries of each task in each bucket, by bucket
     };
   }
 
