@@ -25,7 +25,7 @@ namespace embree
         Vec3fa org, dir;
         float scale;    //!< t = t' * scale, t' along dir
         float rcpScale;
-        float rcpDir2;
+        float rcpDir2;  //!< 1/dot(dir,dir)
         float scaledTnear; //!< tnear in t'
         float tfar;        //!< before any hit
         float enter;       //!< lower bound of the distance at which the ray enters the block's bounds

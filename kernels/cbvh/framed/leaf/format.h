@@ -29,8 +29,9 @@
 
 CBVH_BEGIN
 
-/*! Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the middle one. The upper bits of
- *  bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose groups. */
+/*! The 64 bits of a group. Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the middle
+ *  one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose
+ *  groups. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
@@ -72,7 +73,8 @@ CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*
 /*! The middle plane bounds nothing, so it is rounded to the nearest code. */
 CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! In bins. Heights are rounded by up to half a bin; the rest is the distance of straight edges from the lattice. */
+/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight edges
+ *  from the lattice. */
 CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0, 1 or 2 along an axis. */
@@ -96,7 +98,7 @@ CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CVERT_CONSTANT int looseBins = 32;
 CVERT_CONSTANT float looseRange = 2.0f; //!< in heights of the leaf's box
 CVERT_CONSTANT int looseThicknessShift = 60;
-/*! In bins. */
+/*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CVERT_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)

@@ -129,7 +129,7 @@ CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
   bool entersBox = leaf.solid && !leaf.started;
 
-  if (state.found) {
+  if (state.found) { // only nearer hits count
     if (leaf.solid || leaf.empty) return verdict(entersBox ? hitBox : hitNone,sideUnknown,state);
     return verdict(crosses ? hitRoot : hitNone,sideUnknown,state);
   }
@@ -157,7 +157,7 @@ CVERT_FUNCTION bool wantsPassed (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
-/*! A ray passes over (under) a box if it overlaps the box in x and y, but misses it. */
+/*! Call only if wantsPassed(). A ray passes over (under) a box if it overlaps the box in x and y, but misses it. */
 CVERT_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;
