@@ -25,7 +25,7 @@
 
 CBVH_BEGIN
 
-/*! In ulps of the distance between ray and block, and in ulps of 1. */
+/*! Displacement of a ray: ulps of the distance between ray and block, and ulps of 1. */
 CVERT_CONSTANT float distanceUlps = 4.0f;
 CVERT_CONSTANT float unitUlps = 8.0f;
 
@@ -34,6 +34,7 @@ CVERT_CONSTANT float unitUlps = 8.0f;
  *  that are lost there are less than distanceUlps of this. */
 CVERT_CONSTANT float reachOfBox = 0.75f;
 
+/*! Greater than any parameter of a ray. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
 
 CVERT_REAL struct Range

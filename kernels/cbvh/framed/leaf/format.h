@@ -29,8 +29,8 @@
 
 CBVH_BEGIN
 
-/*! The 64 bits of a group. Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the middle
- *  one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose
+/*! The 64 bits of a group. Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the
+ *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose
  *  groups. */
 struct Heights
 {
@@ -73,8 +73,8 @@ CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*
 /*! The middle plane bounds nothing, so it is rounded to the nearest code. */
 CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight edges
- *  from the lattice. */
+/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight
+ *  edges from the lattice. */
 CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0, 1 or 2 along an axis. */
