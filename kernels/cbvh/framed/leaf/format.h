@@ -30,8 +30,8 @@
 CBVH_BEGIN
 
 /*! The 64 bits of a group. Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the
- *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose
- *  groups. */
+ *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for
+ *  loose groups. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
