@@ -10,7 +10,7 @@
 
 namespace embree
 {
-  /*! Gives the inactive rays of a packet an empty range during its lifetime. */
+  /*! Gives the inactive rays of a packet an empty range while it exists. */
   template<typename Packet, int N>
   struct OnlyActiveRays
   {

@@ -41,7 +41,7 @@ namespace embree
 
       Symbols (int features, int builderFeatures)
       {
-        /* as upstream selects the builder of GRID, so that the vertices of both are the same floats */
+        /* as upstream selects the builder of GRID: the vertices of both are the same floats */
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedMotionBuilder);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);

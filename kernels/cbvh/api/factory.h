@@ -10,11 +10,12 @@ namespace embree
 {
   class Scene;
 
-  /*! True if a value of subdiv_accel requests compression: "cbvh", "cbvh.vert" or "cvert", case-insensitive. */
+  /*! True if a value of subdiv_accel requests compression, for example "cbvh", "cbvh.vert" or "cvert";
+   *  case-insensitive. */
   bool isNameOfOurs (const std::string& subdivAccel);
 
-  /*! True if a scene that keeps its accelerators, as dynamic scenes do, must create new ones. This is the case if it
-   *  now has its first compressed surface or no longer has any. */
+  /*! True if a scene that keeps its accelerators must create new ones: it now has its first compressed surface, or no
+   *  longer has any. */
   bool isCompressionOutdated (Scene* scene);
 
   /*! True if a subdivision surface of the scene has motion blur and is not compressed. */
@@ -24,11 +25,11 @@ namespace embree
    *  per thread, and any thread may have run the build. */
   void reportBuildErrors (Scene* scene);
 
-  /*! Returns an accelerator for all subdivision surfaces of a scene without motion blur, or null if none of them is to
-   *  be compressed. Selects the builder and the intersectors for the device's ISA. The caller owns the result. */
+  /*! Returns an accelerator for all static subdivision surfaces of a scene, or null if none of them is compressed.
+   *  Selects builder and intersectors for the device's ISA. The caller owns the result. */
   Accel* createCompressedAccel (Scene* scene);
 
-  /*! Returns an accelerator for all compressed surfaces of a scene with motion blur, or null if there are none. The
-   *  caller owns the result. */
+  /*! Returns an accelerator for all moving compressed surfaces of a scene, or null if there are none. The caller owns
+   *  the result. */
   Accel* createCompressedMotionAccel (Scene* scene);
 }

@@ -50,7 +50,7 @@ namespace embree
 
   namespace
   {
-    /*! True if the setting of a device applies to geometry of a type. */
+    /*! True if a device's setting applies to geometries of a type. */
     bool takes (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
@@ -77,8 +77,8 @@ namespace embree
       return geometry->compression.resolve(geometry->device->compression).releasesInput;
     }
 
-    /*! Returns true if the blocks must be built again. hasInput: true if all input is set. missing: input that the
-     *  application must set again otherwise, for the message. */
+    /*! Returns true if the blocks must be built again. hasInput: all input is set. missing: input that the application
+     *  must otherwise set again. */
     bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
       SurfaceState& surface = geometry->surface;
@@ -92,7 +92,7 @@ namespace embree
       return true;
     }
 
-    /*! True if blocks need no more memory than Embree's own representation of grids. Does not count input. */
+    /*! True if blocks need no more memory than Embree's own grids. Input is not counted. */
     bool takeLessAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
@@ -115,10 +115,10 @@ namespace embree
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! Meshes with fewer primitives are left to Embree's kernels. */
+    /*! Smaller meshes are left to Embree's kernels. */
     const size_t fewPrimitives = 256;
 
-    /*! Prints a line at verbosity 1, or if EMBREE_CBVH contains "verbose". */
+    /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
     void say (const CompressibleGeometry* geometry, const std::string& what)
     {
       if (!geometry->device->verbosity(1) && !environmentAsksForCommitLines()) return;
@@ -126,7 +126,7 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Compresses a geometry that requests compression unless there is a reason not to. An empty reason is not
+    /*! Compresses a geometry if it requests compression (asks) and there is no reason not to. An empty reason is not
      *  printed. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
     {
@@ -179,8 +179,8 @@ namespace embree
     return true;
   }
 
-  /*! Programs do not expect the commit of a geometry to fail, see base/unmonitored_memory.h. If the heap is exhausted,
-   *  the next commit of the scene reports it. */
+  /*! Programs do not expect the commit of a geometry to fail (base/unmonitored_memory.h). If the heap is exhausted, the
+   *  next commit of the scene reports it. */
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Interpolation on faces that have no surface. The mark of a face is kept in its first half-edge, because the input may
- * be released before the face is interpolated. */
+/* Faces without a surface cannot be interpolated. Their first half-edge is marked, because the input may be released
+ * before the face is interpolated. */
 
 #include "interpolation.h"
 #include "../surface/patches.h"
@@ -11,14 +11,14 @@ namespace embree
 {
   namespace
   {
-    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< a number that Embree leaves free
+    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< unused by Embree
 
-    /*! Rings around the vertices of the other types have 4 quads at most, or are not read. */
+    /*! Rings around the vertices of other types have at most 4 quads, or are not read. */
     bool mayBeUnsupported (HalfEdge::PatchType type) {
       return type == HalfEdge::COMPLEX_PATCH || type == HalfEdge::IRREGULAR_QUAD_PATCH;
     }
 
-    /*! Null for a face that does not exist, or has no edges. */
+    /*! Null for a face that does not exist or has no edges. */
     const HalfEdge* firstEdge (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
     {
       if (face >= mesh->size() || topology.halfEdges.size() == 0) return nullptr;
@@ -53,7 +53,7 @@ namespace embree
 
   void markUnsupportedFaces (SubdivMesh* mesh)
   {
-    if (!mesh->faceVertices) return; // released, and marked before
+    if (!mesh->faceVertices) return; // released; already marked
     for (SubdivMesh::Topology& topology : mesh->topology)
     {
       if (topology.halfEdges.size() == 0) continue;

@@ -18,8 +18,8 @@
 
 namespace embree
 {
-  /*! Throws, and also prints and stores the message: no device exists yet whose error function could receive it, and
-   *  Embree would keep only the error code. */
+  /*! Also prints and stores the message: no device exists yet whose error function could receive it, and Embree would
+   *  keep only the error code. */
   static void invalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
@@ -34,7 +34,7 @@ namespace embree
     return text;
   }
 
-  /*! Parses for example "cvert", "vert" or "cbvh.vert", case-insensitive. */
+  /*! Parses, for example, "cvert", "vert" or "cbvh.vert", case-insensitive. */
   static bool parseKind (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
@@ -64,10 +64,10 @@ namespace embree
     return std::find(std::begin(keys),std::end(keys),word) != std::end(keys);
   }
 
-  /*! Unknown keys of a device string and their values, until verify() is called. */
+  /*! Unknown keys of a device string, until verify() is called. */
   static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
-  /*! Returns for example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
+  /*! Returns, for example, "cbvh.grid, cbvh.voxel or cbvh.leaf". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string keys;
@@ -110,7 +110,7 @@ namespace embree
     return value == "1";
   }
 
-  /*! name: of the key, for messages. */
+  /*! name: for messages. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);
@@ -122,7 +122,7 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
-  /*! Text of a value of any token type. */
+  /*! Returns the text of a value of any token type. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
@@ -143,7 +143,7 @@ namespace embree
     try { key = token.Identifier(); } catch (const std::exception&) { return false; }
     if (key.compare(0,4,"cbvh") != 0)
     {
-      if (isDeviceKey(key)) return false; // the caller, a patched function of Embree, parses it
+      if (isDeviceKey(key)) return false; // Embree parses it
       strayKeys.push_back({ key,"" });
       if (stream.trySymbol("=")) strayKeys.back().second = valueText(stream.get());
       return true;

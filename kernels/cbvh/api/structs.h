@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Structs of include/embree3, and conversions to and from the structs of the core. */
-
 #include "../core/struct_size.h"
 #include "../embree/scene.h"
 #include "../../../include/embree3/rtcore_compressed_clusters.h"

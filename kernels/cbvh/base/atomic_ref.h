@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Atomic access to a plain object, like std::atomic_ref of C++20. For tables that several threads fill concurrently and
- * that are plain memory afterwards. While one thread accesses an object through an AtomicRef, no other thread may
- * access it in another way. */
+/* Like std::atomic_ref of C++20. For tables that several threads fill and that are plain memory afterwards. While one
+ * thread accesses an object through an AtomicRef, no other thread may access it in another way. */
 
 #include <atomic>
 
@@ -23,8 +22,7 @@ namespace embree
       T fetchAdd (T value, std::memory_order order) const { return __atomic_fetch_add(&object,value,int(order)); }
       T fetchOr (T bits, std::memory_order order) const { return __atomic_fetch_or(&object,bits,int(order)); }
 
-      /*! Replaces the expected value. Otherwise returns false and sets `expected` to the current value. May fail
-       *  spuriously. */
+      /*! Returns false, and sets `expected` to the current value, if they differ. May fail spuriously. */
       bool exchangeWeak (T& expected, T value, std::memory_order order) const {
         return __atomic_compare_exchange_n(&object,&expected,value,true,int(order),onFailure(order));
       }

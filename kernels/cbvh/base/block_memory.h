@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Memory of the blocks of one surface and of the nodes above them. It grows while tasks build the surface concurrently,
- * and is released as a whole. */
+/* Memory of the blocks of a surface and of the nodes above them. It grows while tasks build the surface, and is
+ * released as a whole. */
 
 #include "../embree/scene.h"
 

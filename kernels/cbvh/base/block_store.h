@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Storage for blocks of a task: first in memory of the task, then, when a patch is complete, in memory of the surface.
- * Also lists the top-level primitives that refer to the blocks. */
+/* The blocks of a task: first in memory of the task, then, when a patch is complete, in memory of the surface. Also
+ * lists the top-level primitives that refer to the blocks. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -32,21 +32,20 @@ namespace embree
     class BlockStore
     {
     public:
-      cbvh::WorldBounds hitBounds;  //!< bounds of everything in the blocks that rays can hit
+      cbvh::WorldBounds hitBounds;  //!< of everything that rays can hit
 
       /*! memory: null if nothing is kept. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! Returns room for a block of up to maxBytes bytes, valid until the next call. */
+      /*! Room for a block, valid until the next call. */
       uint8_t* begin (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));
         return bytes.data()+used;
       }
 
-      /*! Ends the block that begin() started. type: see primitive_type.h. readBehind: bytes after it that decoders may
-       *  read. */
+      /*! type: see primitive_type.h. readBehind: bytes after the block that decoders may read. */
       void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readBehind = 0)
       {
         waiting.push_back(Waiting{ used,bounds,type,readBehind });
@@ -62,7 +61,7 @@ namespace embree
       void flushIfFull () { if (used > fullPieceBytes) flush(); }
 
       /*! Copies the buffered blocks to memory of the surface and creates primitives. Allocates one piece, because the
-       *  allocator rounds each piece up; several if there is much, because it supports at most 2 MiB. */
+       *  allocator rounds each piece up, or several, because it supports at most 2 MiB. */
       void flush ()
       {
         for (size_t i=0, next; i<waiting.size(); i=next)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of a build. Each task has its own and merges them at the end. Writers add their blocks. */
+/* Statistics of a build. Each task has its own and merges them at the end. */
 
 #include "codec.h"
 #include "surface_statistics.h"
@@ -42,7 +42,6 @@ namespace embree
         gap2 = std::max(gap2,distance2(own,shared));
       }
 
-      /*! Adds the statistics of a task. */
       void merge (const BuildStatistics& other)
       {
         add(other);
@@ -52,7 +51,7 @@ namespace embree
         sums.maxBorderGap = float(std::sqrt(gap2));
       }
 
-      /*! Adds the statistics of a surface that was built. */
+      /*! Adds a complete surface. */
       void add (const SurfaceStatistics& other)
       {
         cbvh::add(sums,other.sums);
@@ -67,7 +66,7 @@ namespace embree
       }
 
     private:
-      /*! Returns 0 if a vertex is not finite. */
+      /*! Squared distance; 0 if a vertex is not finite. */
       static double distance2 (const float a[3], const float b[3])
       {
         const double x = double(a[0])-b[0], y = double(a[1])-b[1], z = double(a[2])-b[2];

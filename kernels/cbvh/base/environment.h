@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The environment variable EMBREE_CBVH: items separated by commas, for example "1,max_error=0.001,verbose". */
+/* EMBREE_CBVH: items separated by commas, for example "1,max_error=0.001,verbose". */
 
 #include <algorithm>
 #include <cstdlib>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes GridSOA, the grids of Embree's GRID, for patches that are not compressed. */
+/* Writes GridSOA, the grids of GRID, for patches that are not compressed. */
 
 #include "../embree/scene.h"
 #include "block_store.h"
@@ -16,7 +16,7 @@ namespace embree
     class GridSOAWriter
     {
     public:
-      /*! GRID divides patches into grids of up to 8 x 8 quads. */
+      /*! Maximum number of quads along a side of GRID's grids. */
       static const unsigned gridQuads = 8;
 
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
@@ -44,7 +44,7 @@ namespace embree
         store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
-      /*! Size of a patch in GRID in bytes: its grids, and its share of the nodes with four children above them. */
+      /*! Bytes of a patch in GRID: its grids, and its share of the nodes with four children above them. */
       static size_t bytesInGrid (const Vec2i& quads)
       {
         const unsigned side = gridQuads;

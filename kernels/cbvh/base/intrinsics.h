@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intrinsics that kernels use where Embree's vectors have no operation. Embree maps those of SSE4.1 to NEON
- * (common/simd/arm); this adds those that it lacks, and says which ones an instruction set has. */
+/* Intrinsics where Embree's vectors have no operation, and which of them an instruction set has. Embree maps those of
+ * SSE4.1 to NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
 

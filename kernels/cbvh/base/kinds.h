@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Kinds of blocks. The number of a kind is stored in headers of blocks with frames (framed/block.h). References of flat
- * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it. The tables below add keys of
- * device strings and names for messages.
+ * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it.
  *
  * To remove a kind, remove its number and its rows here, and its folder. Also remove its rows where code selects by
  * kind: block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. The other numbers must not
@@ -33,7 +32,7 @@ CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u
 /*! Blocks with frames support patches of up to 2^maxLevel quads per side. */
 CVERT_CONSTANT uint32_t maxLevel = 8u;
 
-/*! Parameters of the layout of a block with a frame. */
+/*! Layout of a block with a frame. */
 struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks that are large enough
@@ -63,13 +62,12 @@ CBVH_BEGIN
 
 enum class Kind : uint32_t { GRID = kindGrid, VOXEL = kindVoxel, LEAF = kindLeaf, VERT = kindVert };
 
-/*! Properties of a kind other than its layout. */
 struct KindDescription
 {
   Kind kind;
-  const char* key;           //!< in device strings after "cbvh.", in EMBREE_CBVH, and in command lines after "c"
+  const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
   const char* name;          //!< in messages
-  bool alignsToLimit;        //!< frames align to corners before displacement, else after it
+  bool alignsToLimit;        //!< frames align to corners before displacement, otherwise after it
   bool takesHoles;           //!< leaves can leave out a quad
   bool hasThickness;         //!< leaves are not exact, so a bound on their thickness applies
 
@@ -97,7 +95,7 @@ static_assert(RTC_COMPRESSION_LEAF - RTC_COMPRESSION_GRID == kindLeaf,
 static_assert(RTC_COMPRESSION_VERT - RTC_COMPRESSION_GRID == kindVert,
               "a value of RTCCompression follows from the kind");
 
-/*! kind: must be one that this library was built with. */
+/*! kind: in kindDescriptions. */
 inline const KindDescription& describe (Kind kind)
 {
   uint32_t row = 0;
@@ -105,7 +103,7 @@ inline const KindDescription& describe (Kind kind)
   return kindDescriptions[row];
 }
 
-/*! Finds the kind of a value of RTCCompression. Returns false if there is none. */
+/*! Returns false if no kind has this value of RTCCompression. */
 inline bool findKind (int compression, Kind& kind)
 {
   for (const KindDescription& description : kindDescriptions)
@@ -113,8 +111,7 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Compression of a loaded geometry. compression: from its record in the file. A library that was built without this
- *  kind loads only files of cVERT blocks. */
+/*! compression: from the record of a loaded geometry. Libraries without this kind load only files of cVERT blocks. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Blocks in a mapped file. Opening a file does not check its blocks, because that would read the whole file. A block is
- * checked before it is first decoded (files/mapped_blocks.h). Everything that reads more of a block than its header
- * must call isUsable first. */
+/* Blocks in a mapped file are checked before they are first decoded (files/mapped_blocks.h): checking them on opening
+ * would read the whole file. Code that reads more of a block than its header must call isUsable first. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"
@@ -20,7 +19,7 @@ namespace embree
      *  be read in this order. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! Implementation of isUsable for blocks in this range. Null until a file is mapped. */
+    /*! Implements isUsable for blocks in this range. Null until a file is mapped. */
     extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood;
 
     /*! True if a block may be decoded. If not, its surface is empty, and the device receives one error per geometry. */
@@ -28,8 +27,8 @@ namespace embree
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
-      /* The loads are relaxed: while another thread maps the first file, this thread may see the addresses before the
-       * function. It cannot trace a mapped block then, because its rays come after the commit of a scene with one. */
+      /* Relaxed: while another thread maps the first file, this thread may see the addresses before the function. It
+       * cannot trace a mapped block then, because its rays come after the commit of a scene with one. */
       bool (*const isGood) (const void*, BlockForm) = isMappedBlockGood.load(std::memory_order_relaxed);
       return !isGood || isGood(block,form);
     }

@@ -4,9 +4,8 @@
 #pragma once
 
 /* Types of the leaves of the top-level BVH4. Types 0 and 1 are Embree's own (GridSOA's inner leaves and its root), so
- * that patches that are not compressed are in the same tree as blocks. Embree's references have 3 bits for the type,
- * too few for one type per kind. A type therefore denotes a form of blocks. If several kinds have the same form, the
- * block's header stores the kind. */
+ * that patches that are not compressed are in the same tree as blocks. Embree's references have only 3 bits for the
+ * type. A type therefore denotes a form of blocks, and headers store the kind if several kinds have the form. */
 
 #include "codec.h"
 #include <cstddef>
@@ -32,12 +31,11 @@ namespace embree
       MESH_BLOCK = 5        //!< cvert/format/mesh_block.h
     };
 
-    /*! type: must be the type of a block. */
+    /*! type: of a block. */
     constexpr BlockForm formOfBlock (std::size_t type) {
       return type == FRAMED_BLOCK ? FRAMED_FORM : type == MESH_BLOCK ? MESH_FORM : VERT_FORM;
     }
 
-    /*! True if a type is not one of Embree's. */
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }
   }}
 }

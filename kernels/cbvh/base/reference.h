@@ -39,8 +39,8 @@ CVERT_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
 CVERT_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
 CVERT_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
 
-/* Word offsets in a grid of GRID, Embree's GridSOA: vertices along u and v, vertices in total, IDs, and the offset in
- * bytes, from the start of the data, of four planes: x, y, z, and u and v as 16 bits each in units of 1/8192. */
+/* Word offsets in a grid of GRID, Embree's GridSOA: vertices along u and v, vertices in total, IDs, and the byte
+ * offset, from the start of the data, of four planes: x, y, z, and u and v as 16 bits each in units of 1/8192. */
 CVERT_CONSTANT uint32_t gridWidthWord = 3u, gridHeightWord = 4u, gridPlaneWord = 5u, gridGeometryWord = 6u,
   gridPrimitiveWord = 7u;
 CVERT_CONSTANT uint32_t gridOffsetWord = 9u, gridDataWord = 12u;

@@ -3,15 +3,13 @@
 
 #pragma once
 
-/* Embree's vectors grow to powers of two. Large vectors that are resized only once do not need the spare memory. */
-
 #include <cstddef>
 
 namespace embree
 {
   namespace cbvh
   {
-    /*! Resizes an empty vector without spare capacity. */
+    /*! For empty vectors that are resized once: Embree's vectors otherwise grow to powers of two. */
     template<typename Vector>
     void resizeToFit (Vector& vector, size_t size)
     {

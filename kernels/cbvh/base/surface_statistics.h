@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of built surfaces. Plain data, so that code of all instruction sets shares it. */
+/* Statistics of built surfaces. Code of all instruction sets shares these types. */
 
 #include <algorithm>
 #include <cstddef>
@@ -13,40 +13,40 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Statistics of scenes and geometries. Sizes in bytes, lengths in world units. See RTCCompressionStatistics. */
+    /*! See RTCCompressionStatistics. Bytes and world units. */
     struct CompressionStatistics
     {
       size_t topLevelBytes = 0;        //!< full-precision BVH over blocks and grids
-      size_t frameBytes = 0;           //!< headers of all blocks: frame, IDs, parametrization
+      size_t frameBytes = 0;           //!< headers of all blocks
       size_t nodeBytes = 0;            //!< compressed inner nodes
-      size_t leafBytes = 0;            //!< leaves: heights (cLEAF), vertices (cGRID), none (cVOXEL)
+      size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
       size_t gridBytes = 0;            //!< grids of quads that are not compressed, see numGridQuads
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< in blocks
       size_t numGridQuads = 0;         //!< in the same BVH, but traced by GRID
       size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
       size_t numAffineBlocks = 0;      //!< blocks whose projective frame fell back to an affine one
-      size_t numSolidLeaves = 0;       //!< cLEAF: leaves that heights cannot bound; their box is the surface
+      size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
-      size_t numExactQuads = 0;        //!< cLEAF: quads of faces that are stored as cVERT
+      size_t numExactQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
       size_t numFlippedQuads = 0;      //!< traced normal differs by more than 90 degrees from the vertices' normal
       size_t numMeshQuads = 0;         //!< quads of quad meshes in blocks, and pairs of triangles
       size_t numLooseQuads = 0;        //!< those of numMeshQuads that are in no grid of at least 4 x 4 quads
       size_t numMovingQuads = 0;       //!< quads with several time steps
-      size_t motionBytes = 0;          //!< the part of leafBytes for all time steps but the first
+      size_t motionBytes = 0;          //!< in leafBytes: all time steps but the first
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
-      /*! Buffers of compressed geometries that Embree allocated and that were not released. */
+      /*! Input of compressed geometries that Embree allocated and that was not released. */
       size_t inputBytes = 0;
       size_t cacheBytesPerThread = 0;  //!< largest size of the caches of a tracing thread; zero for single surfaces
       float maxLeafThickness = 0;      //!< largest distance between the two bounds of a leaf, over its quad
       float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
-      float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance of a vertex from the evaluated one
-      /*! cVERT, cLEAF: largest distance between the vertices that two faces evaluate at the same place. */
+      float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance from the evaluated vertex
+      /*! cVERT, cLEAF: largest distance between two faces' evaluations of a vertex. */
       float maxBorderGap = 0;
     };
 
-    /*! Calls sum(a.x,b.x) for each member x that is a sum over surfaces, and largest(a.x,b.x) for each that is a
-     *  maximum. A, B: CompressionStatistics, or structs of an interface with members of the same names. */
+    /*! Calls sum(a.x,b.x) for each member x that is a sum over surfaces, and largest(a.x,b.x) for each maximum. A, B:
+     *  CompressionStatistics, or structs of an interface with members of the same names. */
     template<typename A, typename B, typename Sum, typename Largest>
     void forEachMember (A& a, const B& b, const Sum& sum, const Largest& largest)
     {
@@ -88,10 +88,10 @@ namespace embree
       CompressionStatistics sums;
       size_t highRateQuads = 0;    //!< traced by GRID because of their edge rates
       size_t refusedQuads = 0;     //!< stored in full precision because their block has no valid frame
-      size_t refusedInGrid = 0;    //!< those of refusedQuads that GRID traces
-      size_t quadsForHoles = 0;    //!< stored as another kind because theirs does not support the holes of their patch
+      size_t refusedInGrid = 0;    //!< of these, traced by GRID
+      size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
-      size_t bytesInEmbree = 0;    //!< estimated size in Embree's own kernels
+      size_t bytesInEmbree = 0;    //!< estimate for Embree's own kernels
       size_t firstInvalidFace = std::numeric_limits<size_t>::max();
       size_t firstUnsupportedFace = std::numeric_limits<size_t>::max();
     };

@@ -9,12 +9,11 @@ namespace embree
 {
   namespace isa
   {
-    /*! Number of quads after which a task of a build reports progress: often enough to cancel, too rarely to cost
-     *  time. */
+    /*! A task of a build reports progress after so many quads: often enough to cancel, too rarely to cost time. */
     static const size_t progressQuads = 1 << 15;
 
-    /*! Calls closure(range) for ranges of 0 to n, like parallel_for, but without tasks if there is only one range: a
-     *  scene may have a hundred thousand geometries of one face. */
+    /*! Like parallel_for, but without tasks if there is only one range: a scene may have a hundred thousand geometries
+     *  of one face. */
     template<typename Closure>
     inline void forRanges (size_t n, size_t perTask, const Closure& closure)
     {
@@ -22,7 +21,7 @@ namespace embree
       else if (n) closure(range<size_t>(0,n));
     }
 
-    /*! Sums the results of closure(range). */
+    /*! As forRanges(), with a reduction. */
     template<typename Value, typename Closure, typename Sum>
     inline Value reduceRanges (size_t n, size_t perTask, const Value& none, const Closure& closure, const Sum& sum)
     {

@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* Cache of recently decoded data of blocks, per thread. Consecutive rays, of a picture or a packet, mostly reach the
- * same blocks, and decoding them is most of the cost of a ray.
+/* Cache of recently decoded data of blocks, per thread. Consecutive rays mostly reach the same blocks, and decoding
+ * them is most of the cost of a ray.
  *
  * Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by the address of a block. A new block may have the
- * address of an old one that was traced and released during the build. Each build therefore invalidates all caches at
- * its end. */
+ * address of an old one that was traced and released, so each build invalidates all caches at its end. */
 
 #include "../embree/simd.h"
 #include <atomic>
@@ -24,7 +23,7 @@ namespace embree
     /*! Size in bytes of the caches in a mask of ThreadCaches, per thread. */
     size_t threadCacheBytes (unsigned caches);
 
-    /*! Invalidates all caches. Must be called after blocks are built and before they are traced. */
+    /*! Invalidates all caches. Call it after blocks are built and before they are traced. */
     void outdateThreadCaches ();
 
     /*! Number of calls of outdateThreadCaches. */
@@ -34,7 +33,7 @@ namespace embree
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
     /*! Like hashOfBlock, with one entry per `bytes` bytes of memory, so that neighboring blocks never share an entry. A
-     *  hash shifts each range of 256 KiB: otherwise, blocks at equal distances would share a few entries. */
+     *  hash shifts each range of 256 KiB: blocks at equal distances would otherwise share a few entries. */
     __forceinline size_t placeOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
@@ -44,7 +43,7 @@ namespace embree
     class ThreadCache : public Entries
     {
     public:
-      /*! Returns the cache of the calling thread without outdated entries. */
+      /*! The cache of the calling thread, without outdated entries. */
       static __forceinline ThreadCache& ofThread ()
       {
         ThreadCache* cache = current;

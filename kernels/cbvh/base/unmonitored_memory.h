@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Memory that the commit of a geometry allocates. Programs do not expect this commit to fail. If an application refused
- * memory and then detached the geometry before the next commit of the scene, it would get no error. This memory is
- * therefore not reported to the application's monitor when it is allocated. The commit of a scene reports the memory
- * that exists then, and may fail. */
+/* Memory that the commit of a geometry allocates. Programs do not expect this commit to fail: if an application refused
+ * memory and detached the geometry before the next commit of the scene, it would get no error. This memory is therefore
+ * not reported to the application's monitor. The commit of a scene reports the memory that exists then, and may
+ * fail. */
 
 #include "../embree/scene.h"
 
@@ -25,14 +25,13 @@ namespace embree
       return &none;
     }
 
-    /*! Embree's vector without memory reports. */
     template<typename T>
     struct UnmonitoredVector : public mvector<T>
     {
       UnmonitoredVector () : mvector<T>(unmonitoredMemory(),0) {}
     };
 
-    /*! Reports existing memory to the monitor of a device during the lifetime of this object. The constructor throws
+    /*! Reports memory to the monitor of a device while this object exists. The constructor throws
      *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. */
     class ReportedMemory
     {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The functions of cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or of
- * quads. Also products that are fused with a sum or not, as written, whereas compilers may fuse differently in
- * different places. */
+/* The functions of cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads.
+ * Also sums of products that are fused or not as written, whereas compilers may fuse differently in different
+ * places. */
 
 #include "language.h"
 #include "../../cvert/rule/reciprocal.h"
@@ -38,7 +38,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! The widest vectors of the instruction set, up to 16 floats. */
+      /*! Width of the widest vectors, in floats. */
 #if defined(__AVX512F__)
       static const int vectorWidth = 16;
 #elif defined(__AVX__)
@@ -50,8 +50,7 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! directionReciprocal of x, y and z of a direction. Components of normal magnitude need no clamping, so only the
-       *  division has latency then. */
+      /*! Components of normal magnitude need no clamping, so only the division has latency then. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);
@@ -59,8 +58,8 @@ namespace embree
         return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
       }
 
-      /*! a b + c and c - a b, fused if the instruction set supports it. Embree's madd of floats would clear the rest of
-       *  a vector first. */
+      /*! a b + c and c - a b, fused if the instruction set supports it. Embree's madd of floats would first clear the
+       *  rest of a vector. */
       __forceinline float fused (float a, float b, float c)
       {
 #if defined(__FMA__) || defined(__ARM_FEATURE_FMA)

@@ -10,7 +10,7 @@ namespace embree
 {
   namespace
   {
-    /*! How the value of a key is checked here. Builds check the names of accelerators and builders. */
+    /*! How a value is checked here. Builds check the names of accelerators and builders. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
@@ -152,7 +152,7 @@ namespace embree
       at = std::min(text.find_first_not_of(blanks,end),text.size());
       std::string value;
       if (at < text.size() && text[at] == '=') {
-        /* ends at the next comma or blank, except for blanks around | */
+        /* ends at a comma or blank, except for blanks around | */
         for (at++; at < text.size() && text[at] != ','; at++) {
           if (!std::strchr(blanks,text[at])) { value += text[at]; continue; }
           const size_t next = text.find_first_not_of(blanks,at);

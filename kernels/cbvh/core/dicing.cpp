@@ -82,7 +82,7 @@ namespace embree
         }
       }
 
-      /*! Returns the power of two nearest to rate by ratio, up to a bound, which may be infinite. */
+      /*! Nearest power of two by ratio, up to a bound, which may be infinite. */
       float rounded (float rate, float bound)
       {
         const float power = std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f)))));
@@ -110,8 +110,8 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* One patch per corner. It has half of the edge ahead and half of the edge behind; its opposite sides
-                 * count for both. Embree supports 16 corners. */
+                /* A patch per corner, with half of the edge ahead and half of the edge behind. Its opposite sides count
+                 * for both. Embree supports 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];
@@ -138,7 +138,7 @@ namespace embree
       if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
           || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry must be committed before it is diced");
-      checkIndices(mesh); // the commit of a geometry that is not compressed does not
+      checkIndices(mesh); // commits of uncompressed geometry do not
       validate(camera,mesh->numEdges());
       const std::vector<float> rates = ratesOf(mesh,camera);
       Ref<Buffer> levels = new Buffer(geometry->device,rates.size()*sizeof(float));

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Dicing of subdivision surfaces for a camera: selects the rate of each edge by the size of the edge in the picture. */
+/* Dicing of subdivision surfaces for a camera. */
 
 #include "../surface/dicing_camera.h"
 #include <vector>
@@ -15,14 +15,14 @@ namespace embree
   namespace core
   {
     /*! Sets the level buffer of a subdivision surface so that its quads have about the size in the picture that the
-     *  camera requests. Returns the levels, one per index. Commit the geometry afterwards. An existing level buffer is
-     *  replaced, not written.
+     *  camera requests. Returns the levels, one per index. An existing level buffer is replaced, not written. Commit
+     *  the geometry afterwards.
      *
-     *  Measures edges on the limit surface with displacement. Several threads call the displacement function, for
-     *  points of all faces, about 1/16 as many as quads. Lengths are measured as if seen from the front, so that
-     *  silhouettes, shadows and reflections have quads as fine as visible surfaces. The rate of an edge is the nearest
-     *  power of two: quads are 0.7 to 1.4 times as long as requested. Both faces at an edge get the higher of their
-     *  rates. With several time steps the highest rate of all steps is used. Vertices that are not finite are ignored.
+     *  Measures the limit surface with displacement: several threads call the displacement function, for about 1/16 as
+     *  many points as quads. Lengths are measured as if seen from the front, so that silhouettes, shadows and
+     *  reflections have quads as fine as visible surfaces. Rates are rounded to the nearest power of two: quads are 0.7
+     *  to 1.4 times as long as requested. An edge has the highest rate of its faces and of all time steps. Vertices
+     *  that are not finite are ignored.
      *
      *  Errors: RTC_ERROR_INVALID_ARGUMENT, with the name and the value of the member, for camera values that are not
      *  finite or out of range, and for indices that are out of range. RTC_ERROR_INVALID_OPERATION for other geometry,

@@ -17,7 +17,7 @@ namespace embree
 
     namespace
     {
-      /*! A geometry that can be saved, and its blocks. */
+      /*! A geometry that can be saved. */
       struct Saved
       {
         const CompressibleGeometry* geometry;

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Compressed geometries in files. A file is mapped, not read: rays can be traced immediately, blocks that no ray
- * reaches stay on disk, and all processes of a machine share the memory of a file. docs/formats/file.md describes the
- * format.
+/* Compressed geometries in files. A file is mapped: rays can be traced immediately, blocks that no ray reaches stay on
+ * disk, and processes share the memory. docs/formats/file.md describes the format.
  *
  * Paths: an existing file is replaced in one step when the new file is complete, and is unchanged until then. Symbolic
  * links are followed, and the file's permissions are kept. A process that is killed leaves a file next to the path,
@@ -33,9 +32,9 @@ namespace embree
     /*! Saves a geometry: blocks, tree, time steps, primitives and statistics, but not its mask, filters, user data,
      *  vertex attributes and input.
      *
-     *  Errors: RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, does not request compression, or changed
-     *  since its last commit. The same if it is not completely stored as blocks because only GRID supports some of its
-     *  edge rates. The same if writing fails, for example because the disk is full or a limit on file sizes is reached.
+     *  Errors: RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, does not request compression, changed
+     *  since its last commit, or is not completely stored as blocks because only GRID supports some of its edge rates.
+     *  The same if writing fails, for example because the disk is full or a limit on file sizes is reached.
      *  RTC_ERROR_INVALID_ARGUMENT for a path that cannot be written, or that is a device or a pipe. Thread safety:
      *  other threads may trace the geometry during this call, but not commit it. Cost: reads all blocks, writes them
      *  and computes their checksums. */
@@ -64,7 +63,6 @@ namespace embree
       CompressedFileWriter (const CompressedFileWriter&) = delete;
       CompressedFileWriter& operator= (const CompressedFileWriter&) = delete;
 
-      /*! Returns the number of geometries. */
       size_t size () const;
 
       /*! Appends a geometry, which may be released afterwards. After a geometry that cannot be saved, others can be
@@ -84,8 +82,8 @@ namespace embree
     /*! Description of a geometry in a file's directory. */
     struct FileDescription
     {
-      RTCGeometryType type;                    //!< type of the saved geometry
-      RTCCompression compression;              //!< representation of the saved geometry
+      RTCGeometryType type;                    //!< of the saved geometry
+      RTCCompression compression;              //!< of the saved geometry
       unsigned primitiveCount, timeStepCount;
       float begin, end;                        //!< times of the first and the last step
       /*! Bounds of everything that rays can hit, at all times. Empty if lower is above upper. */
@@ -105,7 +103,6 @@ namespace embree
       CompressedFile (const CompressedFile&) = delete;
       CompressedFile& operator= (const CompressedFile&) = delete;
 
-      /*! Returns the number of geometries. */
       size_t size () const;
 
       /*! Describes a geometry without reading its tree or its blocks. Errors: RTC_ERROR_INVALID_ARGUMENT if index is

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Reads compressed surfaces: triangles, parts and clusters as they are stored.
+/* Reads triangles, parts and clusters of compressed surfaces as they are stored.
  *
  * All functions throw RTC_ERROR_INVALID_OPERATION for a geometry that has no blocks, is not completely stored as cVERT
  * or cGRID, or was loaded from a file that is damaged. cLEAF and cVOXEL have no triangles.
@@ -23,7 +23,7 @@ namespace embree
 
   namespace core
   {
-    /*! Returns the time of a geometry's first time step. */
+    /*! Time of a geometry's first time step. */
     float firstTime (Geometry* geometry);
 
     /*! Finds the triangle of a hit.
@@ -37,16 +37,15 @@ namespace embree
      *  out, and for numbers that are not finite.
      *
      *  Cost: decodes one or a few blocks. The first call after a commit builds an index of the geometry's blocks. It
-     *  needs 16 bytes per block, plus 4 bytes per primitive for quad meshes and triangle meshes. */
+     *  needs 16 bytes per block, plus 4 per primitive of a quad or triangle mesh. */
     bool findTriangle (Geometry* geometry, float time, unsigned primID, float u, float v, const float* Ng,
         cbvh::StoredTriangle& triangle);
 
-    /*! Calls closure(part) for all parts of a surface until it returns false, in unspecified order. Cost: decodes each
+    /*! Calls closure(part) for all parts of a surface, in unspecified order, until it returns false. Cost: decodes each
      *  block once. */
     void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure);
 
-    /*! Calls closure(cluster) for all clusters of a surface until it returns false. The order is the same for each
-     *  call.
+    /*! Calls closure(cluster) for all clusters of a surface, always in the same order, until it returns false.
      *
      *  Vertices do not move: a decoder of the format returns the same floats as traversal uses, with 0 for -0, so
      *  clusters share borders as blocks do. Triangles with a vertex that is not finite, or with two equal vertices, are

@@ -8,8 +8,7 @@
  * which zero selects the previous behavior. They begin at the sizeof of the previous version, so structs that the
  * library reads have no padding at their end.
  *
- * The application's struct may be smaller than the type that this version declares. Functions therefore receive
- * pointers, and their callers may access only structSize directly.
+ * The application's struct may be smaller than this version's type. Callers may access only structSize directly.
  *
  * All functions throw RTC_ERROR_INVALID_ARGUMENT with the struct's name if structSize is out of range. */
 
@@ -19,11 +18,10 @@ namespace embree
 {
   namespace core
   {
-    /*! Specialized by CBVH_GROWING_STRUCT. firstSize: size of the struct in the first version that has it. */
+    /*! firstSize: sizeof in the first version that has the struct. */
     template<typename T> struct GrowingStruct;
 
-    /*! Declares a struct that may grow. lastOfFirst: last member in the first version. Use in namespace
-     *  embree::core. */
+    /*! lastOfFirst: last member in the first version. Use in namespace embree::core. */
 #define CBVH_GROWING_STRUCT(T,lastOfFirst) \
     template<> struct GrowingStruct<T> \
     { \
@@ -36,10 +34,10 @@ namespace embree
     struct KnownStruct
     {
       const char* name;
-      size_t firstSize, size;  //!< size in the first version and in this one
+      size_t firstSize, size;  //!< in the first version and in this one
     };
 
-    /*! Larger values of structSize indicate uninitialized memory. */
+    /*! Larger values indicate uninitialized memory. */
     const size_t maxStructSize = 1024;
 
     void checkStructSize (const KnownStruct& known, const void* data);
@@ -49,8 +47,8 @@ namespace embree
     template<typename T>
     KnownStruct knownStruct () { return KnownStruct{ GrowingStruct<T>::name(),GrowingStruct<T>::firstSize,sizeof(T) }; }
 
-    /*! Returns the application's struct as this version declares it. Members that the application lacks are zero,
-     *  structSize is sizeof(T). Also throws if a byte that this version does not know is not zero. */
+    /*! Returns the application's struct as this version declares it: missing members are zero, structSize is sizeof(T).
+     *  Also throws if a byte that this version does not know is not zero. */
     template<typename T>
     T readStruct (const T* from)
     {
@@ -63,7 +61,7 @@ namespace embree
     template<typename T>
     void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
 
-    /*! Writes the members that the application's struct has, and sets its remaining bytes to zero. structSize keeps its
+    /*! Writes the members that the application's struct has, and sets its other bytes to zero. structSize keeps its
      *  value. */
     template<typename T>
     void writeStruct (T* to, const T& from) { copyToApplication(knownStruct<T>(),to,&from); }

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Converts errors of the codec to Embree's errors. */
-
 #include "../embree/scene.h"
 #include "../base/codec.h"
 #include "../../cvert/basics/reason.h"
@@ -13,8 +11,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls function() and returns its result. Throws an error of Embree if function() throws an error of the
-     *  codec. */
+    /*! Returns the result of function(). Rethrows errors of the codec as errors of Embree. */
     template<typename Function>
     auto withEmbreeErrors (const Function& function) -> decltype(function())
     {

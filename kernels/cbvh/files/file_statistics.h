@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of a surface in the record of a file. */
+/* Conversion of statistics to and from the record of a file. */
 
 #include "../base/codec.h"
 #include "../base/surface_statistics.h"

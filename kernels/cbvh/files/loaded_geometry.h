@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* A geometry that was loaded from a file. It has blocks but not the input that they were built from. Its mask, filters,
- * user data and enabled state can be set, and it can be attached and instanced as any other geometry. Functions that
- * read or change its input fail. */
+/* A geometry that was loaded from a file: it has blocks but not the input that they were built from. Its mask, filters,
+ * user data and enabled state can be set. Functions that read or change its input fail. */
 
 #include "../base/codec.h"
 #include "../embree/scene.h"
@@ -49,7 +48,7 @@ namespace embree
   private:
     [[noreturn]] static void refuse ();
 
-    const BBox1f ownTimes; //!< times of the first and the last step
+    const BBox1f ownTimes; //!< of the first and the last step
   };
 
   /*! Throws if a geometry was loaded from a file. */

@@ -23,8 +23,8 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. It begins before the part if the pages of this machine are larger than
-       *  the pages of files, as on ARM64. */
+      /*! Copy-on-write mapping of a part of a file. It begins before the part if the machine's pages are larger than
+       *  the file's, as on ARM64. */
       struct PrivatePages
       {
         const size_t before;
@@ -41,7 +41,7 @@ namespace embree
         ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
-      /*! The file of the blocks of a geometry, and their private pages, if any. */
+      /*! Keeps both alive. pages: null without private pages. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;
@@ -131,7 +131,7 @@ namespace embree
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 
-      /* A second surface of the same blocks needs private pages: its number is written into the blocks. */
+      /* A second surface of the same blocks needs private pages: its number is written into them. */
       std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
       memory->file = file;
       char* first = (char*)file->blocks(i);

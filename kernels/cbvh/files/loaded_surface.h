@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Surfaces of a file as scenes trace them. The tree of a surface is read and checked when the surface is loaded, its
- * blocks when rays first reach them (mapped_blocks.h). */
+/* Surfaces of a file. The tree is read and checked when a surface is loaded, its blocks when rays first reach them
+ * (mapped_blocks.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/file/file.h"
@@ -17,8 +17,8 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Returns the blocks of geometry i of a file and the tree above them. Throws cvert::Error if the tree is damaged,
-     *  or if a moving block is. */
+    /*! Returns the blocks of geometry i and the tree above them. Throws cvert::Error if the tree or a moving block is
+     *  damaged. */
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
                                                       size_t i);
 

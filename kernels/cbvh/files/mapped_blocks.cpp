@@ -17,11 +17,11 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Address ranges of all mapped blocks of the process. */
+    /*! All mapped blocks of the process. */
     class MappedPlaces
     {
-      /*! An address range, by value: other threads may delete blocks of geometries that the calling thread does not
-       *  trace, but not those that it traces. */
+      /*! By value: other threads may delete blocks of geometries that the calling thread does not trace, but not those
+       *  that it traces. */
       struct Place
       {
         const char* begin;
@@ -49,7 +49,7 @@ namespace embree
         changed();
       }
 
-      /*! If there is no memory for a new list, threads search all blocks until the next list is made. */
+      /*! If there is no memory for a new list, threads search all blocks until one is made. */
       static void remove (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -61,12 +61,12 @@ namespace embree
       }
 
     private:
-      /*! Cache of the calling thread. Its list may be outdated while a geometry of the list is traced. */
+      /*! Cache of the calling thread. Its list may be outdated while a geometry in it is traced. */
       struct Known
       {
         uint64_t generation = 0;
         std::shared_ptr<const List> list;
-        Place last = { nullptr, 0, nullptr }; //!< range of the last block that was found
+        Place last = { nullptr, 0, nullptr }; //!< of the last block that was found
       };
 
       static bool isGood (const void* block, BlockForm form)
@@ -143,9 +143,9 @@ namespace embree
 
       static MutexSys mutex;                    //!< protects the next four
       static MappedBlocks* first;
-      static std::shared_ptr<const List> list;  //!< null if there was no memory for it
+      static std::shared_ptr<const List> list;  //!< null if out of memory
       static size_t hullBegin, hullEnd;
-      static std::atomic<uint64_t> generation;  //!< number of changes of them
+      static std::atomic<uint64_t> generation;  //!< counts changes
       static __thread Known* known __attribute__((tls_model("initial-exec")));
     };
 

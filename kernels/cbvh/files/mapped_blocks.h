@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that blocks that no ray
- * reaches are never read from disk. A bit per 16 bytes stores that a block is good. Whatever bytes a good block has,
- * decoders and traversal stay inside of it, and hits report primitives that the geometry has. */
+/* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that other blocks are never
+ * read from disk. Whatever bytes a good block has, decoders and traversal stay inside of it, and hits report primitives
+ * that the geometry has. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
@@ -24,20 +24,19 @@ namespace embree
     class MappedBlocks
     {
     public:
-      /*! begin: of the blocks. file: must outlive this object; must have at least fileReadBehind bytes after the
-       *  blocks. number: surface number, written into blocks that have another; they must then be writable. name: of
-       *  the geometry, for messages. */
+      /*! file: must outlive this object; must have at least fileReadBehind bytes after the blocks. begin: of the
+       *  blocks. number: surface number, written into blocks that have another; they must then be writable. name: for
+       *  messages. */
       MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
                     const cvert::FileGeometry& record, uint32_t number, const std::string& name);
       ~MappedBlocks ();
       MappedBlocks (const MappedBlocks&) = delete;
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
-      /*! Checks the block at an offset from the first block. */
+      /*! offset: from the first block. */
       cvert::Reason validate (size_t offset, BlockForm form) const;
 
-      /*! True if a block may be decoded. Stores the result. Reports an error to the device for the first damaged
-       *  block. */
+      /*! True if a block may be decoded. Reports the first damaged block to the device. */
       bool isGood (const void* block, BlockForm form) const
       {
         const size_t offset = size_t((const char*)block-begin);
@@ -60,11 +59,11 @@ namespace embree
       Device* device;
       std::shared_ptr<const cvert::File> file;
       char* const begin;
-      const cvert::FileGeometry record; //!< as it was when the geometry was loaded, even if the file changes
+      const cvert::FileGeometry record; //!< as loaded, even if the file changes
       const size_t bytes;
       const uint32_t surfaceNumber;
       const std::string name;
-      std::atomic<uint64_t>* good; //!< a bit for each position at which a block may begin
+      std::atomic<uint64_t>* good; //!< one bit per 16 bytes, at which a block may begin
       mutable std::atomic<bool> isReported;
       MappedBlocks* next, * previous; //!< list of all existing mapped blocks
     };

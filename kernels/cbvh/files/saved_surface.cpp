@@ -24,7 +24,7 @@ namespace embree
 
     namespace
     {
-      /*! Lays out the tree of a surface and its blocks in the order of the file. */
+      /*! Lays out a surface in the order of the file. */
       class Layout
       {
       public:
@@ -92,7 +92,7 @@ namespace embree
           return begin | FILE_NODE;
         }
 
-        /*! Throws for bounds with which the file could not be loaded. */
+        /*! Throws for bounds that loadSurface() would reject. */
         static void requireBounds (const float lower[3], const float upper[3]) {
           if (areBounds(lower,upper)) return;
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,

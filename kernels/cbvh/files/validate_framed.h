@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! False if a frame is not finite, or maps all points to the same point, as a header of zeros does. */
+    /*! False if a frame is not finite, or maps all points to one point, as a header of zeros does. */
     inline bool isFrame(const BlockHeader& header)
     {
       bool isZero = true;
@@ -28,8 +28,8 @@ namespace embree
       return !isZero;
     }
 
-    /*! Returns the first error in the block at data, which has at most `bytes` bytes. Whatever the fields of a valid
-     *  block are, decoders read only the block. */
+    /*! Returns the first error in a block of at most `bytes` bytes. Whatever the fields of a valid block are, decoders
+     *  read only the block. */
     inline Reason validateFramedBlock(const void* data, size_t bytes)
     {
       if (bytes < blockHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);
@@ -46,7 +46,7 @@ namespace embree
       return bytes < needed ? Reason::damaged("it has % bytes: its nodes and leaves need %",bytes,needed) : Reason();
     }
 
-    /*! Like above, and checks its primitive. */
+    /*! Also checks the primitive. */
     inline Reason validateFramedBlock(const void* data, size_t bytes, uint32_t numPrimitives)
     {
       if (const Reason reason = validateFramedBlock(data,bytes)) return reason;

@@ -1,13 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. (cVERT blocks have no
- * frame, see cvert/format/block.h.) A block consists of a header, the words of a complete quadtree level by level, each
- * level in Morton order, and the leaves in Morton order (cLEAF) or the vertices row by row (cGRID). It contains no
- * pointers or offsets: positions, parameters and vertex indices follow from the index. docs/formats/framed_block.md has
- * the table of bytes.
- *
- * This file defines only the layout. local_ray.h, node.h and leaf/format.h define what the bytes mean. */
+/* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. It consists of a header,
+ * the words of a complete quadtree, level by level, each level in Morton order, and the leaves in Morton order (cLEAF)
+ * or the vertices row by row (cGRID). It has no pointers or offsets: positions, parameters and vertex indices follow
+ * from the index. docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define
+ * what the bytes mean. */
 
 #ifndef CBVH_BLOCK_H
 #define CBVH_BLOCK_H
@@ -20,7 +18,7 @@ CBVH_BEGIN
 /*! Version of the layout. Incremented by each change that affects readers. */
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
-/*! True if a block has words of groups (leaf/format.h) in its last level of nodes. */
+/*! True if the last level of nodes has words of groups (leaf/format.h). */
 CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
@@ -30,7 +28,7 @@ CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 /*! Sizes and offsets in bytes of everything after the header. */
 struct BlockLayout
 {
-  uint32_t nodeLevels;  //!< levels of node words
+  uint32_t nodeLevels;
   uint32_t leaves;      //!< leaves along a side
   uint32_t nodes;       //!< number of node words
   uint32_t leafOffset;
@@ -63,7 +61,7 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 struct BlockHeader
 {
   float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
-  uint32_t surface;     //!< number of the geometry's surface, see surface_ids.h
+  uint32_t surface;     //!< see surface_ids.h
   float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-centre)[i]
   uint32_t primID;
   uint32_t info;        //!< kind, height, position in the patch, border width: see the accessors
@@ -93,9 +91,9 @@ CVERT_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! Returns a parameter of the face at a point x quads from the block's corner along an axis. corner: parameter of the
- *  patch's corner, times 2. block, last: position of the block and of the patch's last block. Divides instead of
- *  multiplying by a reciprocal, so that the patch ends at 1. */
+/*! Parameter of the face at a point x quads from the block's corner. corner: parameter of the patch's corner, times 2.
+ *  block, last: positions of the block and of the patch's last block. Divides instead of multiplying by a reciprocal,
+ *  so that the patch ends at 1. */
 CVERT_REAL CVERT_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
@@ -108,18 +106,17 @@ CBVH_END
 
 CBVH_BEGIN
 
-/*! The header, with access to the data after it. */
 struct Block : public BlockHeader
 {
   Kind kind () const { return Kind(kindOf(info)); }
   uint32_t height () const { return heightOf(info); }
   BlockLayout layout () const { return blockLayout(kindOf(info),height()); }
 
-  /*! Quads of the patch along u and v. */
+  /*! Number of quads of the patch, not of the block. */
   uint32_t quadsX () const { return (lastXOf(tiling)+1u) << height(); }
   uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
 
-  /*! Return the face parameters of a point that is given in quads from the block's corner. */
+  /*! Face parameters of a point, given in quads from the block's corner. */
   template<typename Float> Float faceU (const Float& x) const {
     return faceParameter(cornerUOf(tiling),blockXOf(info),lastXOf(tiling),height(),x);
   }

@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Two kinds of world-space bounds of a block.
+/* World-space bounds of a block, of two kinds.
  *
  * The top level culls with the bounds of the vertices. A ray through the surface intersects the bounds of the block
- * whose quad it crosses, and that block alone reports the hit (framed/leaf/hit_rule.h): its leaves contain the quad,
- * and its lips close its own border. Leaves extend past their quads. With bounds of leaves, however, cLEAF would have
- * up to twice as many false hits at silhouettes, and cVOXEL a tenth more.
+ * whose quad it crosses, and that block alone reports the hit (leaf/hit_rule.h): its leaves contain the quad, and its
+ * lips close its own border. Bounds of the leaves are larger: cLEAF would have up to twice as many false hits at
+ * silhouettes, and cVOXEL a tenth more.
  *
  * A ray that intersects these bounds can hit geometry outside of them. The bounds of the scene include that geometry,
  * because applications clip their rays to them. */
@@ -22,7 +22,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Returns the bounds of a box in a frame: the bounds of its corners, because a projective map keeps it convex. */
+    /*! The bounds of the corners are bounds of the box, because a projective map keeps it convex. */
     inline WorldBounds boundBox(const NodeBox& box, const float centre[3], const InverseFrame& inverse)
     {
       /* Lanes are the four corners of the lower and of the upper side. */
@@ -48,7 +48,7 @@ namespace embree
       return bounds;
     }
 
-    /*! Returns the bounds of the vertices, enlarged by how far a neighboring face may round them differently. */
+    /*! Bounds of the vertices, enlarged by how far a neighboring face may round them differently. */
     inline WorldBounds boundSurface(const BlockGeometry& geometry)
     {
       WorldBounds bounds;
@@ -74,7 +74,7 @@ namespace embree
       }
 
     private:
-      /*! Extends by the leaves below a node. No leaf extends past the bounds if the node's box does not. */
+      /*! No leaf below a node extends past the bounds if the node's box does not. */
       void extend(uint32_t level, uint32_t m, const NodeBox& box)
       {
         const WorldBounds own = boundBox(box,block->centre,geometry.inverse);

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Encoder of a block: fits the frame to the vertices, computes bounds bottom-up, and encodes nodes top-down and then
- * leaves. Nodes are encoded top-down because their planes are relative to the decoded box of their parent, not to its
- * exact box: rounding errors cannot accumulate.
+/* Encoder of a block. Nodes are encoded top-down, because their planes are relative to the decoded box of their parent,
+ * not to its exact box: rounding errors cannot accumulate.
  *
  * Each kind of leaves has an encoder with these members:
  *
@@ -38,7 +37,7 @@ namespace embree
       bool fit(const float corners[4][3]) { return geometry.fit(corners); }
       bool isDegenerate() const { return geometry.isDegenerate(); }
 
-      /*! Writes frame, info, nodes and leaves. The caller sets IDs and face parameters.
+      /*! Writes frame, info, nodes and leaves. The caller sets surface, primID and tiling.
        *  block:  room for blockLayout(kind,height).bytes bytes, 16-byte aligned.
        *  x, y:   position in the patch, in blocks.
        *  sharpSides: bits of the sides of the block where the surface ends or bends (see sharpSidesOf()); used only for

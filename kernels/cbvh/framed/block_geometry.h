@@ -20,14 +20,14 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Area of a quad in the frame, relative to the area of a leaf, below which leaves do not represent the quad: they
-     *  would be 16 times as wide as the quad. */
+    /*! Leaves do not represent a quad whose area in the frame is below this fraction of the leaf's area: they would be
+     *  16 times as wide as the quad. */
     static constexpr double minQuadArea = 1.0/256;
 
     class BlockGeometry
     {
     public:
-      const uint32_t height;      //!< log2 of quads along a side
+      const uint32_t height;
       const uint32_t width;       //!< vertices along a side
       const uint32_t cellLevels;  //!< log2 of cells along a side
       const float (*const vertices)[3]; //!< world positions
@@ -35,8 +35,7 @@ namespace embree
       InverseFrame inverse;
       float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
       double coordinate = 0;      //!< largest absolute coordinate of these vertices
-      double rounding[4];         //!< largest distance in the frame between a vertex and the same vertex of a
-                                  //!< neighboring face
+      double rounding[4];         //!< largest distance between a vertex and the same vertex of a neighboring face
       ExactBox* boxes;            //!< boxes of all quadtree levels down to cells, level by level
       double (*local)[4];         //!< vertices of cells, in the frame
       uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
@@ -73,7 +72,7 @@ namespace embree
         memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) // no corners to align to: any frame around the vertices
+        if (!ok) // any frame around the vertices
           for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
         const FrameLanes lanes(frame.columns);
@@ -106,7 +105,7 @@ namespace embree
         return 2*small > valid;
       }
 
-      /*! Bounds the cells and all nodes above them. Call fit() first. */
+      /*! Sets the boxes. Requires fit(). */
       void bound()
       {
         inverse = InverseFrame(frameMap(frame.columns));
@@ -123,7 +122,7 @@ namespace embree
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
     private:
-      /*! Assigns scratch memory to the arrays. Returns the number of bytes. */
+      /*! Returns the number of bytes; with null only counts. */
       size_t layoutScratch(char* scratch)
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
@@ -140,12 +139,10 @@ namespace embree
         return bytes;
       }
 
-      /*! True if a vertex of a cell is finite in the frame. */
       bool isLocalFinite(uint32_t i) const {
         return std::isfinite(local[i][0]) && std::isfinite(local[i][1]) && std::isfinite(local[i][2]);
       }
 
-      /*! Splits one quad into 2 x 2 cells. */
       void splitQuad()
       {
         double quad[4][4];
@@ -174,8 +171,7 @@ namespace embree
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
       }
 
-      /*! Bounds node (x,y) of a level and all nodes below it. Boxes of cells with a vertex that is not finite are
-       *  empty; `invalid` counts them. */
+      /*! Boxes of cells with a vertex that is not finite are empty; `invalid` counts them. */
       void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
       {
         if (level == cellLevels) {
@@ -204,7 +200,7 @@ namespace embree
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));
       }
 
-      /*! Sets the bounds of the finite vertices, and returns their number. */
+      /*! Bounds the finite vertices, and returns their number. */
       size_t boundVertices()
       {
         const size_t all = size_t(width)*width;
@@ -224,7 +220,7 @@ namespace embree
 
     private:
       bool allFinite = false;
-      Double3* fitted;          //!< relative vertices, while the frame is fitted
+      Double3* fitted;          //!< while the frame is fitted
       float (*finite)[3];
     };
   }}

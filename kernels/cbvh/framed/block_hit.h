@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Converts a hit in a leaf of a block with frames to the form that Embree's epilogues require: parameters of the face,
- * distance, and normal. `Real` is float for a single ray, or a vector for the rays of a packet. Both compute the same
- * bits, because every product in a sum is explicitly fused or is exact. */
+/* Converts a hit in a leaf of a block with a frame to face parameters, distance and normal. `Real` is float, or a
+ * vector of a packet's rays. Both compute the same bits: every product in a sum is explicitly fused or is exact. */
 
 #include "local_ray4.h"
 #include "normal.h"
@@ -21,11 +20,10 @@ namespace embree
       {
         Real s;
         Real u, v;                 //!< position in the leaf
-        Real slopeX, slopeY;       //!< slopes of the surface at the hit
-        Bool fromAbove, fromBelow; //!< side from which the ray comes, if it is known
+        Real slopeX, slopeY;
+        Bool fromAbove, fromBelow; //!< side from which the ray comes; neither is set if the side is unknown
       };
 
-      /*! Data of a ray that hits require. */
       template<typename Real>
       struct HitRay
       {
@@ -33,16 +31,16 @@ namespace embree
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
         Real scale, rcpDir2;
-        Real tnear, tfar;      //!< of the ray before any hit
+        Real tnear, tfar;      //!< before any hit
         Real enter;            //!< distance at which the ray enters the block's bounds
 
-        /*! Returns the distance of parameter s on the ray. */
+        /*! Distance of the point at parameter s. */
         __forceinline Real ownT (const Real& s) const {
           const Real sw = product(s,w0);
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
-        /*! Returns the distance that hits are compared by (nearest_hit.h). */
+        /*! Distance that hits are compared by (nearest_hit.h). */
         __forceinline Real countingT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 
@@ -73,7 +71,7 @@ namespace embree
         }
 
       private:
-        /*! As worldNormal and isTurned of framed/normal.h, normalized. */
+        /*! See normal.h; the result has unit length. */
         __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];

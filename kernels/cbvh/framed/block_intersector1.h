@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Single-ray intersector of blocks, for closest hit and any hit: transforms the ray into the frame, walks through the
- * quadtree, and intersects leaves. */
+/* Intersects a single ray with a block, for closest hit and any hit. */
 
 #include "voxel/visitor1.h"
 #include "leaf/visitor1.h"
@@ -19,7 +18,7 @@ namespace embree
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! Returns true if a hit was accepted. An any-hit query ends with the first one. Not inlined, so that traversal
+        /*! Returns true if a hit was accepted. Any-hit queries end with the first one. Not inlined, so that traversal
          *  keeps its ray in registers. */
         template<typename RayType>
         static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state,

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersector of blocks with frames for the rays of a packet, see block_intersector1.h. */
+/* Intersects the rays of a packet with a block. block_intersector1.h is the version for a single ray. */
 
 #include "voxel/visitorK.h"
 #include "leaf/visitorK.h"
@@ -18,7 +18,7 @@ namespace embree
       template<int K, template<int,typename> class Visitor>
       struct BlockIntersectorK
       {
-        /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
+        /*! Returns the rays that accepted a hit. Any-hit queries end with the first hit of each ray. */
         template<typename Rays>
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               const RayStates<K>& state, const Block* block)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The tiles of a block, in the thread's cache.
+/* The tiles of a block (node_cache.h), in the thread's cache.
  *
  * A tile has two levels, and the last tiles end with the leaves. If the number of levels is odd, the first tile has the
  * root as its only child. If the root is the leaf, it is the only grandchild.
@@ -44,7 +44,7 @@ namespace embree
           return at;
         }
 
-        /*! As above, for the last level in cLEAF. */
+        /*! As tile(), for the last level of cLEAF. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
@@ -53,7 +53,7 @@ namespace embree
           return at;
         }
 
-        /*! True if a tile still is the tile of this block with this number, and if the grandchild is decoded. */
+        /*! True if a tile was not replaced in the cache, and if the grandchild is decoded. */
         __forceinline bool has (const Tile& at, uint32_t number) const {
           return at.block == block && at.number == number;
         }
@@ -61,7 +61,7 @@ namespace embree
           return has(at,number) && (at.decoded >> (child >> 2)) & 1u;
         }
 
-        /*! Decodes the children of those children in a mask that have none decoded yet. */
+        /*! Decodes the children of those children in `mask` that have none decoded yet. */
         __forceinline void need (Tile& at, uint32_t mask)
         {
           mask &= ~at.decoded;
@@ -95,15 +95,15 @@ namespace embree
           at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
-        /*! Prefetches words and heights of a block that was not visited recently: accesses depend on each other, and
-         *  nothing would hide their latency. */
+        /*! Prefetches a block that was not visited recently: its accesses depend on each other, so nothing else would
+         *  hide their latency. */
         __forceinline void prefetchWords () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
-        /*! Sets the first of four boxes to the root's. The others do not exist (see `present`). */
+        /*! The other three boxes do not exist (see Tile::present). */
         static __forceinline void setRootAlone (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
@@ -116,7 +116,7 @@ namespace embree
           return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c);
         }
 
-        /*! Returns the box of a tile's node, from the tile that has it as a grandchild. */
+        /*! Box of the tile's own node, read from the tile two levels above. */
         NodeBox boxOf (int level, uint32_t m)
         {
           if (level == 0) return rootBox();

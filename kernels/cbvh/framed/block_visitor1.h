@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Code that the visitors of the three kinds of leaves share: the ray in its block, and its hits. */
+/* What the visitors of the three kinds of leaves share: a ray in a block, and its hits. */
 
 #include "block_walk1.h"
 #include "block_hit.h"
@@ -29,7 +29,7 @@ namespace embree
         const FrameRay& frameRay;
         BlockTiles& tiles;
         float sBest;
-        bool isHit;         //!< a hit was accepted
+        bool isHit;
 
         __forceinline BlockVisitor1 (RayType& ray, IntersectContext* context, const RayState& state, const Block* block,
                                      const BlockLayout& layout,
@@ -38,13 +38,13 @@ namespace embree
             tiles(tiles),
             sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
 
-        /* Members that BlockWalk1 requires. Only cLEAF needs others. */
+        /* Required by BlockWalk1; only cLEAF overrides them. */
         typedef NodeEntries::Tile LeafTile;
         static const uint32_t passedMask = 0u;
         __forceinline bool passedAbove (bool) { return false; }
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! True if the segment begins (ends) in the box of a leaf, at tnear (tfar). */
+        /*! True if the segment begins (ends) inside the box of a leaf, at tnear (tfar). */
         __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const {
           return local.startClipped && ranges.sNear[leaf] < 0.0f;
         }
@@ -52,8 +52,8 @@ namespace embree
           return local.endClipped && ranges.sFar[leaf] > 1.0f;
         }
 
-        /*! Reports a hit. Returns true if the walk must treat it as a hit: it was accepted, or it is farther than the
-         *  ray's hit in another block, but would have been accepted if this block had been visited first. */
+        /*! Returns true if the walk must treat the hit as a hit: it was accepted, or it is farther than the ray's hit
+         *  in another block, but would have been accepted if this block had been visited first. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Code that the visitors of the three kinds of leaves share for packets: the rays in their block, and their hits.
- * block_visitor1.h is the version for a single ray. */
+/* As block_visitor1.h, for the rays of a packet. */
 
 #include "block_walkK.h"
 #include "block_hit.h"
@@ -33,7 +32,7 @@ namespace embree
         BlockTiles& tiles;
         vfloat<K> sBest;
         vbool<K> open;   //!< rays that continue
-        vbool<K> isHit;  //!< a hit was accepted
+        vbool<K> isHit;
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,
                                      const Block* block, const BlockLayout& layout,
@@ -45,13 +44,13 @@ namespace embree
           if (any(nearer)) sBest = select(nearer,min(frameRays.behind(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
-        /* Members that BlockWalkK requires. Only cLEAF needs others. */
+        /* Required by BlockWalkK; only cLEAF overrides them. */
         static const bool countsPassed = false;
         __forceinline vbool<K> wantsPassed () const { return vbool<K>(false); }
         __forceinline void pass (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! Rays whose segments begin (end) in the box of a leaf, at tnear (tfar). */
+        /*! Rays whose segments begin (end) inside the box of a leaf, at tnear (tfar). */
         __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const {
           return frameRays.startClipped & (box.sNear < vfloat<K>(zero));
         }
@@ -59,8 +58,7 @@ namespace embree
           return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f));
         }
 
-        /*! Reports the hits of some lanes. Returns the rays whose walks must treat it as a hit, see
-         *  BlockVisitor1::reportHit. */
+        /*! Returns the rays whose walks must treat the hit as a hit, see BlockVisitor1::reportHit. */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const HitRay<vfloat<K>> segment = segments();
@@ -100,7 +98,7 @@ namespace embree
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
-        /*! Returns the hits that take precedence over the hits that the rays have. */
+        /*! Hits that take precedence over the hits that the rays already have. */
         __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
         {
           vbool<K> front = t < rays.tfar;

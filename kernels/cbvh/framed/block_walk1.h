@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Walk of a single ray through the quadtree of a block, front to back, two levels at a time. The open part of each tile
- * is a mask, so the stack has one entry per level of tiles.
+/* Traverses the quadtree of a block with a single ray, front to back, two levels at a time. The open part of a tile is
+ * a mask, so the stack has one entry per level of tiles.
  *
  * The Visitor intersects the leaves. Its members are called in front-to-back order:
  *
@@ -17,7 +17,7 @@
  *    uint32_t passedMask
  *      All bits set to request these calls, otherwise 0. May change.
  *    float sBest
- *      Nodes that begin after it are skipped. May decrease. */
+ *      Nodes that begin after it are skipped. The visitor may decrease it. */
 
 #include "tile_hits.h"
 
@@ -35,13 +35,13 @@ namespace embree
         const FrameRay& ray;
         BlockTiles& tiles;
         Visitor& visitor;
-        const int first, last; //!< levels of tiles
+        const int first, last;
 
         struct Level
         {
-          TileHits hits;  //!< hits that have not been visited
+          TileHits hits;  //!< not visited yet
           uint32_t m;     //!< node of the tile
-          uint32_t number; //!< number of the tile
+          uint32_t number;
           NodeEntries::Tile* tile;
         };
         Level levels[maxLevel/2+1];
@@ -101,15 +101,15 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! Returns the tile of a level, with a grandchild. Restores it if rays that were traced meanwhile have replaced
-         *  it in the cache. */
+        /*! Returns the tile of a level, with a decoded grandchild. A filter function may have traced rays that replaced
+         *  the tile in the cache; it is then decoded again. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
-        /*! As above, without grandchildren. */
+        /*! As above, with children only. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
           if (unlikely(!tiles.has(*l.tile,l.number))) again(l,level,0u);
@@ -130,7 +130,7 @@ namespace embree
           }
         }
 
-        /*! True if the ray passes over the node of a rank that it misses. */
+        /*! True if the ray, which misses the node, passes over it. */
         __forceinline bool isAbove (Level& l, int level, uint32_t child)
         {
           return l.hits.isPassedByParent(child) ? ray.isAbove(tileOf(l,level).children,child >> 2)

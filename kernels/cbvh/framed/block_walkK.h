@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Walk of the rays of a packet through the quadtree of a block, together. Each ray visits nodes in the same order as in
+/* Traverses the quadtree of a block with the rays of a packet. Each ray visits nodes in the same order as in
  * BlockWalk1.
  *
  * The order follows from the signs of a ray's direction along x and y, so rays with the same signs share a walk. If
@@ -43,8 +43,8 @@ namespace embree
         const FrameRays<K>& rays;
         BlockTiles& tiles;
         Visitor& visitor;
-        const int first, last; //!< levels of tiles
-        uint32_t flip;         //!< bits for x and y: axes along which the rays descend
+        const int first, last;
+        uint32_t flip;         //!< bits for x and y, see FrameRay
 
       public:
         __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
@@ -66,7 +66,7 @@ namespace embree
       private:
         static __forceinline vbool<K> toLanes (uint32_t mask) { return vbool<K>(int(mask)); }
 
-        /*! Four nodes and the rays that visit them, in the order of visits. */
+        /*! Four nodes and the rays that visit them, in the order of visits. A node can occur twice. */
         struct Visits
         {
           BoxMeeting<K> box[4];   //!< by node
@@ -110,7 +110,7 @@ namespace embree
           }
         };
 
-        /*! Returns the rays that intersect the box of a visit. Reports the rays that pass it to the visitor. */
+        /*! Returns the rays that intersect the box, and reports the rays that pass it to the visitor. */
         __forceinline vbool<K> meet (const BoxMeeting<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);
@@ -149,8 +149,7 @@ namespace embree
             const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter function traced
-                                                                                             // rays
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter may trace rays
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else meetTile(level+2,16*m+4*c+i,hit);

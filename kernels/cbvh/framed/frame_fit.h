@@ -11,9 +11,9 @@
  *    /        \  ->  |      |            A trapezoid becomes a square, a straight
  *   /__________\     |______|            line stays straight.
  *
- * In the plane of the corners, the map is the homography from the corner quad to the unit square. Along the normal of
- * this plane, W is constant and Z is the signed distance. Then x, y and z are scaled so that the block's vertices fill
- * [0,1]^3: the bounds of the root need no bytes.
+ * In the plane of the corners, the map is the homography from the corner quad to the unit square. Along the normal, W
+ * is constant and Z is the signed distance. Then x, y and z are scaled so that the vertices fill [0,1]^3: the bounds of
+ * the root need no bytes.
  *
  * The map is stored relative to the world point "centre", which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
  * floats. Vertices and ray origins are made relative to the center first, so that far from the origin no more precision
@@ -46,9 +46,9 @@ namespace embree
     /*! Distance of vertices from the faces of the box: more than twice the slack of decoded planes. */
     static constexpr double frameMargin = 1.0/(1<<18);
 
-    /*! Largest distance between the results of two faces for a vertex that they share, relative to its largest
-     *  coordinate: each face evaluates its own patch, in about twenty float operations. Bounds are widened by this
-     *  distance, so that neighboring blocks close the gap. */
+    /*! Largest distance between the positions that two faces evaluate for a shared vertex, relative to its largest
+     *  coordinate. A face evaluates its patch in about twenty float operations. Bounds are widened by this distance, so
+     *  that neighboring blocks close the gap. */
     static constexpr double vertexRounding = 2.0/(1<<23);
 
     /*! Smallest extent of a box relative to its largest: keeps the map invertible for flat blocks and needles. If it
@@ -56,13 +56,11 @@ namespace embree
      *  compressed. */
     static constexpr double minExtentRatio = 1.0/(1<<14);
 
-    /*! Unit normal of the corner quad, and axes in its plane. */
     struct CornerPlane
     {
       Double3 e1, e2, n;
     };
 
-    /*! Returns any unit vector orthogonal to a. */
     inline Double3 anyOrthogonal(const Double3& a)
     {
       const Double3 axis = std::fabs(a.x) < std::fabs(a.y)
@@ -72,7 +70,7 @@ namespace embree
       return (1.0/length(c))*c;
     }
 
-    /*! Corners: p[0] = (0,0), p[1] = (1,0), p[2] = (0,1), p[3] = (1,1). */
+    /*! p: corners (0,0), (1,0), (0,1), (1,1). */
     inline CornerPlane fitPlane(const Double3 p[4])
     {
       const Double3 d1 = p[3]-p[0], d2 = p[2]-p[1];
@@ -85,7 +83,7 @@ namespace embree
       const double ll = length(longest);
       if (ln > 1e-9*length(d1)*length(d2) && ln > 0)
         plane.n = (1.0/ln)*plane.n;
-      else // collapsed: the normal can only be orthogonal to the longest edge
+      else // collapsed: any normal of the longest edge
         plane.n = ll > 0 ? anyOrthogonal((1.0/ll)*longest) : Double3{0,0,1};
       Double3 e1 = a - dot(a,plane.n)*plane.n;
       if (!(length(e1) > 1e-9*ll)) e1 = cross(b,plane.n);
@@ -94,13 +92,13 @@ namespace embree
       return plane;
     }
 
-    /*! Fits the homography from the corner quad to the unit square. Returns false if there is no good one. */
+    /*! Returns false if there is no good homography. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       double a[4], b[4];
       for (int i=0; i<4; i++) { a[i] = dot(p[i],plane.e1); b[i] = dot(p[i],plane.e2); }
 
-      /* Convexity: twice the area of each corner triangle, in the order around the quad. */
+      /* Convexity: twice the area of each corner triangle. */
       const int ring[4] = { 0, 1, 3, 2 };
       double area = 0, smallest = DBL_MAX;
       for (int i=0; i<4; i++) {
@@ -157,7 +155,7 @@ namespace embree
       map.projective = false;
     }
 
-    /*! True if the axes of a sliver are still independent after rounding to floats. */
+    /*! The axes of a sliver can become dependent by rounding. */
     inline bool isInvertible(const Frame& frame)
     {
       Double3 row[3];
@@ -165,7 +163,7 @@ namespace embree
       return std::fabs(dot(row[0],cross(row[1],row[2]))) > 1e-6*length(row[0])*length(row[1])*length(row[2]);
     }
 
-    /*! X, Y, Z and W of a map in lanes 0 to 3. */
+    /*! X, Y, Z and W of a map, one per lane. */
     struct MapLanes
     {
       Double4 x, y, z, d;
@@ -177,12 +175,11 @@ namespace embree
       Double4 operator()(const Double3& p) const { return x*p.x + y*p.y + z*p.z + d; }
     };
 
-    /*! Bounds of the vertices of a block after a map. */
     struct MappedVertices
     {
       double lower[4], upper[4]; //!< x, y, z; valid only if hasGoodW()
       double minW, maxW;
-      double worldExtent;        //!< upper bound of the vertices' extent on their longest axis
+      double worldExtent;        //!< upper bound, on the longest axis
 
       /*! vertices: world positions relative to an origin, at least one. farthest: their largest absolute coordinate. */
       MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest)
@@ -208,9 +205,9 @@ namespace embree
       bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box except for a margin. Keeps the extent of each axis above a
-     *  fraction of the block's world-space size, and above the resolution of floats at its position. Returns true if it
-     *  widened x or y, see Frame::degenerate. */
+    /*! Scales X, Y and Z so that the vertices fill the box. The extent of each axis stays above a fraction of the
+     *  block's world-space size, and above the resolution of floats. Returns true if it widened x or y, see
+     *  Frame::degenerate. */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
@@ -231,8 +228,7 @@ namespace embree
       return degenerate;
     }
 
-    /*! True if the box is a bounded region of the world: W > 0 at the world points of its corners. centre: center of
-     *  the box. */
+    /*! True if W > 0 at the world points of the box's corners. */
     inline bool isBounded(const FrameMap& map, const Double3& centre)
     {
       if (!map.projective) return true;
@@ -245,8 +241,8 @@ namespace embree
       return true;
     }
 
-    /*! Sets the largest distance of the vertices from the center of the box, per axis. Returns false if W is not
-     *  positive or a distance is not finite. */
+    /*! reach: largest distance of the vertices from the center, per axis. Returns false if W is not positive or a
+     *  distance is not finite. */
     inline bool reachOf(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count,
       double reach[3])
     {
@@ -265,9 +261,8 @@ namespace embree
       return positive & 8 && std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
     }
 
-    /*! Rounds a map to the floats that a frame stores. Rounding moves the center, which is restored to (1/2,1/2,1/2) by
-     *  shifting the map. The map is then scaled about the center until every vertex is inside again. frame.centre must
-     *  be set. */
+    /*! Rounds a map to floats. Rounding moves the center: a shift restores it to (1/2,1/2,1/2). The map is then scaled
+     *  about the center until it contains every vertex again. frame.centre must be set. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
       Frame& frame)
     {
@@ -283,7 +278,7 @@ namespace embree
           frame.columns[1][k] = float(rows[k].y);
           frame.columns[2][k] = float(rows[k].z);
         }
-        double reach[3]; // from the center
+        double reach[3];
         if (!reachOf(frame,rounded,vertices,count,reach)) return false;
         bool inside = true;
         for (int k=0; k<3; k++) {
@@ -298,9 +293,8 @@ namespace embree
       return false;
     }
 
-    /*! Scales a map so that its vertices fill the box, and rounds it to the stored floats. Returns false if W is out of
-     *  bounds. vertices: `count` world positions relative to origin, at least one. farthest: their largest absolute
-     *  coordinate. */
+    /*! Returns false if W is out of bounds. vertices: `count` world positions relative to origin, at least one.
+     *  farthest: their largest absolute coordinate. */
     inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest,
       Frame& frame)
     {
@@ -351,7 +345,7 @@ namespace embree
       fitAffine(p,plane,map);
       if (fitBox(map,origin,scratch,count,farthest,frame)) return true;
 
-      /* For axes of a sliver, a rectangle in the same plane always works. */
+      /* A rectangle in the same plane always works. */
       map.X = Form{ plane.e1, 0 };
       map.Y = Form{ plane.e2, 0 };
       map.Z = Form{ plane.n, 0 };

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The map of a frame, from world space to the block's box, as linear forms in double. Used by the encoder, and to find
- * the world position of a box. */
+/* The map from world space to the block's box [0,1]^3 as linear forms in double. For encoders and for world positions
+ * of boxes. */
 
 #include "block.h"
 #include "../base/codec.h"
@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Linear form of homogeneous world coordinates. */
+    /*! A linear form n.p + d. */
     struct Form
     {
       Double3 n;
@@ -25,14 +25,14 @@ namespace embree
       friend Form operator*(double s, const Form& a) { return {s*a.n, s*a.d}; }
     };
 
-    /*! A map under construction. Affine if W is constant. */
+    /*! Affine if W is constant. */
     struct FrameMap
     {
       Form X, Y, Z, W;
       bool projective;
     };
 
-    /*! Applies the columns of a frame to a point relative to its center. Returns X, Y, Z and W in lanes 0 to 3. */
+    /*! Maps a point relative to the center. X, Y, Z and W are in lanes 0 to 3. */
     struct FrameLanes
     {
       Double4 columns[3];
@@ -44,13 +44,13 @@ namespace embree
       }
     };
 
-    /*! A stored frame. Computes in double, for the encoder. */
+    /*! A stored frame, see BlockHeader. */
     struct Frame
     {
       float centre[3];
       float columns[3][4];
       bool projective;
-      bool degenerate; //!< the box is wider than its vertices, which are on a line, or far apart on one axis
+      bool degenerate; //!< see fillBox()
 
       void transform(const float p[3], double local[3]) const
       {
@@ -59,7 +59,7 @@ namespace embree
         for (int k=0; k<3; k++) local[k] = l[k];
       }
 
-      /*! Returns x, y and z in lanes 0 to 2. lanes: lanes of the columns. */
+      /*! x, y and z in lanes 0 to 2. */
       Double4 transform(const FrameLanes& lanes, const float p[3]) const
       {
         const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]),
@@ -68,7 +68,7 @@ namespace embree
       }
     };
 
-    /*! Solves X = x W, Y = y W, Z = z W for the world point. */
+    /*! Solves X = x W, Y = y W, Z = z W for the world point p. Returns false if there is no finite one. */
     inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
     {
       const Form a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
@@ -79,7 +79,7 @@ namespace embree
       return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     }
 
-    /*! Returns the map that a block stores, from world points relative to its center. */
+    /*! The stored map, from world points relative to the center. */
     inline FrameMap frameMap(const float columns[3][4])
     {
       auto row = [&](int k, double d) { return Form{ { columns[0][k],columns[1][k],columns[2][k] },d }; };
@@ -87,8 +87,8 @@ namespace embree
     }
     inline FrameMap frameMap(const Block* block) { return frameMap(block->columns); }
 
-    /*! Inverse of a frame. The inverse of a projective map is projective: 1/W, and p/W for the world point p relative
-     *  to the center, are linear forms of the position in the frame. */
+    /*! The inverse of a projective map is projective: 1/W and p/W, for a world point p relative to the center, are
+     *  linear forms of the position in the frame. */
     struct InverseFrame
     {
       Form numerator[3], rcpW;
@@ -113,7 +113,6 @@ namespace embree
         rcpW = form(3);
       }
 
-      /*! Returns the world point relative to the center. */
       Double3 operator()(const Double3& local) const
       {
         const double w = 1/rcpW(local);

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The segment of a ray in the frame of a block, prepared for box tests: which planes are near and far, and the epsilon
- * by which bounds are widened. */
+/* A LocalRay prepared for box tests. */
 
 #include "local_ray4.h"
 #include "node_cache.h"
@@ -17,13 +16,12 @@ namespace embree
     {
       struct FrameRay
       {
-        vfloat4 P, D;              //!< start and direction: x, y, z
-        vfloatV Pnear[3], Pfar[3]; //!< start, moved by epsilon so that bounds are wider; the same in all lanes
+        vfloat4 P, D;              //!< start and direction
+        vfloatV Pnear[3], Pfar[3]; //!< start, moved outwards by epsilon; the same in all lanes
         vfloatV rcpD[3];
         float epsilonZ;
-        uint32_t flip;             //!< bits of the axes along which the ray descends
-        size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes, which has a row per side of
-                                   //!< an axis
+        uint32_t flip;             //!< bit k: the ray descends along axis k
+        size_t nearRow[3];         //!< 16 times the row of the near planes in NodePlanes, which has two rows per axis
 
         __forceinline FrameRay (const LocalRay& ray)
         {
@@ -42,14 +40,14 @@ namespace embree
           }
         }
 
-        /*! The first child along the ray. */
+        /*! Index of the first child along the ray. */
         __forceinline uint32_t flipXY () const { return flip & 3u; }
         __forceinline bool descends () const { return (flip & 4u) != 0u; }
 
         /*! 1 if the near planes of an axis are the upper ones. */
         __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
 
-        /*! Returns the near (far) planes of boxes on an axis. N/4 converts the row to bytes. */
+        /*! Near (far) planes of boxes on an axis. N/4 converts the row to bytes. */
         template<int N>
         __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const {
           return (const float*)((const char*)&c + nearRow[axis]*(N/4));
@@ -59,7 +57,7 @@ namespace embree
           return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4));
         }
 
-        /*! Returns where the ray's line intersects the near (far) plane of a box on an axis, widened. */
+        /*! s at which the ray's line intersects the near (far) plane of a box, widened. */
         template<int N>
         __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const {
           return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0];
@@ -69,7 +67,7 @@ namespace embree
           return (farPlanes(c,axis)[i] - Pfar[axis][0])*rcpD[axis][0];
         }
 
-        /*! True if the ray passes over the box. The ray must overlap the box in x and y, and miss it. */
+        /*! True if the ray passes over a box that it misses but overlaps in x and y. */
         template<int N>
         __forceinline bool isAbove (const NodePlanes<N>& c, uint32_t i) const
         {
@@ -78,7 +76,7 @@ namespace embree
         }
       };
 
-      /*! Where the ray's line enters and leaves boxes. Can be outside of the segment. */
+      /*! s at which the ray's line enters and leaves boxes; may be outside of [0,1]. */
       template<int N>
       struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
 
@@ -88,13 +86,13 @@ namespace embree
         uint32_t passed; //!< boxes that it overlaps in x and y, but misses
       };
 
-      /*! Tests the first `number` of N boxes against the segment up to sBest, in vectors. */
+      /*! Tests the first `number` boxes against the segment up to sBest. */
       template<typename vfloatW, int N>
       __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges,
                                         int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
-        /* Local copies, because the compiler must assume that the stores below modify the ray. */
+        /* The compiler must assume that the stores below modify the ray. */
         const float* nearPlanes[3]; const float* farPlanes[3];
         vfloatW Pnear[3], Pfar[3], rcpD[3];
         for (int k=0; k<3; k++) {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The rays of a packet in the frame of a block, one per lane: the same bits as local_ray4.h and frame_ray.h. Inactive
- * lanes are undefined. */
+/* As local_ray4.h and frame_ray.h, with one ray of a packet per lane. Computes the same bits. Inactive lanes are
+ * undefined. */
 
 #include "frame_ray.h"
 
@@ -14,7 +14,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! RayState of each ray of a packet. */
       template<int K>
       struct RayStates
       {
@@ -38,7 +37,7 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
-        /*! Sets the final tfar of the rays. */
+        /*! Sets the final tfar. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
@@ -47,7 +46,7 @@ namespace embree
           }
         }
 
-        /*! Rounds as dot() of Vec3fa. */
+        /*! Rounds like dot() of Vec3fa. */
         static __forceinline vfloat<K> dotOf (const Vec3vf<K>& a, const Vec3vf<K>& b) {
           return (product(a.x,b.x) + product(a.y,b.y)) + product(a.z,b.z);
         }
@@ -63,7 +62,8 @@ namespace embree
         vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
         vbool<K> startClipped, endClipped;
 
-        /*! Returns the rays that intersect the block's box between tnear and their nearest hit so far. */
+        /*! Returns the rays that intersect the block's box between tnear and `nearest`, the distance of their hits so
+         *  far. */
         __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest,
                                      const vbool<K>& valid)
         {
@@ -109,7 +109,7 @@ namespace embree
           return meets & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
         }
 
-        /*! Returns s of world parameters, plus a slack. */
+        /*! See LocalRay::behind. */
         __forceinline vfloat<K> behind (const vfloat<K>& rcpScale, const vfloat<K>& t) const
         {
           const vfloat<K> at = product(t,rcpScale), tau = (at - t0)/(t1-t0), tw = product(tau,w1);
@@ -120,7 +120,7 @@ namespace embree
         }
 
       private:
-        /*! As LocalRay::Clip: keeps the part where a + tau d >= 0. */
+        /*! See LocalRay::Clip: keeps the part where a + tau d >= 0. */
         static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut,
                                         vbool<K>& outside)
         {
@@ -144,7 +144,7 @@ namespace embree
         }
       };
 
-      /*! Where rays enter and leave a box: on the axes of the face, on z, and on all axes. */
+      /*! s at which rays enter and leave a box: in x and y, in z, and in all three. */
       template<int K>
       struct BoxMeeting
       {
@@ -165,7 +165,7 @@ namespace embree
           sFar = min(leaveXY,leaveZ);
         }
 
-        /*! Segments up to sBest that intersect the box, and segments that overlap it in x and y. */
+        /*! Rays whose segment up to sBest intersects the box, or overlaps it in x and y. */
         __forceinline vbool<K> meets (const vfloat<K>& sBest) const {
           return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest);
         }
@@ -173,7 +173,7 @@ namespace embree
           return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest);
         }
 
-        /*! True for rays that pass over the box. They must overlap it in x and y, and miss it. */
+        /*! See FrameRay::isAbove. */
         __forceinline vbool<K> isAbove (const vbool<K>& descends) const {
           return (leaveZ < max(enterXY,vfloat<K>(zero))) ^ descends;
         }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Interface of the paper's representations for the traversal of single rays. traversal/kind_visitors1.h has a
- * replacement for libraries without them. */
+/* The paper's representations as seen by traversal of single rays. traversal/kind_visitors1.h replaces this file in
+ * libraries without them. */
 
 #include "../base/primitive_type.h"
 #include "block_intersector1.h"
@@ -20,7 +20,7 @@ namespace embree
       public:
         __forceinline explicit FramedRay (float tfar) : state(tfar) {}
 
-        /*! True for a leaf that is a block with a frame. */
+        /*! type: of a leaf of the top-level tree. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
         /*! t: distance at which the ray enters the bounds of the next block. */
@@ -41,7 +41,7 @@ namespace embree
           }
         }
 
-        /*! Returns the ray's tfar. Call this after the traversal. */
+        /*! Returns the final tfar. Call it after the traversal. */
         __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
 
       private:

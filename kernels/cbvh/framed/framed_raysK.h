@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Interface of the paper's representations for the traversal of packets. traversal/no_framed_raysK.h has a replacement
- * for libraries without them. */
+/* As framed_rays1.h, for packets. traversal/no_framed_raysK.h replaces this file. */
 
 #include "block_intersectorK.h"
 
@@ -38,7 +37,7 @@ namespace embree
           }
         }
 
-        /*! Sets tfar of the rays. Call this after the traversal. */
+        /*! Sets the final tfar. Call it after the traversal. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
 
       private:

@@ -15,7 +15,7 @@
  * divided by W, is the vector "epsilon". Traversal widens every bound by it, axis by axis. Neighboring blocks see the
  * same ray displaced by less than their epsilons, so no ray passes between them.
  *
- * The SIMD version (framed/local_ray4.h) computes the four components of a point at once. */
+ * local_ray4.h is the SIMD version. */
 
 #ifndef CBVH_LOCAL_RAY_H
 #define CBVH_LOCAL_RAY_H
@@ -59,7 +59,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real
   return range;
 }
 
-/*! A ray in world space, from tnear to tfar in units of dir. */
+/*! tnear, tfar: in units of dir. */
 CVERT_REAL struct WorldRay
 {
   Real org[3], dir[3];
@@ -71,15 +71,14 @@ CVERT_REAL struct Segment
 {
   Real P0[3], P1[3];
   Real epsilon[3];   //!< see above
-  Real t0, t1;       //!< world parameters of the ends
+  Real t0, t1;       //!< at the ends
   Real w0, w1;
   bool startClipped; //!< starts at tnear, inside the box
   bool endClipped;   //!< ends at tfar, inside the box
-  bool valid;        //!< false: the ray misses the box between tnear and tfar
+  bool valid;        //!< false if the ray misses the box
 };
 
-/*! Returns the amount by which bounds are widened, times W: component k, from the frame's columns and the largest
- *  component of the ray's origin relative to the center. */
+/*! Component k of epsilon times W. distance: largest component of the ray's origin relative to the center. */
 CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int k)
 {
   Real shortest = Real(beyondAll), stretchK = Real(0), stretchW = Real(0);
@@ -95,8 +94,7 @@ CVERT_REAL CVERT_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int
   return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
 }
 
-/*! Clips a ray to the box of a block and transforms it to the frame. widening: factor of epsilon; the SIMD version uses
- *  1. */
+/*! widening: factor of epsilon; the SIMD version uses 1. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
@@ -106,7 +104,6 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
     dd += ray.dir[i]*ray.dir[i];
     distance = greater(distance,magnitude(o[i]));
   }
-  /* The point nearest to the center. */
   Real tref = -od/dd;
   Real O[4], D[4];
   for (int k=0; k<4; k++)
@@ -144,14 +141,14 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT
   return segment;
 }
 
-/*! Returns the world parameter of s, as a fraction of the way from t0 to t1. */
+/*! Fraction of the way from t0 to t1 at s. */
 CVERT_REAL CVERT_FUNCTION Real worldShare (Real w0, Real w1, Real s)
 {
   Real sw = s*w0;
   return sw/(w1*(Real(1)-s) + sw);
 }
 
-/*! Inverse of worldShare: returns s of a world parameter, given as a fraction of the way from t0 to t1. */
+/*! Inverse of worldShare. */
 CVERT_REAL CVERT_FUNCTION Real localShare (Real w0, Real w1, Real tau)
 {
   Real tw = tau*w1;
@@ -166,7 +163,7 @@ CVERT_REAL CVERT_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, R
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
-/*! Returns the part of the segment's line within the first axes (2 or 3) of a box, widened by epsilon. */
+/*! The part of the segment's line within the first `axes` (2 or 3) axes of a box, widened by epsilon. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
   CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));
@@ -178,7 +175,6 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment,
   return range;
 }
 
-/*! True if a part of the segment's line overlaps the segment. */
 CVERT_REAL CVERT_FUNCTION bool isOnSegment (CVERT_OF(Range) range) {
   return greater(range.lower,Real(0)) <= lesser(range.upper,Real(1));
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A ray in the frame of a block (framed/local_ray.h), with the four components of a point in one vector. */
+/* local_ray.h with the four components of a point in one vector. */
 
 #include "local_ray.h"
 #include "nearest_hit.h"
@@ -18,8 +18,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Data of a ray for blocks with frames, and its nearest hit in them. The direction is scaled to a largest
-       *  component of 1, so that squares of directions of length 1e-20 or 1e20 are finite and not 0. */
+      /*! A ray, and its nearest hit in blocks with frames. The direction is scaled to a largest component of 1, so that
+       *  squares of directions of length 1e-20 or 1e20 are finite and not 0. */
       struct RayState
       {
         Vec3fa org, dir;
@@ -27,8 +27,8 @@ namespace embree
         float rcpScale;
         float rcpDir2;  //!< 1/dot(dir,dir)
         float scaledTnear; //!< tnear in t'
-        float tfar;        //!< end of the ray before any hit
-        float enter;       //!< lower bound of the t at which the ray enters the bounds of the block
+        float tfar;        //!< before any hit
+        float enter;       //!< lower bound of the distance at which the ray enters the block's bounds
         mutable NearestHit nearest;
 
         bool isSet;
@@ -51,11 +51,11 @@ namespace embree
         }
       };
 
-      /*! The stretch of a block's map, from world space to the frame. */
+      /*! Stretch of a block's map, from world space to the frame. */
       struct BlockStretch
       {
         vfloat4 withW; //!< of x, y and z, each plus the stretch of W
-        float longest; //!< approximate length of the longest side of the box
+        float longest; //!< approximate, of the box
 
         __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
         {
@@ -65,7 +65,7 @@ namespace embree
         }
       };
 
-      /*! Returns s of a parameter of the scaled ray on a segment; 1 at its end or after it. */
+      /*! t: along the scaled direction. Returns 1 at the end of the segment and after it. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
         return t < t1 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
@@ -80,13 +80,13 @@ namespace embree
         /*! Lanes: x, y, z. Lane 3 is W, and undefined after the division. */
         vfloat4 P0, P1;
         vfloat4 epsilon;
-        float t0, t1;     //!< ends of the segment in t'
+        float t0, t1;     //!< in t'
         float w0, w1;
-        bool startClipped; //!< starts at tnear, inside the box
-        bool endClipped;   //!< ends at state.tfar, inside the box
+        bool startClipped; //!< see Segment
+        bool endClipped;
 
         /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its hit so far.
-         *  `nearest` does not affect the segment, so results do not depend on the order of blocks. */
+         *  The segment does not depend on `nearest`, so results do not depend on the order of blocks. */
         __forceinline bool init (const RayState& state, const Block* block, float nearest)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
@@ -94,7 +94,6 @@ namespace embree
           const vfloat4 cz = vfloat4::load(block->columns[2]);
           const Vec3fa o = state.org - Vec3fa(block->centre[0],block->centre[1],block->centre[2]);
 
-          /* Move to the point nearest to the center. */
           const float tref = -dot(o,state.dir)*state.rcpDir2;
           const Vec3fa p = madd(Vec3fa(tref),state.dir,o);
           const vfloat4 O = madd(vfloat4(p.x),cx,
@@ -119,13 +118,13 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! Returns s of a world parameter, plus a slack. */
+        /*! s at or after world parameter t: adds a slack for rounding. */
         __forceinline float behind (float rcpScale, float t) const {
           return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
         }
 
       private:
-        /*! The part of the line where X >= 0, W-X >= 0, and so on, which are linear in the parameter. */
+        /*! The range where X >= 0, W-X >= 0, and so on. */
         struct Clip
         {
           float tauIn, tauOut;

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Morton order of the nodes of a level and of the leaves: x in the even bits. */
+/* Morton order: x in the even bits. */
 
 #ifndef CBVH_MORTON_H
 #define CBVH_MORTON_H
@@ -31,10 +31,10 @@ CVERT_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) |
 CVERT_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
 CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 
-/*! Column (axis 0) or row (axis 1) of one of four children, or of a corner of a box. */
+/*! Column (axis 0) or row (axis 1) of a child, or of a corner of a box. */
 CVERT_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
-/*! Number of quadtree nodes in the first n levels. Node m of level n has the index nodesOfLevels(n) + m. */
+/*! Number of nodes in the first n levels, and index of the first node of level n. */
 CVERT_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END

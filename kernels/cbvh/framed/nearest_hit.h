@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* The tie-break between hits of a ray in different blocks. */
-
 #include "block.h"
 #include "../base/surface_ids.h"
 #include "../embree/simd.h"
@@ -24,12 +22,12 @@ namespace embree
        *  and blocks. After the traversal, the ray gets the hit's own distance. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< distance that hits are compared by
-        float own = pos_inf; //!< distance of the hit
+        float t = pos_inf;   //!< see above
+        float own = pos_inf; //!< of the hit itself
         const Block* block = nullptr;
 
-        /*! True if another hit comes after this one. tfar: tfar of the ray, whose hit can be of another kind. ids: IDs
-         *  of the scene's surfaces. */
+        /*! True if the stored hit takes precedence over another. tfar: tfar of the ray, whose hit can be of another
+         *  kind. */
         __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
           return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own
@@ -40,7 +38,7 @@ namespace embree
           this->t = t; this->own = own; this->block = block;
         }
 
-        /*! Returns the final tfar of the ray. */
+        /*! The final tfar of the ray. */
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:

@@ -43,23 +43,21 @@ CVERT_FUNCTION NodeBox rootBox ()
 
 CVERT_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
-/*! Distance of decoded planes from the geometry, see above. */
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
-/* Codebooks are 8-bit numbers packed into words: a GPU would load a table from memory. */
+/* Codebooks are packed into words: a GPU would load a table from memory. */
 
-/*! Returns number i of eight, four in each word. */
 CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
-/*! Outer planes: distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. The steps are small
- *  because these planes only compensate for the rounding of the parent. */
+/*! Distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. The steps are small because outer planes
+ *  only compensate for the rounding of the parent. */
 CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
-/*! Inner planes: position of column 0's upper plane, which column 1's lower plane mirrors: 116, 125, 130, 136, 144,
- *  160, 192 or 256 of 256 (packed less 1). Fine around the middle, where frames that are aligned to patches put it, and
- *  1 for surfaces that fold over their neighbor. */
+/*! Upper plane of column 0, which the lower plane of column 1 mirrors: 116, 125, 130, 136, 144, 160, 192 or 256 of 256
+ *  (packed less 1). Fine around the middle, where frames that are aligned to patches put it, and 1 for surfaces that
+ *  fold over their neighbor. */
 CVERT_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
@@ -94,7 +92,7 @@ CVERT_CONSTANT int zBits = 3;
 CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
 CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
-/*! Lower (upper) plane of a column, in parent extents, from the 5 bits of its pair. */
+/*! In parent extents. pair: 5 bits. */
 CVERT_FUNCTION float lowerPlane (uint32_t pair, int column) {
   return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
@@ -104,7 +102,6 @@ CVERT_FUNCTION float upperPlane (uint32_t pair, int column) {
 
 CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
 
-/*! Decodes the bounds of a child from its parent's word and bounds. */
 CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
 {
   NodeBox box;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Decoded nodes of blocks with frames in the cache of a thread (thread_cache.h).
+/* Decoded nodes of blocks with frames.
  *
  * A tile contains the two levels below a node: four children and their sixteen children, which traversal tests at once.
  * The children of a child are decoded when a ray first intersects that child. */
@@ -19,14 +19,13 @@ namespace embree
     template<int N>
     struct alignas(64) NodePlanes { float at[3][2][N]; };
 
-    /*! The surfaces of cLEAF leaves. */
     struct LeafSurfaces
     {
       /*! Of each leaf: lower x and y of its box, and the reciprocals of its extents in x and y. */
       alignas(64) float footprint[16][4];
       float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3], where u and v are the position in the box
       float reach[16];                //!< half of the thickness, in z
-      uint32_t solid, empty;          //!< masks of leaves
+      uint32_t solid, empty;          //!< masks
     };
 
     class NodeEntries
@@ -36,21 +35,20 @@ namespace embree
       {
         NodePlanes<16> grandchildren; //!< 4 c + i is child i of child c
         NodePlanes<4> children;
-        const void* block;            //!< block that the tile belongs to
-        uint32_t number;              //!< number of the tile in the block
-        uint32_t decoded;             //!< mask of the children whose children are decoded
-        uint32_t present;             //!< mask of the grandchildren that exist: all, except in tiles above the root
+        const void* block;
+        uint32_t number;              //!< in the block, see BlockTiles
+        uint32_t decoded;             //!< mask of children whose children are decoded
+        uint32_t present;             //!< mask of grandchildren that exist: all, except in tiles above the root
 
         __forceinline bool isAboveRoot () const { return number == 0; }
       };
 
-      /*! A tile whose grandchildren are leaves. */
       struct LeafTile : public Tile
       {
-        LeafSurfaces surfaces; //!< of the decoded leaves
+        LeafSurfaces surfaces;
       };
 
-      /*! Returns the slot of a tile. If its `block` or `number` differ, the caller must fill the slot and set them. */
+      /*! The slot of a tile. If its `block` or `number` differ, the caller must fill it and set them. */
       __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
       __forceinline LeafTile& leafTile (const void* block, uint32_t number) {
         return leafTiles[slot(block,number) % numLeafTiles];

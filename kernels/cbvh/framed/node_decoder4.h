@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Decoders of nodes (framed/node.h) and of cLEAF groups (framed/leaf/format.h). They decode four children at once, and
- * store them consecutively in a row of nodes. */
+/* Decoders of nodes (node.h) and of cLEAF groups (leaf/format.h), for four children at once. `first`: index in the
+ * output. */
 
 #include "node_cache.h"
 #include "node_tables.h"
@@ -30,7 +30,7 @@ namespace embree
         return box;
       }
 
-      /*! Stores planes, given in parent extents, from index `first` on. */
+      /*! lower, upper: in parent extents. */
       template<int N>
       __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower,
                                       const vfloat4& upper, const NodeBox& parent)
@@ -52,7 +52,6 @@ namespace embree
         storePlanes(out,first,2,vfloat4(_mm_movelh_ps(z0,z1)),vfloat4(_mm_movehl_ps(z1,z0)),parent);
       }
 
-      /*! Decodes the boxes and surfaces of a group, from index `first` on. */
       class GroupDecoder4
       {
       public:
@@ -79,7 +78,7 @@ namespace embree
           for (int i=0; i<4; i++) vfloat4::store(rows[first+i],leaf[i]);
         }
 
-        /*! q: heights in bins at the corners of the leaves. bin: size of a bin. base: z of height 0. */
+        /*! q: in bins, at the corners of the leaves. base: z of height 0. */
         __forceinline void storeSurfaces (const vfloat4 q[4], const vfloat4& bin, const vfloat4& base, float thickness)
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
@@ -119,7 +118,6 @@ namespace embree
           setLeaves(0,0);
         }
 
-        /*! Extracts the nine heights, for the corners of the four leaves. */
         static __forceinline void latticeCorners (uint64_t bits, vfloat4 corner[4])
         {
           const __m128i bytes = _mm_cvtsi64_si128((long long)bits);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of node words (framed/node.h). Computes in double, because it must not round inwards. */
+/* Encoder of node words (node.h). Computes in double, because it must not round inwards. */
 
 #include "node.h"
 #include "../base/codec.h"
@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Exact bounds of geometry: x, y and z. The fourth number pads to full lanes. */
+    /*! The fourth number pads to full lanes. */
     struct ExactBox
     {
       double lower[4] = { 1e300, 1e300, 1e300, 1e300 };
@@ -46,14 +46,14 @@ namespace embree
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
 
-    /*! Returns the code of a pair. outer, inner: masks of the planes that contain. Selects the highest outer plane and
-     *  the lowest inner one. */
+    /*! outer, inner: masks of the planes that contain the children. Selects the highest outer plane and the lowest
+     *  inner one. */
     inline uint32_t pairOf(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
-    /*! Returns the code of the lower planes of both columns: the highest planes that keep the slack. The outer code 0
-     *  is the parent's plane, which keeps the slack, as does the inner code 7. */
+    /*! Code of the highest lower planes of both columns that keep the slack. The parent's plane, outer code 0, keeps
+     *  it, as does inner code 7. */
     inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -63,7 +63,7 @@ namespace embree
                       | (Double4(l + (Float4(1.0f)-innerPositions(4))*e) <= i).bits() << 4);
     }
 
-    /*! As above, for the upper planes. */
+    /*! As above, for upper planes. */
     inline uint32_t encodeUpperPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -73,7 +73,7 @@ namespace embree
                       | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
-    /*! The z intervals of a parent, sorted by size, and by code if sizes are equal. */
+    /*! The z intervals of a parent, sorted by size, then by code. */
     class IntervalsOf
     {
     public:
@@ -88,7 +88,7 @@ namespace embree
         upper[1] = l + Float4(f.upper,g.upper,h.upper,all.upper)*e;
       }
 
-      /*! Returns the code of the smallest interval that contains a child. Interval 0 always does. */
+      /*! Code of the smallest interval that contains a child. Interval 0 always does. */
       uint32_t smallest(double childLower, double childUpper) const
       {
         const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
@@ -101,14 +101,13 @@ namespace embree
       Double4 lower[2], upper[2];
     };
 
-    /*! Encodes the bounds of four children. A child without geometry may have any bounds. Precondition: parent contains
-     *  all children with the slack. */
+    /*! Children without geometry get any bounds. The parent must contain all children with the slack. */
     inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
     {
       uint32_t node = 0;
       for (int axis=0; axis<2; axis++)
       {
-        /* Columns of x are children 0 and 2, 1 and 3; rows are 0 and 1, 2 and 3. */
+        /* x: children 0 and 2, 1 and 3. y: 0 and 1, 2 and 3. */
         const ExactBox& a = children[0], &b = children[2 >> axis], &c = children[1 << axis], &d = children[3];
         const float l = parent.lower[axis], e = parent.extent[axis];
         node |= encodeLowerPair(l,e,std::min(a.lower[axis],b.lower[axis]),std::min(c.lower[axis],d.lower[axis]))
@@ -122,7 +121,7 @@ namespace embree
       return node;
     }
 
-    /*! Decoded bounds of the four children of a node, equal to decodeChild(). */
+    /*! The four children of a node, as decodeChild(). */
     struct NodeBoxes
     {
       float lower[3][4], extent[3][4];

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Node planes of framed/node.h, for all 4 children at once. One load from a small table per pair of planes replaces
- * shifts, conversions and selects, and is the same on every ISA. */
+/* Tables for node_decoder4.h. One load per pair of planes replaces shifts, conversions and selects, and is the same on
+ * every ISA. */
 
 #include <cstdint>
 
@@ -21,7 +21,6 @@ namespace embree
       /*! [6 bits of a row's two children]: their lower planes, then their upper planes. */
       float zPair[64][4];
 
-      /*! Outer planes of cLEAF's lattices, see framed/leaf/format.h. */
       float latticeOuter[32];
 
       /*! [corner]: for each leaf, the byte of the corner's height among the nine heights of a lattice, the middle one

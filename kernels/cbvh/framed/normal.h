@@ -30,11 +30,10 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT
 }
 
 /*! Square of the sine of 30 degrees. If a ray hits a step behind a silhouette, the surface can face away from the side
- *  from which the ray comes. A normal that does so by less than this angle is mirrored across the ray. */
+ *  from which the ray comes. Such a normal is mirrored across the ray if it faces away by less than this angle. */
 CVERT_CONSTANT float turnedSine2 = 0.25f;
 
-/*! True if a normal must be mirrored across the ray. along: dot product of normal and direction. normal2, direction2:
- *  their squared lengths. from: side, see hit_rule.h. */
+/*! along: dot product of normal and direction. normal2, direction2: squared lengths. from: side, see hit_rule.h. */
 CVERT_REAL CVERT_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));

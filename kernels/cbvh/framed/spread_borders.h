@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Borders of patches in blocks with frames, on edges with a lower rate than the patch. Embree evaluates such a border
- * at the parameters of the lower rate, and gives each of its vertices to several vertices of the patch; the quads
- * between these collapse. Blocks with frames keep only the nearest of these vertices, and distribute the others over
- * the straight line to the next one:
+/* Borders of patches on edges with a lower rate than the patch. Embree evaluates such a border at the lower rate, and
+ * gives each of its vertices to several vertices of the patch; the quads between these collapse. Blocks with frames
+ * keep only the nearest of these vertices, and distribute the others over the straight line to the next one:
  *
  *     x---x---x---x---x---x      x: vertices of the patch
  *     |   |   |   |   |   |      o: vertices of an edge of rate 2 among them
@@ -22,19 +21,18 @@ namespace embree
 {
   namespace isa
   {
-    /*! Moves a point of a border outward by the rounding that can leave a gap to a neighbor without a vertex there: the
-     *  rounding of the point and of triangle tests. */
+    /*! Moves a point of a border outward by the rounding of the point and of triangle tests, which could leave a gap to
+     *  a neighbor without a vertex there. */
     inline cbvh::Double3 withLip (const cbvh::Double3& p, const cbvh::Double3& inner)
     {
       const cbvh::Double3 outward = p - inner;
       const double distance = cbvh::length(outward);
       const double size = cbvh::maximum(std::fabs(p.x),cbvh::maximum(std::fabs(p.y),std::fabs(p.z)));
       const double lip = cbvh::minimum(size/(1 << 20),distance/16);
-      return distance > 0 ? p + (lip/distance)*outward : p; // unchanged if it is NaN
+      return distance > 0 ? p + (lip/distance)*outward : p;
     }
 
-    /*! Distributes the vertices of a border. border: fine+1 vertices with stride `along`, stitched to the vertices of a
-     *  lower rate. inward: stride to the next row. */
+    /*! border: fine+1 vertices with stride `along`, stitched to `coarse` quads. inward: stride to the next row. */
     inline void spreadBorder (float (*border)[3], ssize_t along, ssize_t inward, unsigned fine, unsigned coarse)
     {
       if (fine == coarse) return;
@@ -51,8 +49,8 @@ namespace embree
       }
     }
 
-    /*! Distributes the vertices on stitched borders of a patch. vertices: displaced or not, of the size of `patch`.
-     *  rate: rates of its sides, in the order of SurfacePatch::rate, not above the patch's own. */
+    /*! vertices: displaced or not, of the size of `patch`. rate: in the order of SurfacePatch::rate, not above the
+     *  patch's own. */
     inline void spreadBorders (const float rate[4], const PatchVertices& patch, float (*vertices)[3])
     {
       const unsigned quadsX = unsigned(patch.width)-1, quadsY = unsigned(patch.height)-1;

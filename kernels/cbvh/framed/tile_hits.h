@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The nodes of a tile that a ray intersects, in the order of visits: children along the ray, and the children of each
- * along the ray.
+/* The nodes of a tile that a ray intersects, in front-to-back order.
  *
  * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. Its node is the rank
  * with the bits of those axes flipped along which the ray descends. Of four ranks, 1 and 2 are alternatives, but if
@@ -24,7 +23,7 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! Returns the ranks that the ray visits. passedMask: all bits to include ranks that it passes, otherwise 0. */
+        /*! Mask of the ranks that the ray visits. passedMask: all bits to include ranks that it passes, otherwise 0. */
         __forceinline uint32_t events (uint32_t passedMask) const {
           return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
         }
@@ -37,12 +36,11 @@ namespace embree
           return isHit;
         }
 
-        /*! True if the ray misses not only this grandchild but its entire parent. */
         __forceinline bool isPassedByParent (uint32_t grandchild) const {
           return !((childHit >> (grandchild >> 2)) & 1u);
         }
 
-        /*! Returns the grandchild of a rank. Its upper bits are the child. */
+        /*! The upper bits of the result are the child. */
         __forceinline uint32_t grandchild (uint32_t rank) const
         {
           uint32_t p = rank;
@@ -53,8 +51,8 @@ namespace embree
           return p ^ flip;
         }
 
-        /*! Intersects a tile with a node. Returns the children whose boxes the ray intersects but whose children are
-         *  not decoded. The caller must then decode these and call it again. */
+        /*! Intersects the tile of a node. Returns the children that the ray intersects but whose children are not
+         *  decoded: the caller must decode them and call it again. */
         __forceinline uint32_t set (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
@@ -81,7 +79,7 @@ namespace embree
           return 0u;
         }
 
-        /*! Intersects a tile above the root, whose only child is the root. The ray is in the root's box. */
+        /*! For a tile above the root. The ray is in the root's box. */
         __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
@@ -99,7 +97,7 @@ namespace embree
 
         static __forceinline bool isAlternative (uint32_t rank) { return rank-1u < 2u; }
 
-        /*! Converts two masks of grandchildren to masks of ranks, without swaps. */
+        /*! m: two masks of grandchildren. */
         static __forceinline uint32_t toRanks (uint32_t m, uint32_t first)
         {
           if (first & 1u) {
@@ -113,7 +111,6 @@ namespace embree
           return m;
         }
 
-        /*! Sets ranks from masks of grandchildren, without swaps. */
         __forceinline void setPlaces (const BoxMasks& of, uint32_t first)
         {
           flip = first | first << 2;
@@ -135,9 +132,10 @@ namespace embree
           }
         }
 
-        /*! Ranks that the ray intersects. Upper half: ranks that it passes; if it passes an entire child, its first. */
+        /*! Lower half: ranks that the ray intersects. Upper half: ranks that it passes; if it passes an entire child,
+         *  its first. */
         uint32_t ranks;
-        uint32_t childHit;    //!< children whose boxes the ray intersects
+        uint32_t childHit;    //!< mask
         uint32_t flip, swaps; //!< swaps: one bit per four ranks whose alternatives are swapped
       };
     }

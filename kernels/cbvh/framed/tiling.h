@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Division of a patch into blocks with frames, which depends on its edge rates. */
+/* Division of a patch into blocks with frames. */
 
 #include "block.h"
 #include "../surface/plan.h"
@@ -26,14 +26,14 @@ namespace embree
     {
       unsigned height = 0;
       unsigned x = 0, y = 0; //!< number of blocks
-      Vec2i quads = Vec2i(0); //!< quads of all blocks
+      Vec2i quads = Vec2i(0); //!< of all blocks together
 
       size_t size () const { return size_t(x)*size_t(y); }
       unsigned quadsX () const { return unsigned(quads.x); }
       unsigned quadsY () const { return unsigned(quads.y); }
     };
 
-    /*! Subdivision level of a patch in frames: 2^level is its highest rate, rounded up to a power of two. */
+    /*! 2^level is the highest rate, rounded up to a power of two. */
     inline unsigned levelOf (const float rate[4])
     {
       unsigned level = 0;
@@ -42,8 +42,8 @@ namespace embree
       return level;
     }
 
-    /*! Returns the tiling of a patch at a frame level: blocks of 2^(level-frameLevel) quads per side, or smaller blocks
-     *  if these take fewer bytes, as for long and narrow patches or for rates just above a multiple. */
+    /*! Blocks have 2^(level-frameLevel) quads per side, or fewer if these blocks need fewer bytes, as for long and
+     *  narrow patches or for rates just above a multiple. */
     inline PatchTiling tilingOf (cbvh::Kind kind, const float rate[4], unsigned frameLevel)
     {
       const unsigned level = levelOf(rate);

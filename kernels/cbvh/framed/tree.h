@@ -11,12 +11,11 @@
 
 CBVH_BEGIN
 
-/*! True if the words of a level are words of groups (leaf/format.h). */
 CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
   return hasGroups(kind) && level+1u == nodeLevels;
 }
 
-/*! Decodes the bounds of a child. group: true for the word of a group. heights: ignored otherwise. */
+/*! group: true for the word of a group. heights: ignored otherwise. */
 CVERT_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
@@ -37,7 +36,7 @@ inline Heights heightsOf (const Block* block, uint32_t m)
   return heights;
 }
 
-/*! Decodes the bounds of child c of node m of a level, from the node's bounds. */
+/*! Child c of node m of a level. parent: bounds of the node. */
 inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);
@@ -45,7 +44,7 @@ inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_
     parent);
 }
 
-/*! Decodes leaf c of group m, from the group's decoded bounds. */
+/*! parent: decoded bounds of group m. */
 inline LeafPatch leafOfGroup (const Block* block, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const uint32_t level = block->layout().nodeLevels-1;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Writer of blocks with frames. The patches of a cage become blocks of one kind, as divided by a tiling, or Embree's
- * grids if they cannot be compressed. Each task owns a writer, which reuses its memory for all patches. */
+/* Writer of blocks with frames. The patches of a cage become blocks of one kind, or Embree's grids if they cannot be
+ * compressed. Each task owns a writer, which reuses its memory. */
 
 #include "block_encoder.h"
 #include "tiling.h"
@@ -24,7 +24,7 @@ namespace embree
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
           own(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0), encoded(mesh->device,0) {}
 
-      /*! Returns the smallest frame level at which no leaf of the patch is thicker than the bound. */
+      /*! Smallest frame level at which no leaf of the patch is thicker than maxError. */
       unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
@@ -49,8 +49,7 @@ namespace embree
         return level;
       }
 
-      /*! Writes the blocks of a tiling. Returns false, and writes nothing, if the patch should be stored as cVERT, and
-       *  the plan allows it. */
+      /*! Returns false, and writes nothing, if the patch should be stored as cVERT. */
       bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
@@ -64,7 +63,7 @@ namespace embree
         blocks.assign(count,BBox3fa(empty));
         cbvh::BuildStatistics ofPatch;
         cbvh::WorldBounds hitBoundsOfPatch;
-        if (!hasHoles) { // what is inside the bounds of the vertices needs no test
+        if (!hasHoles) { // vertices inside their bounds need no test
           hitBoundsOfPatch.extend(lower[0],lower[1],lower[2]);
           hitBoundsOfPatch.extend(upper[0],upper[1],upper[2]);
         }
@@ -73,7 +72,7 @@ namespace embree
         /* two per quad on the border, because the quad is divided into leaves */
         const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY()));
         for (size_t k=0; k<count; k++) {
-          /* in diagonal order, so that the first blocks are a sample of the whole patch */
+          /* diagonal order: the first blocks are a sample of the whole patch */
           const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x;
           Encoding e(kind,tiling,y*tiling.x+x);
           e.sharpSides = sharpSides & e.sidesOfPatch();
@@ -90,8 +89,8 @@ namespace embree
         return true;
       }
 
-      /*! Returns the vertices of the last patch as its face evaluates them, or null if it was not evaluated with this
-       *  number of quads. Only if plan.sharesBorders(). */
+      /*! The vertices of the last patch as its face evaluates them, or null if it was evaluated with another number of
+       *  quads. Only if plan.sharesBorders(). */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
         return isEvaluated ? (const float(*)[3])own.data() : nullptr;
@@ -108,7 +107,7 @@ namespace embree
         unsigned index, x, y;   //!< position in the tiling
         uint32_t sharpSides = 0;
         cbvh::BlockLayout layout;
-        float corners[4][3];    //!< points that the frame is aligned to
+        float corners[4][3];    //!< that the frame is aligned to
 
         Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
           : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x),
@@ -116,7 +115,7 @@ namespace embree
 
         size_t width () const { return (size_t(1) << height) + 1; }
 
-        /*! Returns the bits of the sides of the patch that the block is on. */
+        /*! Sides of the patch that the block is on. */
         uint32_t sidesOfPatch () const {
           return uint32_t(y == 0) | uint32_t(x+1 == tiling.x) << 1 | uint32_t(y+1 == tiling.y) << 2
             | uint32_t(x == 0) << 3;
@@ -148,7 +147,6 @@ namespace embree
 
       const float (*vertexData () const)[3] { return (const float(*)[3])vertices.data(); }
 
-      /*! Sets the vertices and corners of a block. */
       void gather (Encoding& e)
       {
         const size_t w = e.width();
@@ -241,13 +239,13 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       const GridSOAWriter grids;
-      cbvh::LeafFit fit;             //!< of the patch
-      PatchVertices* patchVertices = nullptr;    //!< vertices of the patch
+      cbvh::LeafFit fit;
+      PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge of the patch has a lower rate than its quads
-      std::vector<BBox3fa> blocks;   //!< bounds of the encoded blocks, by position in the tiling; otherwise empty
-      mvector<float> own;            //!< vertices of the patch as its face evaluates them
-      mvector<float> vertices;       //!< vertices of one block
-      mvector<Vec3fa> scratch;       //!< scratch memory of the encoder, aligned
+      std::vector<BBox3fa> blocks;   //!< bounds, by position in the tiling; empty for blocks that were not encoded
+      mvector<float> own;            //!< as the patch's face evaluates them
+      mvector<float> vertices;       //!< of one block
+      mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< blocks of a patch, or a trial block
     };
   }

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Size of a block, and the offset of its surface number. */
-
 #include "../framed/block.h"
 #include "../base/codec.h"
 #include "../base/primitive_type.h"

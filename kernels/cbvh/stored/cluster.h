@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Clusters of a surface in formats that GPUs read, as plain data without headers of Embree. docs/formats/clusters.md
+/* Clusters of a surface in formats that GPUs read. Plain data without headers of Embree. docs/formats/clusters.md
  * describes the formats. */
 
 #include "part.h"
@@ -17,17 +17,17 @@ namespace embree
     enum class ClusterFormat : int
     {
       FLOAT3 = 0,      //!< x, y, z of each vertex as floats
-      /*! D3D12_VERTEX_FORMAT_COMPRESSED1 of DirectX Raytracing: header and vertices, padded to 4 bytes. */
+      /*! D3D12_VERTEX_FORMAT_COMPRESSED1: header and vertices, padded to 4 bytes. */
       COMPRESSED1 = 1,
-      DGF1 = 2         //!< a block of 128 bytes of AMD's Dense Geometry Format, including the topology
+      DGF1 = 2         //!< 128 bytes of AMD's Dense Geometry Format, including the topology
     };
 
-    /*! Reason why a cluster is stored as floats although another format was requested. */
+    /*! Why a cluster is stored as floats. */
     enum class ClusterReason : int
     {
-      FITS = 0,   //!< none: it has the requested format
+      FITS = 0,   //!< it has the requested format
       RAW = 1,    //!< its block stores floats, or as many bits
-      MOVING = 2, //!< its vertices are between two time steps, so they are on no lattice
+      MOVING = 2, //!< between two time steps, its vertices are on no lattice
       RANGE = 3   //!< its lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
     };
     enum { numClusterReasons = 4 };
@@ -35,35 +35,33 @@ namespace embree
     /*! Up to 8 x 8 quads: at most 81 vertices and 128 triangles, or 64 of both for DGF. */
     struct StoredCluster
     {
-      ClusterFormat format;        //!< format of data: the requested one, or FLOAT3
+      ClusterFormat format;        //!< the requested one, or FLOAT3
       ClusterReason reason;
       uint32_t numVertices, numTriangles;
       const void* data;            //!< aligned to 4 bytes
-      size_t bytes;                //!< of data
-      const uint8_t* indices;      //!< three vertices of each triangle; for DGF in the order of a decoder
+      size_t bytes;
+      const uint8_t* indices;      //!< three per triangle; for DGF in the order of a decoder
       /*! Index of each triangle in the part: 2 ((width-1) y + x) for quad x, y, plus 1 for its second triangle. */
       const uint32_t* triangles;
       /*! Number of triangles in all previous clusters; for DGF the first primitive index of the block. */
       uint32_t firstTriangle;
-      /*! In vertices, if the cluster is a whole grid, row by row: all clusters of the same size then have the same
-       *  indices. Otherwise, and for DGF, 0, 0. */
+      /*! In vertices, if the cluster is a whole grid, row by row: clusters of the same size then have the same indices.
+       *  Otherwise, and for DGF, 0, 0. */
       uint32_t width, height;
-      const StoredPart* part;      //!< part that contains the cluster
+      const StoredPart* part;
     };
 
-    /*! Sums over clusters. */
     struct ClusterReport
     {
       size_t numClusters = 0, numTriangles = 0;
-      size_t numVertices = 0;      //!< vertices that clusters share are counted in each of them
-      size_t bytes = 0;            //!< size of data
+      size_t numVertices = 0;      //!< counted in each cluster that has them
+      size_t bytes = 0;
       size_t indexBytes = 0;       //!< 3 per triangle, except for whole grids and for DGF
       size_t numClustersOf[numClusterReasons] = {};
       size_t numTrianglesOf[numClusterReasons] = {};
     };
 
-    /*! Converts a cluster to the struct of an interface, which has the same members in the same order. part: converted
-     *  part; must outlive the result. */
+    /*! Cluster: struct of an interface with the same members in the same order. part: must outlive the result. */
     template<typename Cluster, typename Part>
     Cluster clusterAs (const StoredCluster& cluster, const Part& part)
     {
@@ -72,7 +70,7 @@ namespace embree
           cluster.firstTriangle,cluster.width,cluster.height,&part };
     }
 
-    /*! Converts sums to the struct of an interface, which has members of the same names. */
+    /*! Report: struct of an interface with members of the same names. */
     template<typename Report>
     Report reportAs (const ClusterReport& report)
     {

@@ -11,6 +11,6 @@ namespace embree
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool hasGrids = false; //!< true if a geometry was given as grids, which point queries find
+    bool hasGrids = false; //!< a geometry was given as grids, which point queries find
   };
 }

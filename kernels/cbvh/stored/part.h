@@ -15,7 +15,7 @@ namespace embree
     struct StoredTriangle
     {
       float vertices[3][3]; //!< x, y, z in the geometry's space
-      /*! Parameters of the vertices on the primitive. Parameters of hits are interpolated between them. */
+      /*! Parameters of the vertices. Parameters of hits are interpolated between them. */
       float u[3], v[3];
     };
 
@@ -23,12 +23,12 @@ namespace embree
      *  vertices as the same floats; parts of cGRID do so only within a face. */
     struct StoredPart
     {
-      uint32_t primID;           //!< primitive of all quads, if primitivesPerQuad is 0
+      uint32_t primID;           //!< of all quads, if primitivesPerQuad is 0
       uint32_t width, height;    //!< in vertices
       /*! x, y, z of width*height vertices, row by row. Triangles with a vertex that is not finite are left out. */
       const float* vertices;
       const float* parameters;   //!< u, v of each vertex; null unless primitivesPerQuad is 0
-      const uint32_t* primIDs;   //!< primitivesPerQuad numbers for each quad, row by row
+      const uint32_t* primIDs;   //!< primitivesPerQuad per quad, row by row
       /*! 0 for cages and grids, 1 for quad meshes, 2 for triangle meshes. With 2, the primitive of the quad's first
        *  triangle is followed by the primitive of its second triangle, or repeated if there is no second triangle. */
       uint32_t primitivesPerQuad;

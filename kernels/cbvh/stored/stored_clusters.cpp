@@ -17,7 +17,6 @@ namespace embree
   {
     namespace
     {
-      /*! Divides parts into clusters, one after the other. */
       class Cutter
       {
       public:
@@ -61,7 +60,7 @@ namespace embree
           return points.place(part->vertices + 3*(size_t(of.y)*part->width + of.x),part->width,of.width+1,of.height+1);
         }
 
-        /*! Passes a cluster in COMPRESSED1 or as floats to the closure. */
+        /*! Passes a cluster to the closure, in COMPRESSED1 if possible. */
         bool handOutVertices (const QuadRectangle& square)
         {
           if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);
@@ -162,7 +161,7 @@ namespace embree
         ClusterReason whyFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
         LatticePoints points;
         dgf::Block block;
-        uint32_t data[3*QuadTriangles::maxVertices];   //!< data of a cluster
+        uint32_t data[3*QuadTriangles::maxVertices];
       };
 
       static_assert(compressed1Bytes(QuadTriangles::maxVertices) <= 12*QuadTriangles::maxVertices,

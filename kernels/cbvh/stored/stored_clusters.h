@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Divides a stored surface into clusters of formats that GPUs read. */
-
 #include "cluster.h"
 #include "stored_triangles.h"
 

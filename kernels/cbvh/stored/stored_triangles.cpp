@@ -21,7 +21,6 @@ namespace embree
   {
     namespace
     {
-      /*! Calls closure(block) for all blocks below a node. */
       template<typename Closure>
       void forEachBlock (BVH4::NodeRef ref, const Closure& closure)
       {
@@ -51,8 +50,8 @@ namespace embree
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
-        float corner[2];   //!< parameters at the corner of the patch
-        bool isCut;        //!< true if the block stores edges
+        float corner[2];   //!< of the patch
+        bool isCut;        //!< the block stores edges
         VertEdges edges;
 
         explicit Place (const StoredBlock& stored) : isCut(false), edges{ 0,0 }
@@ -83,12 +82,12 @@ namespace embree
         }
       };
 
-      /*! A decoded block without numbers of quads, with the parameters of its vertices. */
+      /*! A decoded block without numbers of quads. */
       struct DecodedBlock
       {
         const Place place;
         std::vector<std::array<float,3>> vertices;   //!< row by row
-        std::vector<std::array<float,2>> parameters; //!< of each
+        std::vector<std::array<float,2>> parameters;
 
         DecodedBlock (const StoredBlock& stored, const TraversalTime& time) : place(stored)
         {
@@ -110,7 +109,6 @@ namespace embree
         }
       };
 
-      /*! Calls closure(x, y) for the quads of a block. */
       template<typename Closure>
       void forEachQuad (const VertHeader* block, const Closure& closure)
       {
@@ -145,7 +143,7 @@ namespace embree
 
         bool found () const { return hasBest; }
 
-        /*! Searches a block that contains the primitive. */
+        /*! block: must contain the primitive. */
         void look (const StoredBlock& block, uint32_t primID)
         {
           if (block.isVert() && !VerticesAtTime::isThere(block.vert(),time)) return;
@@ -155,7 +153,7 @@ namespace embree
         }
 
       private:
-        /*! Considers the triangles of a quad, or one of them, in the application's order of vertices. */
+        /*! Considers both triangles of a quad, in the application's order of vertices. */
         void lookForPrimitive (const VertHeader* block, uint32_t primID)
         {
           const VerticesAtTime vertices(block,time);
@@ -201,7 +199,7 @@ namespace embree
           {
             x[d] = (double(parameters[d]) - place.corner[d])*place.patchQuads[d] - place.first[d];
             reach[d] = slackOf(parameters[d])*place.patchQuads[d];
-            /* parameters at edges of lower rates differ by up to one of the quads of these edges */
+            /* at edges of lower rates, parameters differ by up to one quad of these edges */
             if (place.isCut)
               reach[d] += double(place.patchQuads[d])/std::min(vertRate(place.edges,d),vertRate(place.edges,d+2));
             if (!(x[d] >= -reach[d] && x[d] <= place.quads[d]+reach[d])) return;
@@ -235,7 +233,7 @@ namespace embree
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        /*! Considers a triangle. p: vertices. vertexU, vertexV: their parameters. */
+        /*! vertexU, vertexV: parameters of the vertices. */
         void consider (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
@@ -244,7 +242,7 @@ namespace embree
             s[c] = vertexU[c];
             t[c] = vertexV[c];
           }
-          /* distance of the hit from the triangle, in barycentric coordinates */
+          /* barycentric distance of the hit from the triangle */
           const double area = (s[1]-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(t[1]-t[0]);
           if (area == 0) return; // collapsed at a stitched edge
           const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area,
@@ -336,8 +334,9 @@ namespace embree
       return search.found();
     }
 
-    /*! Calls closure(block, part) for each triangle of a mesh block, or for each quad, until it returns false. A quad
-     *  whose triangles are in different blocks is two parts. Returns the result of the last call. */
+    /*! Calls closure(block, part) for each quad of a mesh block whose triangles are both in the block, and for each
+     *  other triangle, until it returns false. A quad whose triangles are in different blocks is two parts. Returns the
+     *  result of the last call. */
     static bool forEachMeshPart (const StoredBlock& block,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {

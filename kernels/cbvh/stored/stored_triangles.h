@@ -21,11 +21,10 @@ namespace embree
 
   namespace cbvh
   {
-    /*! The time of rays for which triangles are looked up. isFused: true if their device fuses multiplications and
-     *  additions. */
+    /*! isFused: the device that traces fuses multiplications and additions. */
     struct TraversalTime
     {
-      float time;   //!< RTCRay::time
+      float time;
       bool isFused;
     };
 
@@ -48,7 +47,6 @@ namespace embree
       bool numbersQuads () const { return isVert() && hasNumbers(vert()->boxForm); }
     };
 
-    /*! Finds blocks of a surface by primitive. */
     class BlockIndex
     {
     public:
@@ -63,16 +61,16 @@ namespace embree
       enum : uint32_t { none = 0xFFFFFFFFu };
 
       std::vector<StoredBlock> blocks; //!< sorted by primitive
-      std::vector<uint32_t> blockOf;   //!< block of each primitive of a mesh; else empty
-      /*! Pairs of primitive and block, sorted, for quads with a triangle in a second mesh block. */
+      std::vector<uint32_t> blockOf;   //!< block of each primitive of a mesh; otherwise empty
+      /*! Primitive and block, sorted: quads with a triangle in a second mesh block. */
       std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
 
       void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each triangle of a mesh block is
-     *  a part, or each quad if both of its triangles are in the block. Throws if a block is not cVERT, cGRID or a mesh
-     *  block. */
+    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each quad of a mesh block is a
+     *  part if both of its triangles are in the block, otherwise each triangle. Throws if a block is not cVERT, cGRID
+     *  or a mesh block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

@@ -4,7 +4,7 @@
 #pragma once
 
 /* The blocks of a geometry and the tree above them. The geometry and each scene that traces it own them. They do not
- * depend on any scene or on the IDs of the geometry in scenes. */
+ * depend on scenes or on IDs in scenes. */
 
 #include "../base/block_memory.h"
 #include "../base/step_box.h"
@@ -26,23 +26,23 @@ namespace embree
     ~SurfaceBlocks ();
 
     std::shared_ptr<const cbvh::SurfaceNumber> number; //!< stored in the blocks
-    const uint64_t build;                              //!< unique in the process; from 1
+    const uint64_t build;                              //!< unique in the process, from 1
     cbvh::BlockMemory memory;
 
     /*! Parts of a scene's tree: trees of a few blocks, or blocks, as PrimRefs whose ID is a reference. */
     mvector<PrimRef> parts;
-    /*! References to the blocks of a moving surface, which has no parts. Scenes build their trees over these blocks. */
+    /*! References to the blocks of a moving surface, which has no parts. Scenes build their trees over them. */
     mvector<size_t> moving;
     /*! Boxes of those blocks at their steps, block by block. Released after the first build; later users decode the
-     *  blocks. Accessed with atomic_load and atomic_store because scenes may be built concurrently. */
+     *  blocks. Accessed with atomic_load and atomic_store, because scenes may be built concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
     BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
     BBox3fa bounds;           //!< bounds of everything that rays can hit
     size_t numPrimitives;     //!< blocks and grids
     cbvh::SurfaceStatistics statistics;
-    std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless the blocks were loaded from a file
+    std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 
-    /*! Index of the blocks for looking up triangles. Created by the first call. Thread-safe. */
+    /*! Returns the index for looking up triangles, which the first call creates. Thread-safe. */
     const cbvh::BlockIndex& index () const;
 
   private:
@@ -54,16 +54,16 @@ namespace embree
     /*! True if one of the moving, or static, surfaces of a scene is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
-    /*! Computes the table of a scene that maps surface numbers to geometry IDs. Thread-safe. */
+    /*! Sets the table of a scene that maps surface numbers to geometry IDs. Thread-safe. */
     void nameSurfaces (Scene* scene);
 
-    /*! Surface number of a geometry. Assigned by the first call. Thread-safe. */
+    /*! Returns the surface number of a geometry, which the first call assigns. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);
 
-    /*! Blocks of the last commit of a geometry, or null if they must be built. */
+    /*! Returns the blocks of the last commit, or null if they must be built. */
     std::shared_ptr<const SurfaceBlocks> blocksOf (const CompressibleGeometry* geometry);
 
-    /*! Sets the blocks of a geometry unless another scene already did. Returns the blocks of the geometry. */
+    /*! Sets the blocks unless another scene already did. Returns the blocks of the geometry. */
     std::shared_ptr<const SurfaceBlocks> keepBlocks (CompressibleGeometry* geometry,
                                                      const std::shared_ptr<const SurfaceBlocks>& blocks);
   }

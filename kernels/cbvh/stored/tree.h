@@ -4,8 +4,8 @@
 #pragma once
 
 /* Trees above blocks, built with Embree's binned SAH builder for BVH4. A surface has a tree over its blocks. A scene
- * has a tree over the parts of its surfaces, which are trees of a few blocks. The scene's build is therefore small, and
- * its tree as good as a tree over all blocks. */
+ * has a tree over parts of its surfaces, which are trees of a few blocks: its build is small, and its tree as good as a
+ * tree over all blocks. */
 
 #include "../embree/scene.h"
 
@@ -26,8 +26,7 @@ namespace embree
       return n;
     }
 
-    /*! Builds a tree over primitives whose IDs are references. progress() may throw. nodes: set to the number of
-     *  nodes. */
+    /*! prims: their IDs are references. progress() may throw. */
     template<typename Progress>
     inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
                                     size_t& nodes)
@@ -86,7 +85,7 @@ namespace embree
       return root;
     }
 
-    /*! Appends the largest trees of at most blocksOfPart leaves below a node. */
+    /*! Appends the largest trees of at most blocksOfPart leaves. */
     class TreeCutter
     {
     public:
@@ -98,7 +97,7 @@ namespace embree
       }
 
     private:
-      /*! Returns the number of leaves below a node. If there are more than in a part, appends the parts. */
+      /*! Returns the number of leaves below a node. Appends parts if there are more than in a part. */
       size_t visit (BVH4::NodeRef ref, const BBox3fa& bounds)
       {
         if (ref == BVH4::emptyNode) return 0;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices of a cVERT block at a time: the same floats as in traversal. */
+/* Vertices of a cVERT block, the same floats as in traversal. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"
@@ -17,7 +17,7 @@ namespace embree
     class VerticesAtTime
     {
     public:
-      float vertices[DecodedBlock::maxSide*DecodedBlock::maxSide][3]; //!< row by row
+      float vertices[DecodedBlock::maxSide*DecodedBlock::maxSide][3];
       const uint32_t width;
 
       VerticesAtTime (const VertHeader* block, const TraversalTime& at) : width(vertQuadsX(block->region)+1)

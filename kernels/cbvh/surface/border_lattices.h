@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lattices of the primitives of a geometry, and of the vertices that they share, at each time step: part 3 of the rule
- * in shared_border.h. The Topology determines which vertices are shared. It has these members:
+/* Lattices of primitives and of shared vertices at each time step: part 3 of the rule in shared_border.h. A Topology
+ * determines which vertices are shared. Several threads call its members at once, for different primitives:
  *
  *   typedef Scratch
  *       Memory of a task, constructed from a Device*.
@@ -18,10 +18,8 @@
  *       Adds the borders and the middles of the primitive's patches. Returns false if it has no vertices at that step.
  *       May store vertices for later: it is called once per primitive and step, the steps of a primitive in order.
  *   void forEachShared (size_t primitive, closure(size_t element, bool isTracedByGrid))
- *       Calls closure for each element that the primitive shares with others, or may share. An element is the number of
- *       vertices with one lattice: a corner, the interior of an edge, or one vertex.
- *
- * Several threads call these members at once, for different primitives. */
+ *       Calls closure for each element that the primitive may share with others. An element is the number of vertices
+ *       with one lattice: a corner, the interior of an edge, or one vertex. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -36,27 +34,27 @@ namespace embree
 {
   namespace isa
   {
-    /*! Chooses the lattice of a primitive from lines of its vertices: its borders, and the middles of its patches. */
+    /*! Chooses the lattice of a primitive from samples of its vertices. */
     class LatticeChoice
     {
     public:
       /*! ofEdge: default spacing as a fraction of the median edge, for an application's vertices; 0 for evaluated
-       *    vertices. */
+       *  vertices. */
       explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
-      /*! Adds the number of quads along u and v. */
+      /*! quads: along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
-      /*! Adds vertices along u or v. isCoarse: true on a border that has a lower rate than its patch. */
+      /*! isCoarse: true on a border that has a lower rate than its patch. */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! Returns the exponent of the lattice. diagonal: diagonal of the geometry's bounds. */
+      /*! Exponent of the lattice. diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::exactLattice;
-        double spacing = 0; // quads can be much longer than wide: the shorter side counts
+        double spacing = 0; // of the shorter sides: quads can be much longer than wide
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
           if (median > 0) medianEdge = medianEdge > 0 ? min(medianEdge,median) : median;
@@ -66,11 +64,11 @@ namespace embree
         return cbvh::latticeExponent(spacingAskedFor(plan,spacing));
       }
 
-      /*! The shorter one of the median edges along u and v; 0 if there is none. Call exponent() first. */
+      /*! Shorter one of the median edges along u and v, or 0. Call exponent() first. */
       double edge () const { return medianEdge; }
 
     private:
-      /*! Returns the spacing that the application's bounds require, or the default if there are none. */
+      /*! The spacing that the application requests, or the default. */
       double spacingAskedFor (const CompressionPlan& plan, double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
@@ -89,14 +87,14 @@ namespace embree
           }
           spacing = min(spacing,double(settings.maxPixelError)*settings.pixelSize*std::sqrt(distance2));
         }
-        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // the bound is one of leaves
+        if (plan.kind() != cbvh::Kind::VERT) return min(spacing,byDefault); // the application's bound is for leaves
         return spacing < INFINITY ? spacing : byDefault;
       }
 
       const double ofEdge;
       double medianEdge = 0;
       cbvh::EdgeSample samples[2][2];   //!< [along u, v][at the patch's rate, on coarse borders]
-      unsigned fewest[2] = { ~0u,~0u }; //!< quads along u and v
+      unsigned fewest[2] = { ~0u,~0u };
     };
 
     class BorderLattices
@@ -105,7 +103,7 @@ namespace embree
       BorderLattices (Device* device, const CompressionPlan& plan)
         : device(device), plan(plan), own(device,0), shared(device,0) {}
 
-      /*! Chooses the lattices of all primitives. Calls progress() from time to time, which may throw to cancel. */
+      /*! Calls progress() from time to time, which may throw to cancel. */
       template<typename Topology, typename Progress>
       void choose (Topology& topology, size_t perTask, const Progress& progress)
       {
@@ -138,8 +136,8 @@ namespace embree
           warnIfCoarse(device,sumOfSpacings/double(numEdges),sumOfEdges/double(numEdges));
       }
 
-      /*! Chooses the lattices of shared elements, whose numbers are less than numElements. All elements start with the
-       *  finest lattice of all primitives, so that few must be raised. An element that no primitive has keeps it. */
+      /*! Chooses the lattices of elements 0 to numElements-1. All start with the finest lattice of all primitives, so
+       *  that few must be raised. An element that no primitive has keeps it. */
       template<typename Topology, typename Progress>
       void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
@@ -157,10 +155,10 @@ namespace embree
 
       void clear () { own.clear(); shared.clear(); }
 
-      /*! Exponent of the lattice of a primitive's own vertices; exactLattice if it has none. */
+      /*! exactLattice if the primitive has no vertices. */
       int ofPrimitive (size_t primitive, unsigned step) const { return own[primitive*plan.numTimeSteps + step]; }
 
-      /*! Exponent of the lattice of a shared element; exactLattice if it has none. */
+      /*! exactLattice if the element is on no lattice. */
       int ofShared (size_t element, unsigned step) const
       {
         const int exponent = shared[element*plan.numTimeSteps + step];
@@ -168,7 +166,7 @@ namespace embree
       }
 
     private:
-      enum { ofGrid = 127 }; //!< marks an element without a lattice; greater than all exponents
+      enum { ofGrid = 127 }; //!< element without a lattice; greater than all exponents
 
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {
@@ -196,7 +194,7 @@ namespace embree
 
       Device* const device;
       const CompressionPlan& plan;
-      mvector<int8_t> own, shared; //!< exponents at each step, by primitive and by element
+      mvector<int8_t> own, shared; //!< exponents, step by step, by primitive and by element
     };
   }
 }

@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* The borders of the faces of a cage. shared_border.h has the rule, cage_topology.h finds the owners. Faces evaluate
- * the same vertex some ulps apart, and far apart where their normals differ or a height map jumps.
+/* Borders of the faces of a cage, by the rule in shared_border.h. Faces evaluate the same vertex some ulps apart, and
+ * far apart where their normals differ or a height map jumps. cage_topology.h finds the owners.
  *
  * An n-gon has a patch at each corner. It owns its center and the spokes from the center to the middles of its edges,
  * which only its own patches share.
  *
- * The owners' vertices are evaluated before any patch is encoded. About 5% of all vertices are evaluated twice, and all
- * vertices of patches that have few. Until the build ends, the points of edges use 12 bytes each. If a patch has few
- * vertices, its border costs as much to evaluate as the whole patch, so all vertices of small surfaces are kept for
- * their blocks. */
+ * The owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Until
+ * the build ends, points of edges use 12 bytes each. The border of a patch with few vertices costs as much to evaluate
+ * as the whole patch, so all vertices of small surfaces are kept for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -32,8 +31,8 @@ namespace embree
         : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
           points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
 
-      /*! Finds owners, evaluates the vertices that they own and chooses all lattices. Calls progress() from time to
-       *  time, which may throw to cancel. */
+      /*! Finds owners, evaluates their vertices and chooses all lattices. Calls progress() from time to time, which may
+       *  throw to cancel. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
@@ -44,15 +43,14 @@ namespace embree
         lattices.share(*this,2*topology.numEdges(),facesPerTask,progress);
       }
 
-      /*! Exponent of a face's lattice at a time step. */
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
 
-      /*! Returns all vertices of a patch, row by row, or null if they were not kept. */
+      /*! All vertices of a patch, row by row, or null if they were not kept. */
       const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
 
-      /*! Returns the vertices along a side of a patch, in the order of PatchOfFace::rate. */
+      /*! s: in the order of PatchOfFace::rate. */
       CageSide side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
@@ -65,7 +63,7 @@ namespace embree
         }
       }
 
-      /* Topology of border_lattices.h. An element is the corner or the interior of an owned edge. */
+      /* Topology of border_lattices.h. Elements are corners and interiors of owned edges. */
 
       size_t size () const { return mesh->size(); }
       double spacingOfEdge () const { return 0; }
@@ -119,15 +117,15 @@ namespace embree
       }
 
     private:
-      static const size_t mostKept = 1 << 15; //!< vertices of a surface, at all time steps
+      static const size_t mostKept = 1 << 15; //!< vertices, at all time steps
       static const size_t fewVertices = 9*9;  //!< vertices of a patch whose lines cost as much as the patch
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
       static size_t cornerElement (const CageTopology::Edge& edge) { return 2*size_t(edge.cornerOwner); }
       static size_t edgeElement (const CageTopology::Edge& edge) { return 2*size_t(edge.owner) + 1; }
 
-      /* Points of a half-edge: its corner and its edge if it owns them, then its spoke. The center of a face follows
-       * its last half-edge. */
+      /* Points of a half-edge: its corner and its edge if it owns them, then its spoke. The center follows the face's
+       * last half-edge. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
@@ -152,7 +150,7 @@ namespace embree
           std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
-      /*! Reserves room for all vertices, if the surface has few. */
+      /*! Reserves room for all vertices if the surface has few. */
       void placeKept ()
       {
         const size_t most = mostKept/plan.numTimeSteps;
@@ -177,7 +175,7 @@ namespace embree
         return size_t(size.x)*size_t(size.y);
       }
 
-      /*! Returns the first of a patch's vertices in `kept`. */
+      /*! First of a patch's vertices in `kept`. */
       size_t firstOf (size_t face, int subPatch) const {
         return firstKept[topology.indexOf(mesh->getHalfEdge(0,face)) + subPatch];
       }
@@ -185,7 +183,7 @@ namespace embree
         return (float(*)[3])evaluated(face,subPatch,step);
       }
 
-      /*! Sets the kept vertices to NaN. For faces with a vertex of the cage that is not finite at that step. */
+      /*! For faces with a vertex of the cage that is not finite at that step: sets the kept vertices to NaN. */
       void keepNothing (size_t f, unsigned step)
       {
         if (firstKept.size())
@@ -201,7 +199,7 @@ namespace embree
       {
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
-        /* Vertex k of the side, counted around the patch: the first vertex of the line that is stitched to it. */
+        /* k: counted around the patch. Keeps the first vertex of the line that is stitched to k. */
         auto keep = [&](size_t i, unsigned k) {
           memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
         };
@@ -244,7 +242,7 @@ namespace embree
         return side;
       }
 
-      /*! From the middle of an edge of an n-gon to the n-gon's center, or back. */
+      /*! From the middle of an edge of an n-gon to its center, or back. */
       CageSide spoke (size_t face, const HalfEdge* h, bool fromCenter, unsigned step) const
       {
         const HalfEdge* start = mesh->getHalfEdge(0,face);
@@ -265,11 +263,11 @@ namespace embree
       const SubdivMesh* const mesh;
       CageTopology topology;
       BorderLattices lattices;
-      size_t numPoints = 0, numKept = 0; //!< of one time step
+      size_t numPoints = 0, numKept = 0; //!< per time step
       mvector<size_t> firsts;            //!< first point, by half-edge
       mvector<float> points;             //!< step by step
       mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty if the surface is not small
-      mvector<float> kept;               //!< vertices of the patches of a small surface, step by step
+      mvector<float> kept;               //!< vertices of a small surface, step by step
     };
   }
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A patch of a face of a cage. source.h describes the members. */
+/* Patch (source.h) of a face of a cage. */
 
 #include "cage_borders.h"
 #include "source.h"
@@ -42,13 +42,11 @@ namespace embree
         return evaluator;
       }
 
-      /*! Returns all vertices, row by row, or null if they were not kept. */
       const float (*evaluated (unsigned step) const)[3] { return borders->evaluated(primID,patch.subPatch,step); }
 
       CageSide side (int s, unsigned step) const { return borders->side(primID,patch.subPatch,s,step); }
       int latticeExponent (unsigned step) const { return borders->exponent(primID,step); }
 
-      /*! See sharpSidesOf(). */
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
       /*! Embree's patch, for patches that GRID traces. */

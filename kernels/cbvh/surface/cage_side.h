@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The vertices along a side of a patch of a cage: an edge, half of the edge of an n-gon, or a spoke from there to the
- * n-gon's center. */
+/* Vertices along a side of a patch of a cage: an edge, half of the edge of an n-gon, or a spoke. */
 
 #include "shared_border.h"
 
@@ -15,12 +14,12 @@ namespace embree
     struct CageSide
     {
       SharedVertex begin, end;
-      const float (*interior)[3]; //!< rate-1 positions in the owner's direction, stored in CageBorders
+      const float (*interior)[3]; //!< rate-1 positions in the owner's direction, see CageBorders
       bool reversed;              //!< the side runs against the owner's direction
-      int exponent;               //!< lattice of the interior
+      int exponent;               //!< of the interior
       unsigned rate;
 
-      /*! Returns vertex k, 0 to rate, counted around the patch. */
+      /*! k: 0 to rate, counted around the patch. */
       SharedVertex operator[] (unsigned k) const
       {
         if (k == 0) return begin;
@@ -28,9 +27,9 @@ namespace embree
         return SharedVertex(interior[(reversed ? rate-k : k) - 1],exponent);
       }
 
-      /*! Returns the first or the second half of an edge. Embree gives edges of n-gons an even rate in all faces that
-       *  it connects to them. On an edge of three faces, the rate of a quad can be odd. The n-gon then uses the vertex
-       *  before the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
+      /*! The first or the second half of an edge of an n-gon. Embree gives such an edge an even rate in all faces that
+       *  it connects. On an edge of three faces, the rate of a quad can be odd: the n-gon then uses the vertex before
+       *  the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

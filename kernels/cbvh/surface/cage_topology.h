@@ -3,12 +3,12 @@
 
 #pragma once
 
-/* Owners and rates of the edges and corners of a cage, from its half-edges. shared_border.h has the rule. Faces without
- * a surface do not take part.
+/* Owners and rates of the edges and corners of a cage, by the rule in shared_border.h. Faces without a surface do not
+ * take part.
  *
- *          face A             An edge belongs to A or B. A corner x belongs to one of the
- *    x----o----o----o----x    faces around it that are reached over edges. Claims are
- *          face B             numbered by half-edges.
+ *          face A             A and B claim the edge. All faces around corner x that are
+ *    x----o----o----o----x    reached over edges claim x. Claims are numbered by half-edges.
+ *          face B
  *
  * Half-edges of an edge with three or more faces have no opposite. Embree keeps the vertices of such an edge in place,
  * so all faces have the same straight edge. They share it and its ends, whether GRID traces one of them or not. */
@@ -31,8 +31,8 @@ namespace embree
     public:
       struct Edge
       {
-        unsigned ownRate;      //!< rate in this face; noRate if the face does not take part
-        unsigned rate;         //!< rate of all faces at the edge
+        unsigned ownRate;      //!< in this face; noRate if it does not take part
+        unsigned rate;         //!< in all faces at the edge
         uint32_t owner;        //!< half-edge of the face that owns the edge
         uint32_t cornerOwner;  //!< half-edge at the same vertex, of the face that owns the corner
         bool isTracedByGrid;   //!< GRID traces at least one patch of the face
@@ -41,7 +41,7 @@ namespace embree
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0) {}
 
-      /*! Finds rates and owners. Calls progress() from time to time, which may throw to cancel. */
+      /*! Calls progress() from time to time, which may throw to cancel. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
@@ -51,7 +51,7 @@ namespace embree
         joinNonManifold();
       }
 
-      size_t numEdges () const { return edges.size(); } //!< number of half-edges
+      size_t numEdges () const { return edges.size(); } //!< half-edges
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
@@ -60,7 +60,7 @@ namespace embree
       bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
 
-      /*! Calls closure(half-edge) for the edges of a face. Does nothing if the face does not take part. */
+      /*! Calls closure(half-edge) for the edges of a face that takes part. */
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
@@ -82,8 +82,7 @@ namespace embree
           });
       }
 
-      /*! Number of half-edges of faces, which findRates sets. The index buffer and Embree's half-edges can be
-       *  longer. */
+      /*! Half-edges of faces. The index buffer and Embree's half-edges can be longer. */
       size_t numHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
@@ -132,7 +131,7 @@ namespace embree
           });
       }
 
-      /*! Calls closure for the half-edges that begin at the same vertex and belong to faces that take part. */
+      /*! Calls closure for the half-edges of participating faces that begin at the same vertex. */
       template<typename Closure>
       void forEachAround (const HalfEdge* e, const Closure& closure) const
       {
@@ -156,7 +155,7 @@ namespace embree
           if (edges[i].ownRate != noRate && !first[i].hasOpposite())
             borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
-        std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
+        std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Warning for users whose max_error is as large as the quads. Vertices of a quad then coincide, and pictures get
- * speckles. */
+/* Warning for a max_error as large as the quads. Vertices of a quad then coincide, and pictures get speckles. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -15,11 +14,11 @@ namespace embree
 {
   namespace isa
   {
-    /*! Spacings from this fraction of an edge on are reported. Quads start to flip there. */
+    /*! Fraction of an edge. Quads start to flip at this spacing. */
     static const double coarseSpacing = 0.5;
 
-    /*! Warns on stderr if the spacing that the application selected is coarse: once per process, and at each commit if
-     *  the device or the environment is verbose. spacing, edge: means over the primitives of a geometry. */
+    /*! Warns on stderr once per process, and at each commit if the device or the environment is verbose. spacing, edge:
+     *  means over the primitives of a geometry. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

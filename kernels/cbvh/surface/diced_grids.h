@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Grids that an application diced: the grids of a grid geometry, or the regions of a mesh of quads or triangles
- * (quad_regions.h). GridSource (building/grid_source.h) makes patches of them. Both classes have these members:
+/* Grids that an application diced: the grids of a grid geometry, or the regions of a mesh (quad_regions.h). GridSource
+ * (building/grid_source.h) makes patches of them. Both classes have these members, all thread-safe:
  *
  *   typedef Mesh, Grid
  *       Embree's geometry, and a DicedGrid. The constructor takes a const Mesh*, which must outlive the object.
@@ -26,9 +26,7 @@
  *   static const bool reportsInvalid
  *       True if a commit reports invalid grids.
  *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps)
- *       Estimated bytes of Embree's own kernels for a grid.
- *
- * All members are thread-safe. */
+ *       Estimated bytes of Embree's own kernels for a grid. */
 
 #include "embree_bytes.h"
 #include "../base/codec.h"
@@ -42,7 +40,7 @@ namespace embree
   {
     static_assert(looseSide == QuadRegions::leastSide,"looseSide must equal QuadRegions::leastSide");
 
-    /*! Vertices: a class with width and height, in vertices, and vertex(x,y), the number of a vertex in the geometry's
+    /*! Vertices: has width and height, in vertices, and vertex(x,y), the number of a vertex in the geometry's
      *  buffer. */
     template<typename Vertices>
     struct DicedGrid : public Vertices
@@ -51,7 +49,7 @@ namespace embree
 
       unsigned quads (int d) const { return (d == 0 ? this->width : this->height)-1; }
 
-      /*! Returns vertex k of side s, counted around the grid. Sides are in the order of SurfacePatch::rate. */
+      /*! k: counted around the grid. s: in the order of SurfacePatch::rate. */
       size_t onSide (int s, unsigned k) const
       {
         switch (s) {
@@ -67,7 +65,7 @@ namespace embree
     {
       struct Rows
       {
-        size_t first, stride;       //!< in vertices: first vertex, and distance of rows
+        size_t first, stride;       //!< in vertices
         unsigned width, height;
         size_t vertex (unsigned x, unsigned y) const { return first + y*stride + x; }
       };
@@ -98,7 +96,7 @@ namespace embree
       }
       bool number (size_t, cbvh::QuadNumbers&) const { return false; }
 
-      /*! Vertices outside of their buffer are errors, unlike for Embree's other types. */
+      /*! Vertices outside of the buffer are errors, unlike for Embree's other types. */
       static const bool reportsInvalid = true;
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
@@ -154,7 +152,7 @@ namespace embree
         return true;
       }
 
-      /*! Embree skips quads with indices outside of the vertex buffer, and reports nothing. */
+      /*! As in Embree, which skips such quads silently. */
       static const bool reportsInvalid = false;
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {

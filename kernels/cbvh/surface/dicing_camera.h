@@ -7,29 +7,28 @@
 
 namespace embree
 {
-  /*! A camera, and the size of quads in its picture. Plain data that includes nothing of Embree. In world space unless
-   *  stated otherwise. */
+  /*! A camera, and the size of quads in its picture. Includes nothing of Embree. In world space unless stated
+   *  otherwise. */
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };
-    float direction[3] = { 0,0,1 };    //!< towards the center of the picture, of any length
-    float up[3] = { 0,1,0 };           //!< up vector of the picture, of any length, not parallel to direction
-    bool orthographic = false;         //!< ignores the position
-    /*! Width of a pixel at distance 1, or at any distance for an orthographic camera. Greater than 0. */
+    float direction[3] = { 0,0,1 };    //!< towards the center of the picture; any length
+    float up[3] = { 0,1,0 };           //!< of the picture; any length, not parallel to direction
+    bool orthographic = false;         //!< if true, position is ignored
+    /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;
-    /*! Size of the picture in pixels. 0: everything counts as inside of the picture, and direction and up are
-     *  ignored. */
+    /*! In pixels. 0: everything is inside of the picture, and direction and up are ignored. */
     float width = 0, height = 0;
-    /*! From object space to world space: 12 floats, column by column. Null: the geometry is in world space. */
+    /*! From object space to world space: 12 floats, column by column. Null: identity. */
     const float* transform = nullptr;
-    float quadSize = 1;                //!< approximate length of the edges of quads in pixels; greater than 0
+    float quadSize = 1;                //!< approximate length of edges in pixels; greater than 0
     /*! Factor by which quads far outside of the picture and behind the camera are larger. At least 1. */
     float outside = 8;
-    float maxRate = 4096;              //!< largest number of quads along an edge, 1 to 4096
-    const float* maxRates = nullptr;   //!< the same per edge, one per index, at least 1; null: maxRate only
+    float maxRate = 4096;              //!< quads along an edge, 1 to 4096
+    const float* maxRates = nullptr;   //!< the same per index, at least 1; null: maxRate only
   };
 
-  /*! Converts a struct of a public interface, which has members with the same names. */
+  /*! args: a struct of a public interface, which has members with the same names. */
   template<typename Arguments>
   DicingCamera dicingCamera (const Arguments& args)
   {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Measures how many quads a patch needs along its edges, from points on it. A patch is sampled more finely until there
- * is about one point per four quads. */
+/* Measures how many quads a patch needs, from points on it: about one point per four quads. */
 
 #include "dicing_view.h"
 
@@ -15,8 +14,7 @@ namespace embree
   public:
     DicingSamples (SubdivMesh* mesh, const DicingView& view) : mesh(mesh), view(view) {}
 
-    /*! Returns the number of quads along the edges of a patch at a time step: along u at v = 0, along v at u = 1,
-     *  along u at v = 1, along v at u = 0. (u0,v0): corner of the patch in the parameters of the face; the patch is
+    /*! quads: along v = 0, u = 1, v = 1 and u = 0. (u0,v0): corner of the patch in parameters of the face; the patch is
      *  1 wide. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
@@ -90,9 +88,8 @@ namespace embree
     }
 
     /*! Divides the patch into up to 4 x 4 parts. The number of quads that a part needs is the quadratic mean over the
-     *  part: quads are uniform in parameter space, so quads on steep displacement are longer than others. A camera can
-     *  see the parts at different distances. Each edge gets the maximum over the parts in the half of the patch next to
-     *  it. */
+     *  part: quads are uniform in parameter space, so quads on steep displacement are longer. A camera can see the
+     *  parts at different distances: each edge gets the maximum over the parts in the half of the patch next to it. */
     void need (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;
@@ -122,7 +119,7 @@ namespace embree
         }
     }
 
-    static constexpr double mostSquared = 1e38; //!< upper bound of the squared number of quads
+    static constexpr double mostSquared = 1e38; //!< squared number of quads
 
     const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
     static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }

@@ -3,36 +3,36 @@
 
 #pragma once
 
-/* Estimated bytes of Embree's own kernels and of blocks for a surface, without vertices and indices.
- * docs/performance.md has the measurements. */
+/* Estimated bytes of Embree's own kernels and of blocks, without vertices and indices. docs/performance.md has the
+ * measurements. */
 
 #include <cstddef>
 
 namespace embree
 {
-  /*! Grids, which Embree stores as 2 x 2 quads. Motion does not change their size. */
+  /*! Embree stores grids as 2 x 2 quads. Motion does not change their size. */
   inline size_t bytesOfGridInEmbree (size_t quadsX, size_t quadsY) { return 68*((quadsX+1)/2)*((quadsY+1)/2); }
 
-  /*! A grid as cVERT, with its share of the tree. Measured: 130 bytes per block, 8 more if numbers follow a pattern,
-   *  and 1 per quad. */
+  /*! Bytes as cVERT, with the share of the tree: 130 bytes per block, 8 more if numbers follow a pattern, and 1 per
+   *  quad. */
   inline size_t bytesOfGridBlocks (size_t quadsX, size_t quadsY, bool haveNumbers) {
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
-  /*! Triangles in mesh blocks, with their share of the tree. */
+  /*! Bytes in mesh blocks, with their share of the tree. */
   inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
 
   inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) {
     return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64;
   }
 
-  /*! A triangle. At one time step, a lower bound of the measurements. */
+  /*! At one time step, a lower bound of the measurements. */
   inline size_t bytesOfTriangleInEmbree (unsigned numTimeSteps) {
     return numTimeSteps == 1 ? 60 : numTimeSteps == 2 ? 52 : 80;
   }
   inline size_t bytesOfPairInEmbree (unsigned numTimeSteps) { return 2*bytesOfTriangleInEmbree(numTimeSteps); }
 
-  /*! Embree's grids of a moving subdivision surface. still: bytes at one time step. */
+  /*! still: bytes at one time step. */
   inline size_t bytesOfMovingGrids (size_t still, unsigned numTimeSteps) {
     return numTimeSteps == 1 ? still : size_t(double(still)*(0.85*numTimeSteps-0.4));
   }

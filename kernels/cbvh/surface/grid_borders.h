@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* The borders of grids that an application diced, and of the regions of meshes. shared_border.h has the rule. Grids
- * have no topology. They share the vertices on their borders that have the same index, or whose positions are equal
- * floats at all time steps (position_table.h). All owners therefore have the same positions, and only the lattice of a
- * vertex has to be chosen.
+/* Borders of grids and of regions of meshes, by the rule in shared_border.h. Grids have no topology: they share border
+ * vertices that have the same index, or whose positions are equal floats at all time steps (position_table.h). All
+ * owners have the same positions, so only lattices have to be chosen.
  *
- * Lossless geometry has no lattices and shares nothing: its vertices stay in place. */
+ * Lossless geometry shares nothing: its vertices stay in place. */
 
 #include "border_lattices.h"
 #include "diced_grids.h"
@@ -66,7 +65,7 @@ namespace embree
 
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! Returns a vertex on the border of a grid. own: exponent of the grid's lattice. */
+      /*! A vertex on the border of a grid. own: exponent of the grid's lattice. */
       SharedVertex shared (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
@@ -88,7 +87,7 @@ namespace embree
         return true;
       }
 
-      /*! Member for PositionTable. NaNs are equal. */
+      /*! For PositionTable. NaNs are equal. */
       bool moveAlike (size_t a, size_t b) const
       {
         for (unsigned step=1; step<plan.numTimeSteps; step++) {
@@ -99,8 +98,7 @@ namespace embree
         return true;
       }
 
-      /*! Member for StitchedVertices. Calls closure for the entries at the ends of each edge of a border whose length
-       *  is not 0. */
+      /*! For StitchedVertices. Calls closure for the entries at the ends of each border edge whose length is not 0. */
       template<typename Closure>
       void forBorderEdges (size_t i, const Closure& closure) const
       {
@@ -117,7 +115,7 @@ namespace embree
         }
       }
 
-      /* Topology of border_lattices.h. An element is an entry of the table. */
+      /* Topology of border_lattices.h. Elements are entries of the table. */
 
       double spacingOfEdge () const { return Grids::spacingOfEdge(); }
 
@@ -158,7 +156,6 @@ namespace embree
       typedef PositionTable<GridBorders> Table;
       typedef typename Table::Entry Entry;
 
-      /*! Calls closure(vertex) once for each vertex. */
       template<typename Closure>
       static void forBorder (const Grid& grid, const Closure& closure)
       {
@@ -170,7 +167,7 @@ namespace embree
       const CompressionPlan& plan;
       BorderLattices lattices;
       Table table;                            //!< vertices on borders; empty for a single grid
-      StitchedVertices<GridBorders> stitched; //!< vertices of finer grids on edges of coarser ones
+      StitchedVertices<GridBorders> stitched;
     };
   }
 }

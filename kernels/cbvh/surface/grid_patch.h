@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A grid that an application diced, as one patch. Its vertices are the application's. source.h describes the
- * members. */
+/* Patch (source.h) of a grid that an application diced. */
 
 #include "grid_borders.h"
 #include "source.h"

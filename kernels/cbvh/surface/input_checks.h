@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks of the buffers of geometries, before Embree or the kernels read them. All throw rtcore_error, which names the
- * first wrong value. */
+/* Checks of buffers before Embree or the kernels read them. All throw rtcore_error, which names the first wrong
+ * value. */
 
 #include "../embree/scene.h"
 
@@ -33,10 +33,10 @@ namespace embree
   /*! Throws if a face of a cage refers to indices or vertices that do not exist. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count, which uses 15 bits. */
+  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws if all rows of a large grid are the same vertices. Its quads have no area, but there can be billions of
+  /*! Throws if all rows of a large grid are the same vertices: its quads have no area, but there can be billions of
    *  them. */
   void checkStrides (const GridMesh* mesh);
 }

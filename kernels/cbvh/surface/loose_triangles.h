@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The triangles of a mesh that are in no grid. They are stored in mesh blocks (vert/mesh_writer.h). All use one
- * lattice. Its exceptions are found before any block is encoded, so that blocks agree on the vertices that they
- * share. */
+/* The triangles of a mesh that are in no grid. They are stored in mesh blocks (vert/mesh_writer.h) on one lattice. Its
+ * exceptions are found before any block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -19,8 +18,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! The triangles of a mesh, by number. Embree splits a quad into two; they have the numbers 2 primID and 2 primID +
-     *  1. */
+    /*! Triangles by number. Embree splits quad primID into triangles 2 primID and 2 primID + 1. */
     class TrianglesOfMesh
     {
     public:
@@ -36,18 +34,18 @@ namespace embree
 
       bool areOfQuads () const { return perPrimitive == 2; }
 
-      /*! Number of the first (i = 0) or second triangle of a primitive. */
+      /*! i: 0 for the first triangle of a primitive, 1 for the second. */
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
 
-      /*! Sets pointers to the corners of a triangle, in the application's order. Returns false if Embree skips its
-       *  primitive because an index is out of range or a vertex is not finite. */
+      /*! Sets pointers to the corners, in the application's order. Returns false if Embree skips the primitive because
+       *  an index is out of range or a vertex is not finite. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned numbers[3];
         return corners(triangle,out,numbers);
       }
 
-      /*! As above; also sets the numbers of the vertices. */
+      /*! numbers: of the vertices. */
       bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
@@ -75,7 +73,7 @@ namespace embree
       const size_t stride;
     };
 
-    /*! The stored positions of vertices on the borders of a mesh's grids, for the triangles next to them. */
+    /*! Stored positions of border vertices of a mesh's grids, for the triangles next to them. */
     class StoredBorders
     {
     public:
@@ -89,12 +87,12 @@ namespace embree
     class LooseTriangles
     {
     public:
-      /*! primitives: of the mesh, ascending; null for all. plan and primitives must outlive this object. */
+      /*! primitives: ascending; null for all of the mesh. plan and primitives must outlive this object. */
       LooseTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
                       Device* device)
         : mesh(mesh), primitives(primitives), plan(plan), device(device), centers(device,0) {}
 
-      /*! Number of primitives, including invalid ones. */
+      /*! Includes invalid primitives. */
       size_t numPrimitives () const { return primitives ? primitives->size() : mesh.numPrimitives; }
       size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
 
@@ -102,9 +100,8 @@ namespace embree
         return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
       }
 
-      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: borders of the
-       *  mesh's grids, or null; must exist until release(). Calls progress() from time to time, which may throw to
-       *  cancel. */
+      /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's
+       *  grids, or null; must exist until release(). Calls progress() from time to time, which may throw to cancel. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
@@ -133,8 +130,8 @@ namespace embree
         lattice.reset();
       }
 
-      /*! Returns the stored corners of a triangle in `out`. Corners on borders of grids are those that the grids store.
-       *  Returns the square of the largest distance that a corner moved. */
+      /*! Sets the stored corners. Corners on borders of grids are where the grids store them. Returns the square of the
+       *  largest distance that a corner moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -151,7 +148,7 @@ namespace embree
         return farthest;
       }
 
-      /*! True if a triangle has no area: no ray can hit it. */
+      /*! True if no ray can hit a triangle, because it has no area. */
       bool isDegenerate (uint32_t triangle) const
       {
         const float* p[3];
@@ -175,12 +172,11 @@ namespace embree
       float spacing () const { return spacingOfLattice; }
 
       const TrianglesOfMesh mesh;
-      size_t numInvalid = 0;               //!< primitives left out because of their indices or vertices
+      size_t numInvalid = 0;               //!< left out because of their indices or vertices
 
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
 
-      /*! Results of a task. */
       struct Found
       {
         size_t count = 0, numInvalid = 0;
@@ -235,7 +231,8 @@ namespace embree
         }
       }
 
-      /*! A vertex on a finer lattice can flip other triangles that use it. Repeats the check until none flips. */
+      /*! A vertex on a finer lattice can flip other triangles that use it, so the check is repeated until none
+       *  flips. */
       template<typename Progress>
       void settle (const std::vector<Found>& found, const Progress& progress)
       {

@@ -45,8 +45,8 @@ namespace embree
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    /*! There are no mesh blocks for moving meshes: all of such a mesh is stored as grids, or nothing, because rays
-     *  would leak between grids and Embree's own kernels. */
+    /*! There are no mesh blocks for moving meshes. Such a mesh is stored completely as grids or not at all, because
+     *  rays would leak between grids and Embree's own kernels. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {

@@ -3,19 +3,17 @@
 
 #pragma once
 
-/* Storage of the primitives of a mesh: primitives that form grids are stored as grids (quad_regions.h), the others in
- * mesh blocks (loose_triangles.h). */
+/* Primitives that form grids are stored as grids (quad_regions.h), the others in mesh blocks (loose_triangles.h). */
 
 #include "quad_regions.h"
 
 namespace embree
 {
-  /*! Finds the grids and the loose primitives of a mesh. Returns null if the mesh should be left to Embree's own
-   *  kernel. */
+  /*! Returns null if the mesh should be left to Embree's own kernel. */
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 
-  /*! Returns the parts that the commit of a compressed mesh found, or finds them again if a build has released them.
+  /*! Returns the parts that the commit of a compressed mesh found. Finds them again if a build has released them.
    *  Throws if out of memory. */
   template<typename Mesh>
   inline std::shared_ptr<const QuadRegions> partsOf (const Mesh* mesh)

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Evaluates the vertices of a patch of a cage as Embree evaluates the subgrids of GRID (subdivpatch1base_eval.cpp):
- * with the same parameters and operations, so that the floats are the same. All vertices of a part are evaluated at
- * once, so that irregular patches are subdivided once, and the displacement function is called once per part. Edges of
- * lower rates are stitched as in Embree. */
+/* Evaluates vertices of a patch of a cage with the same parameters and operations as Embree's GRID
+ * (subdivpatch1base_eval.cpp), so that the floats are the same. All vertices of a part are evaluated at once: irregular
+ * patches are subdivided once, and the displacement function is called once per part. Edges of lower rates are stitched
+ * as in Embree. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -20,14 +20,14 @@ namespace embree
     public:
       explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
-      /*! Evaluates a part of a patch of quadsX x quadsY quads, at least the rates of its edges. */
+      /*! quadsX, quadsY: quads of the whole patch, at least the rates of its edges. */
       void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY,
                      const PatchPart& part)
       {
         setSize(part);
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
-        stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // room for full-width stores
+        stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // for full-width stores
         arrays.reserve(8*stride+16); // without this, vectors grow to a power of two
         arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };
@@ -45,14 +45,14 @@ namespace embree
       }
 
     private:
-      /*! A part of a patch of width x height vertices. */
+      /*! width, height: vertices of the whole patch. */
       struct Range
       {
         unsigned width, height;
         PatchPart part;
       };
 
-      /*! Returns an array that is aligned for full-width loads, unlike mvector. */
+      /*! Aligned for full-width loads, unlike mvector. */
       float* array (size_t i) { return (float*)((size_t(arrays.data())+63) & ~size_t(63)) + i*stride; }
 
       void interleave (float (*out)[3])
@@ -81,8 +81,7 @@ namespace embree
         }
       }
 
-      /*! As Embree's stitchUVGrid() for a whole grid, which for a part would stitch columns to the rates of the
-       *  opposite edges. */
+      /*! As Embree's stitchUVGrid(), which for a part would stitch columns to the rates of the opposite edges. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
@@ -138,18 +137,18 @@ namespace embree
         mesh->displFunc(&args);
       }
 
-      mvector<float> arrays;      //!< P, N, u and v, one after the other
+      mvector<float> arrays;      //!< P, N, u and v
       size_t stride = 0;
       bool stitched = false;      //!< an edge has a lower rate
     };
 
-    /*! Rows and columns of a patch. They are evaluated one by one, or copied from all vertices of the patch. */
+    /*! Rows and columns of a patch, evaluated one by one, or copied from all vertices of the patch. */
     class PatchLines
     {
     public:
       struct Line { const float (*vertices)[3]; size_t count; };
 
-      /*! all: room for the vertices of the patch, which the constructor then evaluates, or null. */
+      /*! all: room for the vertices of the patch, which the constructor evaluates, or null. */
       PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator,
                   const unsigned quads[2], float (*all)[3])
         : mesh(mesh), base(base), evaluator(evaluator), quads(quads), all(all)
@@ -159,7 +158,7 @@ namespace embree
         memcpy(all,evaluator.displaced(),size_t(quads[0]+1)*size_t(quads[1]+1)*sizeof(*all));
       }
 
-      /*! Returns row `at`, or column `at` if not alongU. It is valid until the next call. */
+      /*! Row `at`, or column `at` if not alongU. Valid until the next call. */
       Line operator() (bool alongU, unsigned at)
       {
         if (!all) {
@@ -169,7 +168,7 @@ namespace embree
         }
         const size_t width = quads[0]+1, height = quads[1]+1;
         if (alongU) return { all+at*width,width };
-        float (*column)[3] = evaluator.undisplaced(); // has room for all vertices, and is not in use
+        float (*column)[3] = evaluator.undisplaced(); // has room, and is not in use
         for (size_t y=0; y<height; y++) memcpy(column[y],all[y*width+at],sizeof(*column));
         return { column,height };
       }

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The vertices of a patch, or of a part of a patch, row by row, before and after displacement. Sources write them, and
- * writers of blocks read them. */
+/* Vertices of a patch or a part of it, row by row, before and after displacement. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/vertices4.h"
@@ -14,7 +13,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Vertices x0 to x1 along u and y0 to y1 along v of a patch. */
+    /*! Vertices x0 to x1 along u and y0 to y1 along v. */
     struct PatchPart { unsigned x0, x1, y0, y1; };
 
     class PatchVertices
@@ -22,7 +21,7 @@ namespace embree
     public:
       explicit PatchVertices (Device* device) : interleaved(device,0) {}
 
-      /*! Allocates width x height vertices. Their values are undefined. */
+      /*! width, height: in vertices, whose values are then undefined. */
       void setSize (size_t width, size_t height)
       {
         this->width = width; this->height = height;
@@ -32,25 +31,23 @@ namespace embree
       }
       void setSize (const PatchPart& part) { setSize(part.x1-part.x0+1,part.y1-part.y0+1); }
 
-      /*! Sets the displaced vertices of quadsX x quadsY quads. The undisplaced vertices are undefined. */
+      /*! Sets the displaced vertices. The undisplaced vertices are undefined. */
       void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
       {
         setSize(quadsX+1,quadsY+1);
         memcpy(displaced(),vertices,count*sizeof(*vertices));
       }
 
-      /*! Sets all vertices of a part to NaN. */
       void setInvalid (const PatchPart& part)
       {
         setSize(part);
         std::fill(interleaved.begin(),interleaved.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
-      /*! Vertices, row by row. */
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
-      /*! Returns the bounds of the displaced vertices in lower and upper, and false if one is not finite. */
+      /*! Bounds of the displaced vertices. Returns false if one is not finite. */
       bool bound (float lower[3], float upper[3]) { return cbvh::boundVertices(displaced(),count,lower,upper); }
 
       size_t width = 0, height = 0; //!< in vertices
@@ -59,7 +56,7 @@ namespace embree
       size_t count = 0;
 
     private:
-      mvector<float> interleaved; //!< undisplaced and displaced vertices
+      mvector<float> interleaved; //!< undisplaced, then displaced
     };
   }
 }

@@ -11,7 +11,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! False for a face without edges. Embree's half-edge of such a face belongs to the next face. */
+    /*! Embree's half-edge of a face without edges belongs to the next face. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
     /*! True if a face has a surface at any time step. */
@@ -28,7 +28,7 @@ namespace embree
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
       size_t faceValence = 0, edgeValence = 0;
-      const HalfEdge* around = edge; // goes back around the vertex; at a border, continues from the other end
+      const HalfEdge* around = edge; // backwards around the vertex; at a border, continues from the other end
       do {
         const unsigned corners = around->numEdges();
         if (corners < 3 || corners > MAX_PATCH_VALENCE) return true;
@@ -36,24 +36,24 @@ namespace embree
         edgeValence += corners-2;
         around = around->prev();
         if (around->hasOpposite()) { around = around->opposite(); continue; }
-        faceValence++; // between the borders, where a ring stores two vertices
+        faceValence++; // at a border, a ring stores two more vertices
         edgeValence += 2;
         for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
       } while (around != edge);
       return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
     }
 
-    /*! True if Embree's patches support a face with this number of corners. first: its first half-edge */
+    /*! True if Embree's patches support a face. first: its first half-edge. */
     inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
-      if (corners < 3) return false; // the edge of a single corner has no next one
+      if (corners < 3) return false; // a single corner has no next edge
       const HalfEdge* edge = first;
       while (!isUnsupportedAtVertex(edge))
         if ((edge = edge->next()) == first) return true;
       return false;
     }
 
-    /*! True if Embree cannot evaluate a face, whatever its vertices are, and the face is not a hole. */
+    /*! True if Embree cannot evaluate a face, whatever its vertices are. False for holes. */
     inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
     {
       if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return false;
@@ -62,21 +62,20 @@ namespace embree
       return true;
     }
 
-    /*! Properties of a patch that are known before it is evaluated. */
+    /*! Properties that are known before a patch is evaluated. */
     struct PatchOfFace
     {
       const Vec2f* uv;         //!< of its 4 corners
       const int* subdiv;
       const float* edgeLevel;
-      int subPatch;            //!< number of its corner of the face; 0 for a quadrilateral
-      float rate[4];           //!< rates of its edges v = 0, u = 1, v = 1, u = 0
+      int subPatch;            //!< corner of the face; 0 for a quadrilateral
+      float rate[4];           //!< of edges v = 0, u = 1, v = 1, u = 0
 
       SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surface, size_t face, unsigned timeStep = 0) const {
         return SubdivPatch1Base(surface,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);
       }
     };
 
-    /*! Calls closure(patch) for the patches of a face. */
     template<typename Closure>
     inline void forEachPatch (const SubdivMesh* mesh, size_t face, const Closure& closure)
     {
@@ -88,8 +87,7 @@ namespace embree
         });
     }
 
-    /*! Returns the half-edge of the cage on which side s of a patch lies, in the order of PatchOfFace::rate. Returns
-     *  null for a spoke of an n-gon. */
+    /*! Half-edge of side s of a patch, in the order of PatchOfFace::rate, or null for a spoke of an n-gon. */
     inline const HalfEdge* edgeOfSide(const SubdivMesh* mesh, size_t face, int subPatch, int s)
     {
       const HalfEdge* h = mesh->getHalfEdge(0,face);
@@ -98,8 +96,8 @@ namespace embree
       return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
     }
 
-    /*! Returns the bits of the sides of a patch where the surface ends or is creased, or where it has so few quads that
-     *  it may bend as much as at a crease. */
+    /*! Bits of the sides where the surface ends or is creased, or where the patch has so few quads that it may bend as
+     *  much as at a crease. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
       const float smooth = 32.0f; // quads along a side

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Settings of all patches of a geometry, and the storage of a patch, which follows from its edge rates. Diced or moving
- * geometry is always stored as cVERT. */
+/* Settings of all patches of a geometry. Diced or moving geometry is always stored as cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -15,7 +14,7 @@ namespace embree
   {
     struct CompressionPlan
     {
-      uint32_t surface;              //!< number of the surface, see surface_ids.h
+      uint32_t surface;              //!< see surface_ids.h
       unsigned numTimeSteps;
       BBox1f timeRange;
       CompressionSettings settings;  //!< resolved
@@ -38,13 +37,12 @@ namespace embree
 
       bool moves () const { return numTimeSteps != 1; }
 
-      /*! True if vertices are stored without rounding. */
       bool isLossless () const { return kind() == cbvh::Kind::VERT && settings.maxError == 0.0f; }
 
       /*! Undefined unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
-      /*! The setting exact_faces: patches that frames represent badly are stored as cVERT. */
+      /*! exact_faces: patches that frames represent badly are stored as cVERT. */
       bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
 
       /*! True if faces use the border vertices of the face that owns them. */
@@ -52,7 +50,7 @@ namespace embree
 
       bool compresses () const { return isCompressed; }
 
-      /*! True if frame levels follow from the error bound. */
+      /*! True if frame levels follow from max_error. */
       bool boundsError () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
           && cbvh::describe(kind()).hasThickness;
@@ -71,9 +69,9 @@ namespace embree
         return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
-      /*! Frame level without an error bound. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly
-       *  so, at all levels and in all scenes that were measured (docs/paper.md). Smaller blocks are hardly faster, and
-       *  their frames cost more than their leaves save. Larger blocks save little and are slower. */
+      /*! Without max_error. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly so, in all
+       *  measurements (docs/paper.md). Smaller blocks are hardly faster, and their frames cost more than their leaves
+       *  save. Larger blocks save little and are slower. */
       unsigned frameLevel (unsigned level) const
       {
         if (settings.frameLevel != RTC_COMPRESSION_FRAME_LEVEL_AUTO) return unsigned(settings.frameLevel);

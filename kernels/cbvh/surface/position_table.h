@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A table of vertices by position. Vertices that are equal floats at all time steps have one entry. Several threads may
- * add vertices at once. */
+/* Hash table of vertices by position. Vertices that are equal floats at all time steps have one entry. Several threads
+ * may add vertices at once. */
 
 #include "../base/codec.h"
 #include "../base/atomic_ref.h"
@@ -15,9 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: a class with const float* position(size_t vertex), which is finite and at the first time step, and
-     *  bool moveAlike(size_t, size_t), which returns true if two vertices that are equal there are equal at all other
-     *  time steps. */
+    /*! Positions: has position(vertex), which is finite and at the first time step, and moveAlike(a,b), true if two
+     *  vertices that are equal there are equal at all other time steps. */
     template<typename Positions>
     class PositionTable
     {
@@ -27,7 +26,7 @@ namespace embree
 
       explicit PositionTable (Device* device) : slots(device,0) {}
 
-      /*! Allocates the table for this number of different vertices. */
+      /*! vertices: upper bound of the number of different vertices. */
       void reserve (size_t vertices)
       {
         size_t size = 16;
@@ -60,7 +59,7 @@ namespace embree
         }
       }
 
-      /*! Returns the entry of the position of a vertex, or none. */
+      /*! Returns the entry of a vertex's position, or none. */
       Entry find (const Positions& positions, size_t vertex) const
       {
         const float* p = positions.position(vertex);
@@ -70,13 +69,13 @@ namespace embree
         return none;
       }
 
-      /*! Returns one of the vertices of an entry. */
+      /*! One of the vertices of an entry. */
       size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
 
-      /*! True if vertices were added to the entry more than once. */
+      /*! True if the entry was added more than once. */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
-      /*! True if any entry had a vertex added only once. */
+      /*! True if any entry is not shared. */
       bool isAnyAlone () const
       {
         return parallel_reduce(size_t(0),slots.size(),size_t(1) << 16,false,[&](const range<size_t>& r) {
@@ -86,12 +85,12 @@ namespace embree
           },std::logical_or<bool>());
       }
 
-      /*! Sets a mark that the user of the table defines. Not thread-safe. */
+      /*! The user of the table defines the meaning of marks. Not thread-safe. */
       void mark (Entry entry) { slots[entry] |= markBit; }
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* A slot: number of a vertex, three flags, and bits of the hash; 0 if it is free. */
+      /* A slot: number of a vertex, three flags, and bits of the hash; 0 if free. */
       static const int tagShift = 36;
       static const uint64_t indexBits = (uint64_t(1) << 33)-1;
       static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The neighbors of the quads of a mesh on their four sides, as defined in quad_regions.h. */
+/* The neighbors of the quads of a mesh, as defined in quad_regions.h. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -20,15 +20,14 @@ namespace embree
     enum : unsigned { none = ~0u };
     enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
 
-    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< neighbor of each quad, or none
-    cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners of a quad are vertices
-    size_t numLeftOut = 0;                           //!< number of invalid quads
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< of each quad, or none
+    cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
+    size_t numLeftOut = 0;                           //!< invalid quads
     bool haveOwnForms = false;                       //!< neighbors may have different forms
 
     size_t size () const { return isValid.size(); }
   };
 
-  /*! Quads: QuadsOfMesh or PairsOfMesh. */
   template<typename Quads>
   class NeighborFinder
   {
@@ -36,7 +35,7 @@ namespace embree
     NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
       : quads(quads), numVertices(numVertices), out(out) {}
 
-    /*! Finds the neighbors. Returns false, and finds none, if a sample shows that few quads are regular. */
+    /*! Returns false, and finds none, if a sample shows that few quads are regular. */
     bool run ()
     {
       if (!findCorners()) return false;
@@ -77,13 +76,12 @@ namespace embree
       return q;
     }
 
-    /*! True if `other` is right of q. */
     static bool isRight (const Quad& q, const Quad& other) { return other.v[0] == q.v[1] && other.v[3] == q.v[2]; }
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! True if two quads can be neighbors. If their forms differ, neighbors may begin their triangles at different
-     *  corners, but must have the same number of triangles. */
+    /*! True if two quads can be neighbors: neighbors have the same form, or with haveOwnForms the same number of
+     *  triangles. */
     bool fit (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.form ^ other.form;
@@ -91,7 +89,7 @@ namespace embree
       return out.haveOwnForms ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Copies the corners of all quads, because the search visits them repeatedly, in the order of neighbors. Returns
+    /*! Copies the corners of all quads, because they are visited repeatedly and in the order of neighbors. Returns
      *  false if a table of their vertices would be much larger than the mesh. */
     bool findCorners ()
     {
@@ -137,7 +135,7 @@ namespace embree
       while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
-    /*! Finds the quads that begin at each vertex. */
+    /*! Sets `begins` and the other quads at each vertex. */
     void link ()
     {
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
@@ -162,8 +160,7 @@ namespace embree
       std::sort(othersAbove.begin(),othersAbove.end());
     }
 
-    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and fits q. Returns false if there is
-     *  none. */
+    /*! Finds a quad that begins at vertex `first`, has `second` as corner c, and fits q. */
     bool find (const Quad& q, unsigned first, unsigned second, int c, const std::vector<Other>& others,
                Quad& found) const
     {
@@ -182,8 +179,8 @@ namespace embree
     bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
 
-    /*! Returns true if at least a quarter of a sample of quads has a quad on the right and a quad above that share
-     *  their own neighbor. If far more quads do so when forms are ignored, haveOwnForms is set. */
+    /*! True if at least a quarter of a sample of quads has a quad on the right and a quad above that share their own
+     *  neighbor. Sets haveOwnForms if far more quads do so when forms are ignored. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
@@ -219,7 +216,7 @@ namespace embree
         });
     }
 
-    /*! If several quads have the same neighbor on a side, the neighbor only stores the first of them. */
+    /*! If several quads have the same neighbor, the neighbor stores only the first of them. */
     void set (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;
@@ -229,11 +226,10 @@ namespace embree
     const Quads quads;
     const size_t numVertices;
     QuadNeighbors& out;
-    cbvh::UnmonitoredVector<Corners> corners;    //!< of all quads
+    cbvh::UnmonitoredVector<Corners> corners;
     cbvh::UnmonitoredVector<uint8_t> forms;
     unsigned lowest = 0;
-    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad that begins at each vertex
-    std::vector<Other> othersRight, othersAbove; //!< other quads at a vertex, sorted by the vertices that neighbors
-                                                 //!< must share
+    cbvh::UnmonitoredVector<unsigned> begins;    //!< lowest quad, by vertex
+    std::vector<Other> othersRight, othersAbove; //!< sorted by the vertices that neighbors must share
   };
 }

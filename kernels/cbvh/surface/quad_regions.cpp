@@ -15,12 +15,10 @@ namespace embree
   {
     /*! Finds regions. The first seeds are quads that have no free quad on the left and none below: corners of regions.
      *  From a seed, a region grows to the right and up by a column or a row at a time, as square as it can. Large
-     *  regions are taken before small ones, so that a row of quads at a pole does not separate the columns of the quads
-     *  above it.
+     *  regions are taken first, so that a row of quads at a pole does not separate the columns above it.
      *
-     *  Other seeds first move left and down until the next quad is not free. The position of a region therefore does
-     *  not depend on which of its quads comes first, and closed meshes, which have no corners, are filled from
-     *  there. */
+     *  Other seeds first move left and down until the next quad is not free: the position of a region then does not
+     *  depend on which of its quads comes first, and closed meshes, which have no corners, are filled too. */
     class RegionFinder
     {
     public:
@@ -46,8 +44,8 @@ namespace embree
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
       /*! The bits above TAKEN are the number of the last pass in which a region that began here was too small. If seeds
-       *  are not corners, all quads of such a region are marked, so that a pass visits each quad once, even in strips
-       *  that are too narrow. */
+       *  are not corners, all quads of such a region are marked, so that a pass visits each quad once, even in narrow
+       *  strips. */
       enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
       enum Seeds { CORNERS, EDGES, ALL };
 
@@ -62,7 +60,7 @@ namespace embree
         return seeds == CORNERS ? !hasLeft && !hasBelow : !hasLeft || !hasBelow;
       }
 
-      /*! Takes all regions with at least `side` quads along each side. */
+      /*! side: minimum quads along each side of a region. */
       void take (Seeds seeds, unsigned side)
       {
         pass++;
@@ -72,8 +70,8 @@ namespace embree
             if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
       }
 
-      /*! Grows regions from a seed and from the seeds that this creates. Returns false if the region of the first seed
-       *  is too small. */
+      /*! Grows regions from a seed and from the seeds that this creates. Returns false if the first region is too
+       *  small. */
       bool growAll (unsigned seed, unsigned side, Seeds seeds)
       {
         const bool isTaken = grow(seed,side);
@@ -89,7 +87,7 @@ namespace embree
         return isTaken;
       }
 
-      /*! Returns the quad at which the region of a quad begins. If quads form a ring, any quad of the ring. */
+      /*! The quad at which the region of a quad begins. If quads form a ring, any of them. */
       unsigned moved (unsigned quad)
       {
         for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
@@ -105,7 +103,7 @@ namespace embree
       bool isMarked (unsigned quad) const { return flags[quad]/PASS == pass; }
       unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
 
-      /*! Takes the region of a seed. Returns false if it is too small. */
+      /*! Returns false if the region of a seed is too small. */
       bool grow (unsigned seed, unsigned side)
       {
         if (isMarked(seed)) return false;
@@ -141,7 +139,7 @@ namespace embree
 
       void letGo (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
 
-      /*! Takes the neighbor of a quad of the region if it is free and adjacent to the quad taken before it. */
+      /*! Takes the neighbor of a quad if it is free and adjacent to the quad taken before it. */
       bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
                      unsigned& next)
       {
@@ -175,29 +173,29 @@ namespace embree
         return true;
       }
 
-      /*! Total number of steps by which seeds move, per quad of the mesh. Prevents long walks along a strip from each
+      /*! Steps by which all seeds together may move, per quad of the mesh. Prevents long walks along a strip from each
        *  of its quads. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& of;
       QuadRegions& out;
       cbvh::UnmonitoredVector<uint8_t> flags;
-      size_t steps = 0;                     //!< steps that seeds may still move
+      size_t steps = 0;                     //!< that seeds may still move
       unsigned pass = 0;
-      bool marksAll = false;                //!< marks all quads of regions that are too small
-      std::vector<unsigned> corners, edges; //!< seeds that were created while regions were taken
-      unsigned region[maxSide*maxSide];     //!< the growing region
+      bool marksAll = false;                //!< of regions that are too small
+      std::vector<unsigned> corners, edges; //!< created while regions were taken
+      unsigned region[maxSide*maxSide];     //!< its quads, while it grows
       unsigned width = 0, height = 0;
     };
 
-    /*! Collects the first triangle of each pair of consecutive triangles; none if all pairs are triangles 2i and 2i+1.
-     *  Returns false if a sample shows that few triangles have a partner next to them. */
+    /*! firsts: first triangles of pairs; empty if all pairs are triangles 2i and 2i+1. Returns false if a sample shows
+     *  that few triangles have a partner next to them. */
     bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       auto isPair = [&](size_t i) {
-        return i+1 < n && triangles.areJoined(i,i+1); // otherwise only one of them may be invalid
+        return i+1 < n && triangles.areJoined(i,i+1); // otherwise one of them may be invalid
       };
       const size_t step = max(n/4096,size_t(1));
       size_t looked = 0, paired = 0;
@@ -216,7 +214,7 @@ namespace embree
 
     typedef std::shared_ptr<QuadRegions> Found;
 
-    /*! Finds regions of quads. Vertices and pairs must be known. */
+    /*! Vertices and pairs of `out` must be set. */
     template<typename Mesh>
     void findRegions (const Mesh* mesh, QuadRegions& out)
     {
@@ -263,7 +261,7 @@ namespace embree
       return all != 0 && few*found.numQuads(found.numRegular,found.regions.size()) <= all;
     }
 
-    /*! Estimates the bytes of the tables of numbers of all blocks, from a sample of regions. */
+    /*! Estimated bytes of the tables of numbers of all blocks, from a sample of regions. */
     template<typename Mesh>
     size_t bytesOfTables (const Mesh* mesh, const QuadRegions& found)
     {
@@ -284,7 +282,7 @@ namespace embree
       return size_t(double(bytes)*double(found.numQuads(0,found.regions.size()))/double(max(looked,size_t(1))));
     }
 
-    /*! Replaces `best` by `other` if it needs fewer bytes. */
+    /*! Replaces `best` if `other` needs fewer bytes. */
     template<typename Mesh>
     void improve (const Mesh* mesh, Found& best, const Found& other)
     {
@@ -296,7 +294,7 @@ namespace embree
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
 
-    /*! True if little can be gained, because nearly all blocks are full. */
+    /*! True if nearly all blocks are full, so that little can be gained. */
     bool isGood (const QuadRegions& found)
     {
       const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
@@ -304,8 +302,7 @@ namespace embree
       return quads != 0 && double(found.bytesOfBlocks()) <= 1.1*least;
     }
 
-    /*! Tries pairs of consecutive triangles first. If they leave many quads loose, also tries partners anywhere in the
-     *  mesh. */
+    /*! If pairs of consecutive triangles leave many quads loose, also tries partners anywhere in the mesh. */
     template<typename Mesh>
     Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
@@ -317,9 +314,8 @@ namespace embree
     size_t numQuadsOf (const QuadMesh* mesh) { return mesh->quads.size(); }
     size_t numQuadsOf (const TriangleMesh* mesh) { return mesh->triangles.size()/2; }
 
-    /*! Tries indices first, unless there are far more vertices than quads. Welding equal vertices is tried next, and
-     *  kept if it needs fewer bytes. It does not always: an application may have numbered the quads of regions that it
-     *  did not weld. */
+    /*! Tries indices first, unless there are far more vertices than quads, then welded vertices. Welding does not
+     *  always need fewer bytes: an application may have numbered the quads of regions that it did not weld. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findBest (const Mesh* mesh)
     {

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Regions of a mesh whose quads form a grid, found from the connectivity alone: diced meshes are regular inside.
- * Vertices with the same position count as one (welded_vertices.h). Quads are the quads of a quad mesh, or pairs of
- * triangles of a triangle mesh that share an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree
- * splits it from v1 to v3, like the quads of grids:
+/* Regions of a mesh whose quads form a grid, found from the connectivity alone. Vertices with the same position count
+ * as one (welded_vertices.h). Quads are the quads of a quad mesh, or pairs of triangles of a triangle mesh that share
+ * an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree splits it from v1 to v3, like the quads of
+ * grids:
  *
  *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
  *     |  \  |   \  |       v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
@@ -38,7 +38,7 @@ namespace embree
       }
 
       unsigned number (size_t quad) const { return unsigned(quad); } //!< primID
-      unsigned second (size_t quad) const { return unsigned(quad); } //!< the same
+      unsigned second (size_t quad) const { return unsigned(quad); }
 
       /*! See cvert/format/quad_numbers.h. */
       unsigned form (size_t) const { return 0; }
@@ -47,7 +47,6 @@ namespace embree
       unsigned look (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
-    /*! The pairs of triangles of a triangle mesh. */
     struct PairsOfMesh
     {
       const TriangleMesh* mesh;
@@ -58,7 +57,7 @@ namespace embree
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
       unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
 
-      /*! Returns the second triangle, or number(pair) if there is none. */
+      /*! number(pair) if there is no second triangle. */
       unsigned second (size_t pair) const
       {
         if (seconds) return (*seconds)[pair];
@@ -68,8 +67,8 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Sets the corners of a quad of two triangles that share an edge: the first has the corners 00, 10, 01, the
-       *  second 11, 01, 10. Returns false if they share no edge. */
+      /*! Makes a quad of two triangles that share an edge: the first has the corners 00, 10, 01, the second 11, 01, 10.
+       *  Returns false if they share none. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -82,7 +81,7 @@ namespace embree
         return false;
       }
 
-      /*! True if two triangles share an edge, and all their indices are vertices. */
+      /*! True if two triangles share an edge and refer to existing vertices. */
       bool areJoined (size_t first, size_t second) const
       {
         unsigned a[3], b[3], v[4], turns;
@@ -91,7 +90,7 @@ namespace embree
         return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
       }
 
-      /*! Sets the corners and returns the form. */
+      /*! As QuadsOfMesh::look(). */
       unsigned look (size_t pair, unsigned v[4]) const
       {
         const unsigned first = number(pair), other = second(pair);
@@ -126,25 +125,24 @@ namespace embree
       unsigned width, height; //!< in quads
     };
 
-    /*! Largest number of quads along a side of a region. Limited because a region has one lattice, and the size of
-     *  quads may change along it. */
+    /*! Maximum number of quads along a side, because a region has one lattice, and the size of quads may change along
+     *  it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads are loose if their region has fewer quads along a side. A block takes 138 bytes and about 1 per quad: 16
+    /*! Quads are loose if their region has fewer quads along a side. A block needs 138 bytes and about 1 per quad: 16
      *  bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned leastSide = 4;
 
-    cbvh::UnmonitoredVector<Region> regions; //!< first the regions without loose quads; empty if the mesh is not
-                                             //!< regular
+    cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty if the mesh is not regular
     size_t numRegular = 0;                   //!< regions without loose quads
-    cbvh::UnmonitoredVector<unsigned> quads; //!< quads of each region, row by row from its v0
+    cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
-    bool haveOwnForms = false; //!< quads of a region have their own forms: their triangles begin at different corners
-    bool isOutOfMemory = false; //!< out of memory: the regions could not be found
+    bool haveOwnForms = false; //!< triangles of quads in a region begin at different corners
+    bool isOutOfMemory = false; //!< the regions could not be found
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
-    bool areAllLoose = false;   //!< there are no regions, and all primitives are loose; `loose` is empty
-    size_t numLeftOut = 0;    //!< quads and triangles with an index that is not a vertex; rays do not hit them
+    bool areAllLoose = false;   //!< there are no regions, and `loose` is empty
+    size_t numLeftOut = 0;    //!< primitives with an index that is not a vertex; rays do not hit them
 
     size_t bytes () const
     {
@@ -154,20 +152,18 @@ namespace embree
 
     bool hasLoose () const { return areAllLoose || !loose.empty(); }
 
-    /*! Estimated bytes of the blocks of all regions, with their share of the tree. Ignores tables of numbers without a
-     *  pattern. */
+    /*! Estimated bytes of all blocks, with their share of the tree. Ignores tables of numbers without a pattern. */
     size_t bytesOfBlocks () const;
 
-    /*! As above, for a mesh with one time step: regions are stored in mesh blocks if those need fewer bytes. */
+    /*! As above, for a mesh with one time step: regions are in mesh blocks if those need fewer bytes. */
     size_t bytesWithMeshBlocks () const;
 
-    /*! True if a region needs fewer bytes in mesh blocks than in blocks of a grid. */
     static bool isSmallerInMeshBlocks (const Region& region);
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
-    /*! Finds the regions of a mesh, with all threads; the result does not depend on their number. Never null. Returns
-     *  no regions if a sample of quads shows that the mesh is not regular. */
+    /*! Uses all threads; the result does not depend on their number. Never null. Returns no regions if a sample of
+     *  quads shows that the mesh is not regular. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
   };
@@ -184,7 +180,7 @@ namespace embree
       return PairsOfMesh{ mesh,of.welded.get(),ofPairs(of.firsts),ofPairs(of.seconds) };
     }
 
-    /*! Sets the numbers of the quads of a region and of their triangles. quads: result of quadsOf(). */
+    /*! quads: result of quadsOf(). */
     template<typename Quads>
     void numberRegion (const Quads& quads, const QuadRegions& of, size_t region, cbvh::QuadNumbers& out)
     {

@@ -5,9 +5,9 @@
 
 /* The rule of shared borders.
  *
- * The primitives of a geometry, faces or grids, meet along edges and in corners. Each one evaluates its vertices there
- * by itself, and rounds its own vertices to its own lattice. Rays would pass through the gaps between the results.
- * Therefore all primitives store the same floats there, which makes the surface watertight:
+ * The primitives of a geometry, faces or grids, meet along edges and in corners. Each one evaluates its own vertices
+ * there and has its own lattice: rays would pass through the gaps. Therefore all primitives store the same floats
+ * there, which makes the surface watertight:
  *
  * 1. Owner. One primitive owns a shared edge, and one owns a shared corner: the primitive with the smallest claim.
  *    Primitives that GRID traces come first, because GRID cannot use other vertices. Then the primitive with the fewest
@@ -23,11 +23,8 @@
  * 6. Time. Owners, rates and the choice of shared vertices are the same at all time steps. Positions and lattices are
  *    not.
  *
- * Grids need no owner and no common rate, because the vertices that they share are equal floats.
- *
- * The rule does not depend on the source of the topology. Cages have half-edges: cage_topology.h finds owners and
- * rates, and cage_borders.h evaluates the owned vertices. Grids and regions of meshes have equal floats:
- * grid_borders.h. */
+ * Grids need no owner and no common rate, because shared vertices are equal floats (grid_borders.h). For cages,
+ * cage_topology.h finds owners and rates, and cage_borders.h evaluates the owned vertices. */
 
 #include "../base/build_statistics.h"
 #include "../base/codec.h"
@@ -39,36 +36,34 @@ namespace embree
 {
   namespace isa
   {
-    /*! A vertex on a border, the same for all primitives that share it. */
     struct SharedVertex
     {
       float position[3]; //!< before rounding
-      int exponent;      //!< exponent of its lattice, or exactLattice
+      int exponent;      //!< of its lattice, or exactLattice
 
       SharedVertex () {}
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
     };
 
-    /*! Claim of a primitive to an edge or a corner; the smallest claim owns it. rate: rate of the edge, less than 2^31;
-     *  0 for a corner, because its owner does not depend on rates. number: unique among the claims. */
+    /*! The smallest claim to an edge or a corner owns it. rate: of the edge, less than 2^31; 0 for a corner, because
+     *  its owner does not depend on rates. number: unique among the claims. */
     inline uint64_t claimOf (bool isTracedByGrid, unsigned rate, uint32_t number) {
       return uint64_t(!isTracedByGrid) << 63 | uint64_t(rate) << 32 | number;
     }
 
     /*! First vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves to vertex k
-     *  of an edge of a lower rate. It is the nearest vertex. */
+     *  of an edge of rate `coarse`. It is the nearest vertex. */
     inline unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) {
       return (2*k*fine + coarse-1)/(2*coarse);
     }
 
-    /*! Vertex of an edge at rate `own` that is nearest to vertex k of the same edge at `rate`, which is at most
-     *  `own`. */
+    /*! Vertex of an edge at rate `own` that is nearest to vertex k of the same edge at `rate`, at most `own`. */
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
-    /*! Replaces the vertices of a part that are on the border of a patch of quadsX x quadsY quads by the shared
-     *  vertices, rounded to their lattices. Adds the distances that they moved, and by which the owner's positions
-     *  differ, to the statistics. own: vertices as the primitive evaluates them. stored: result. Both contain the part
-     *  row by row, and may be the same array. Patch: see source.h. */
+    /*! Replaces the vertices of a part on the border of a patch of quadsX x quadsY quads by the shared vertices,
+     *  rounded to their lattices. Adds the distances that they moved, and by which the owner's positions differ, to the
+     *  statistics. own: vertices as the primitive evaluates them. stored: result. Both contain the part row by row, and
+     *  may be the same array. Patch: see source.h. */
     template<typename Patch>
     inline void shareBorder (const Patch& patch, unsigned step, unsigned quadsX, unsigned quadsY, const PatchPart& part,
                              const float (*own)[3], float (*stored)[3], cbvh::BuildStatistics& statistics)

@@ -5,10 +5,9 @@
 
 /* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the code that builds
  * blocks. A source enumerates the primitives of one geometry. A patch is a rectangle of quads of one primitive. Both
- * are template parameters, not base classes: BuilderOf (building/surface_builder.h) is compiled for each source, and
- * the writers (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source at compile time, and its
- * messages name missing members. CageSource and GridSource (building/) are sources; tests/library/sphere_source.h is a
- * short example.
+ * are template parameters: BuilderOf (building/surface_builder.h) is compiled for each source, and the writers
+ * (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source at compile time. CageSource and
+ * GridSource (building/) are sources; tests/library/sphere_source.h is a short example.
  *
  * UNITS. Positions are floats in object space. Quads and rates are counts. A lattice is the exponent of its spacing
  * (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
@@ -88,20 +87,19 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned looseSide = 4; //!< quads of a mesh are loose if they are in no grid with so many quads along
-                                         //!< each side
+    static const unsigned looseSide = 4; //!< sides of grids have at least so many quads; other quads are loose
 
     struct SurfacePatch
     {
-      uint32_t surface;     //!< number of the surface, see surface_ids.h
+      uint32_t surface;     //!< see surface_ids.h
       unsigned primID;
       unsigned corner[2];   //!< parameters of the primitive at the patch's corner, times 2
       unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
-      const float* rate;    //!< rates of the four sides, integers
-      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is a single primitive
+      const float* rate;    //!< of the four sides, integers
+      const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is one primitive
     };
 
-    /*! Types of the expressions that builder and writers apply to a source S. Has is true if an expression compiles. */
+    /*! Types of the expressions that builder and writers apply to a source S. */
     namespace source_members
     {
       template<typename> struct Void { typedef void type; };

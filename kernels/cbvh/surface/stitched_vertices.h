@@ -8,10 +8,9 @@
  *     p-----------------------q      coarse
  *     p-----m-----m-----m-----q      fine
  *
- * An open edge is on the border of only one grid. From an open edge p to q with shared ends, other open edges are
- * followed that begin at p. If they lie on the edge from p to q and lead to q, the vertices between are stitched: they
- * are stored on the edge between the stored p and q. They must lie on the edge at all time steps, except for the
- * application's rounding. */
+ * An open edge is on the border of only one grid. If other open edges lead from p to q and lie on an open edge from p
+ * to q with shared ends, the vertices between are stitched: they are stored on the edge between the stored p and q.
+ * They must lie on it at all time steps, except for the application's rounding. */
 
 #include "border_lattices.h"
 #include "position_table.h"
@@ -22,8 +21,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: a class with the members that PositionTable requires, and size(), the number of grids,
-     *  position(vertex,step) and forBorderEdges(grid,closure(a,b)). */
+    /*! Positions: has the members that PositionTable requires, and size(), the number of grids, position(vertex,step)
+     *  and forBorderEdges(grid,closure(a,b)). */
     template<typename Positions>
     class StitchedVertices
     {
@@ -36,8 +35,7 @@ namespace embree
                         unsigned numSteps)
         : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
 
-      /*! Finds the stitched vertices and marks them in the table. There are none if all vertices on borders are
-       *  shared. */
+      /*! Marks the stitched vertices in the table. */
       template<typename Progress>
       void find (size_t gridsPerTask, const Progress& progress)
       {
@@ -56,8 +54,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Returns where grids store a vertex. The ends of an edge can lie on other edges in turn. Limits the depth,
-       *  because grids that overlap can form a cycle. */
+      /*! Where grids store a vertex. The ends of an edge can lie on other edges in turn. The depth is limited, because
+       *  grids that overlap can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -78,7 +76,7 @@ namespace embree
         operator uint64_t () const { return uint64_t(begin) << 32 | end; } // sort key
       };
 
-      /*! A vertex of a finer grid, and the edge of a coarser grid that it lies on. */
+      /*! A vertex of a finer grid on an edge of a coarser grid. */
       struct Stitched
       {
         Entry vertex;
@@ -98,14 +96,14 @@ namespace embree
         return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
       }
 
-      /*! Returns the parameter, 0 to 1, of the position on the edge that is nearest to p. */
+      /*! Parameter, 0 to 1, of the point on the edge that is nearest to p. */
       double parameterOn (const Edge& edge, const cbvh::Double3& p) const
       {
         const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
         return dot(p-a,d)/dot(d,d);
       }
 
-      /*! Returns the open edges, in both directions, sorted. */
+      /*! Returns the open edges in both directions, sorted. */
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {
@@ -137,8 +135,8 @@ namespace embree
         radix_sort_u64(edges.data(),room.data(),edges.size());
       }
 
-      /*! Follows open edges that lie on this edge, from its begin. If they lead to its end, adds the vertices between
-       *  to `stitched`. */
+      /*! Follows open edges that lie on `edge`, from its begin. If they lead to its end, adds the vertices between to
+       *  `stitched`. */
       void followEdge (const Edge& edge, const mvector<Edge>& open)
       {
         const size_t before = stitched.size();
@@ -162,7 +160,7 @@ namespace embree
         }
       }
 
-      /*! True if a vertex with parameter s lies on the edge after parameter t, at all time steps, within the
+      /*! True if a vertex at parameter s lies on the edge after parameter t, at all time steps, within the
        *  application's rounding. */
       bool isOnEdge (const Edge& edge, Entry entry, double t, double s) const
       {

@@ -47,11 +47,11 @@ namespace embree
 
       struct Triangle
       {
-        unsigned v[3]; //!< welded vertices
+        unsigned v[3]; //!< welded
         unsigned number;
       };
 
-      /*! A half-edge, listed at its lower vertex. */
+      /*! Listed at its lower vertex. */
       struct Half
       {
         unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
@@ -59,7 +59,7 @@ namespace embree
         bool operator< (const Half& h) const { return other < h.other; }
       };
 
-      /*! The edge that first triangles share with second triangles, and which edge of the second triangles it is. */
+      /*! Edge of first triangles, and edge of second triangles, that they share. */
       struct Edges
       {
         unsigned first, second;
@@ -89,7 +89,7 @@ namespace embree
 
       bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
 
-      /*! Returns a vertex near which a triangle lies; numVertices for an invalid triangle. */
+      /*! A vertex near the triangle; numVertices if it is invalid. */
       unsigned vertexOf (const Triangle& t) const {
         return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
       }
@@ -106,8 +106,8 @@ namespace embree
         return 2*far > looked;
       }
 
-      /*! Copies the triangles, because everything else visits them in the order of neighbors. Scattered triangles are
-       *  sorted by their vertices first, because consecutive vertices are often near each other. */
+      /*! Copies the triangles, because they are visited in the order of neighbors. Scattered triangles are first sorted
+       *  by their vertices, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -146,7 +146,7 @@ namespace embree
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! Converts numbers of items to the ends of their ranges. */
+      /*! Converts counts to ends of ranges. */
       static void sumUp (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
@@ -165,7 +165,7 @@ namespace embree
         }
       }
 
-      /*! Sets `opposite` for each half-edge. */
+      /*! Sets `opposite`. */
       void findEdges ()
       {
         fill(ends,numVertices+1,0u);
@@ -201,7 +201,7 @@ namespace embree
         }
       }
 
-      /*! Returns the squared length of a half-edge at the first time step; 0 if it is not finite. */
+      /*! Squared length at the first time step; 0 if it is not finite. */
       double lengthOf (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;
@@ -218,8 +218,8 @@ namespace embree
         return other != none && other % 3 == f;
       }
 
-      /*! Returns the half-edge by which a triangle is paired, one of two edges, or none. If quads with other corners
-       *  are adjacent, a triangle can share both edges: the longer one is the diagonal of a quad. */
+      /*! Half-edge by which a triangle is paired, one of two edges, or none. If quads with other corners are adjacent,
+       *  a triangle can share both edges: the longer one is the diagonal of a quad. */
       unsigned sharedHalf (unsigned triangle, const Edges& edges) const
       {
         const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
@@ -230,8 +230,7 @@ namespace embree
         return isFirst ? first : isSecond ? second : unsigned(none);
       }
 
-      /*! Returns the triangle with which a triangle is paired, or none. isFirst: the other triangle is the second
-       *  one. */
+      /*! Triangle with which a triangle is paired, or none. isFirst: the other triangle is the second one. */
       unsigned mateOf (unsigned triangle, const Edges& edges, bool& isFirst) const
       {
         const unsigned half = sharedHalf(triangle,edges);
@@ -243,7 +242,7 @@ namespace embree
         return mate;
       }
 
-      /*! Statistics of the pairs that two edges create. */
+      /*! Statistics of the pairs that two edges create, from a sample. */
       struct Pairing
       {
         Edges edges;
@@ -251,7 +250,7 @@ namespace embree
         double length = 0;            //!< sum of squared lengths
       };
 
-      /*! Computes statistics from a sample. looked: size of the sample. */
+      /*! looked: size of the sample. */
       Pairing look (const Edges& edges, size_t& looked) const
       {
         Pairing pairing;
@@ -271,8 +270,7 @@ namespace embree
         return pairing;
       }
 
-      /*! Chooses the edges that pair most triangles; if several do, the longest edges. Returns none if few are
-       *  paired. */
+      /*! The edges that pair most triangles; if several do, the longest. None if few are paired. */
       Edges chooseEdges () const
       {
         std::vector<Pairing> all;
@@ -291,7 +289,7 @@ namespace embree
         return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
       }
 
-      /*! Pairs all triangles that share these two edges. */
+      /*! Pairs all triangles that share these edges. */
       void pairBy (const Edges& edges)
       {
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
@@ -303,7 +301,7 @@ namespace embree
           });
       }
 
-      /*! Pairs the remaining triangles along the rows and columns of quads, from a first pair on. Only across `edges`,
+      /*! Pairs the remaining triangles along rows and columns of quads, from a first pair on. Only across `edges`,
        *  unless they are none. */
       void spread (const Edges& edges)
       {
@@ -314,7 +312,7 @@ namespace embree
               && (half % 3 != edges.second || other % 3 != edges.first)) return false;
           return mates[half/3] == none && mates[other/3] == none && half/3 != other/3;
         };
-        std::vector<unsigned> found; // half-edges that pairs share, of first triangles
+        std::vector<unsigned> found; // shared half-edges of first triangles
         auto take = [&](unsigned half) {
           mates[half/3] = opposite[half]/3;
           mates[opposite[half]/3] = second;
@@ -346,15 +344,15 @@ namespace embree
       const TriangleMesh* const mesh;
       const WeldedVertices* const welded;
       const size_t size, numVertices;
-      cbvh::UnmonitoredVector<Triangle> triangles; //!< all triangles; half-edges and mates are indices into it
+      cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
       cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
       cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< of each half-edge, or none
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
-    /*! True if at least half of the vertices in a sample have six triangles. In a mesh with random diagonals, 3 in 8
-     *  do. In less regular meshes, most quads would be loose. */
+    /*! True if at least half of the vertices in a sample have six triangles. With random diagonals, 3 in 8 do. In less
+     *  regular meshes, most quads would be loose. */
     bool areRegular (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t numVertices = mesh->numVertices();
@@ -377,8 +375,8 @@ namespace embree
       return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
     }
 
-    /*! True if, in a sample, the triangles of the second half share edges with the triangles of the first half, in the
-     *  same order. */
+    /*! True if, in a sample, the triangles of the second half share edges with those of the first half, in the same
+     *  order. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. Vertices are distributed to buckets by a hash of their positions. One
- * task processes each bucket, with a table that fits into a cache. */
+/* Compiled for the library's lowest ISA only. Vertices are distributed to buckets by a hash of their positions. A task
+ * processes a bucket with a table that fits into a cache. */
 
 #include "welded_vertices.h"
 #include "../base/resize_to_fit.h"
@@ -41,14 +41,14 @@ namespace embree
     private:
       enum : unsigned { none = ~0u };
 
-      /*! A vertex with its position at the first time step, so that a task reads only its bucket. */
+      /*! Contains the position at the first time step, so that a task reads only its bucket. */
       struct Entry
       {
         unsigned hash, vertex;
         unsigned at[3]; //!< see bitsOf()
       };
 
-      /*! Returns bits of a coordinate that are equal if the floats are. */
+      /*! Returns bits that are equal if the floats are. */
       static unsigned bitsOf (float x)
       {
         unsigned bits;
@@ -89,7 +89,7 @@ namespace embree
         for (size_t i=task*perTask; i<min(n,(task+1)*perTask); i++) closure(i,hashOf(i));
       }
 
-      /*! Sorts all vertices by bucket. In each bucket they are in ascending order. */
+      /*! Sorts vertices by bucket, in ascending order in each. */
       void distribute ()
       {
         cbvh::resizeToFit(ends,numBuckets*numTasks);
@@ -111,7 +111,7 @@ namespace embree
           });
       }
 
-      /*! Finds equal vertices in a bucket. table: temporary memory. */
+      /*! table: temporary memory. */
       bool weld (size_t begin, size_t end, std::vector<unsigned>& table, mvector<unsigned>& firsts) const
       {
         size_t size = 16;

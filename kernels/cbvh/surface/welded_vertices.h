@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Vertices of a mesh by position. Exporters duplicate vertices that have different attributes: at sharp edges, at
- * seams, or at all edges. Only positions determine hits, so vertices that are equal floats at all time steps count as
- * one. Both zeros are equal. */
+/* Vertices of a mesh by position. Exporters duplicate vertices that have different attributes. Only positions determine
+ * hits, so vertices that are equal floats at all time steps count as one. Both zeros are equal. */
 
 #include "../base/unmonitored_memory.h"
 #include <memory>
@@ -15,12 +14,12 @@ namespace embree
   class WeldedVertices
   {
   public:
-    /*! Finds vertices that are equal at all time steps. Returns null if there are none. steps: vertices at each time
-     *  step, at least n each. The result does not depend on the number of threads. */
+    /*! Returns null if no vertices are equal. steps: vertices at each time step, at least n each. The result does not
+     *  depend on the number of threads. */
     static std::shared_ptr<const WeldedVertices> find (const BufferView<Vec3fa>* steps, unsigned numSteps,
                                                        size_t n);
 
-    /*! Returns the lowest vertex with the same position. Returns a number that is not a vertex unchanged. */
+    /*! The lowest vertex with the same position. Numbers that are not vertices are returned unchanged. */
     unsigned operator[] (unsigned vertex) const { return vertex < firsts.size() ? firsts[vertex] : vertex; }
 
     size_t bytes () const { return firsts.size()*sizeof(unsigned); }

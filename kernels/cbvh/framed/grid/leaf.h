@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID: 2 x 2 quads with full-precision vertices. The triangles and their test are those of Embree's
- * GRID. */
+/* Leaves of cGRID: 2 x 2 quads with full-precision vertices, and the triangles of Embree's GRID. */
 
 #include "../block.h"
 #include "../../embree/traversal.h"
@@ -17,8 +16,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Converts barycentric coordinates of a triangle to parameters of the face, like GridSOA::MapUV, which uses
-       *  stored parameters. Lanes are in the order in which GridSOA's loaders return triangles. */
+      /*! Maps barycentric coordinates to parameters of the face. GridSOA::MapUV uses stored parameters instead. Lanes
+       *  are in the order of GridSOA's loaders. */
       template<typename Loader>
       struct GridMapUV
       {
@@ -44,8 +43,7 @@ namespace embree
         }
       };
 
-      /*! Tests the triangles of a leaf. test.quads<M>(v0,v1,v2,mapUV): tests M triangles, and returns true if a hit was
-       *  accepted. */
+      /*! test.quads<M>(v0,v1,v2,mapUV) tests M triangles, and returns true if a hit was accepted. */
       template<typename Test>
       class GridLeaf
       {

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Leaves of cGRID, for a single ray. */
-
 #include "../block_visitor1.h"
 #include "leaf.h"
 
@@ -14,7 +12,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Epilogue of closest hit or of any hit for M triangles. */
       template<int M>
       __forceinline Intersect1EpilogMU<M,true> gridEpilog (RayHit& ray, IntersectContext* context, const Block* block) {
         return Intersect1EpilogMU<M,true>(ray,context,idOf(context,block->surface),block->primID);
@@ -38,7 +35,7 @@ namespace embree
           return IsAnyHit<RayType>::value;
         }
 
-        /*! Member that GridLeaf requires. */
+        /*! Required by GridLeaf. */
         template<int M, typename MapUV>
         __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
                                   const MapUV& mapUV) const {

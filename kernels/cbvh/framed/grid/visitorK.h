@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID, for the rays of a packet, one by one. */
+/* Leaves of cGRID, for packets. Tests the rays one by one. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -48,7 +48,7 @@ namespace embree
         }
 
       private:
-        /*! The test that GridLeaf requires. */
+        /*! Required by GridLeaf. */
         struct Test
         {
           Rays& rays;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a leaf of cLEAF: computes what hit_rule.h decides by, and the position of the resulting hit.
- * Over a bilinear patch, the height of the ray above the patch is a parabola in s. */
+/* How a ray crosses a leaf of cLEAF: the facts that hit_rule.h decides by, and positions of hits. Over a bilinear
+ * patch, the height of the ray above the patch is a parabola in s. */
 
 #ifndef CBVH_CROSSING_H
 #define CBVH_CROSSING_H
@@ -25,7 +25,7 @@ CVERT_REAL CVERT_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
-/*! Returns the k at which f changes sign. If both ends have the same sign, returns the end nearer to the patch. */
+/*! Returns the k at which f changes sign, or the end nearer to the patch if f does not. */
 CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
@@ -34,30 +34,28 @@ CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
   if (q == Real(0)) return Real(0); // b and d are 0, and so is f0
-  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // a number even if k is NaN
+  Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // not NaN, even if k is
   if (k == kept || f.saddle == Real(0)) return kept;
-  /* Rounding can move either root out of the range that it is in. */
+  /* Rounding can move either root out of [0,1]. */
   Real other = q/f.saddle, otherKept = clampToUnit(other);
   return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
 }
 
-/*! A lip closes one side of a block. It extends up to `reach` below the patch, within `width` of the side. epsilon:
- *  epsilon of z. */
+/*! The lip of a side of a block, see hit_rule.h. It extends up to `reach` below the patch, within `width` of the side.
+ *  epsilon: of z. */
 CVERT_REAL struct Lip
 {
   Real width, reach, epsilon;
 };
 
-/*! Intersection of a ray with a lip. */
 CVERT_REAL struct LipMeeting
 {
   bool met;
-  Real k;  //!< a position within reach, or otherwise the first one near the side
+  Real k;  //!< a position in the lip; if !met, the first one near the side
 };
 
-/*! Intersects a ray with the lip of a side. p0, p1: position of the ray at entry and exit, from 0 at that side to 1
- *  at the opposite side. On the part near the side, f is largest and smallest at the ends of this part or at its
- *  vertex. */
+/*! p0, p1: distance of the ray from the side at entry and exit, 1 at the opposite side. In the part near the side, f
+ *  has its extremes at the ends of this part or at its vertex. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLip (CVERT_OF(Parabola) f, Real p0, Real p1, CVERT_OF(Lip) lip)
 {
   CVERT_OF(LipMeeting) at;
@@ -98,7 +96,7 @@ CVERT_REAL CVERT_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
   return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
 }
 
-/*! Returns the slope of the patch along an axis, in frame units, at u (axis 1) or v (axis 0). Solid leaves are flat. */
+/*! Slope along an axis, in frame units. across: v for axis 0, u for axis 1. Solid leaves are flat. */
 CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 {
   if (leaf.solid) return Real(0);
@@ -106,16 +104,15 @@ CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across
   return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
 }
 
-/*! Returns a position in a box along an axis, from 0 to 1. */
+/*! Position in a box along an axis, 0 to 1. */
 CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
-/*! A ray in the box of a leaf. */
 CVERT_REAL struct Crossing
 {
-  Real s0, s1;                //!< entry and exit, on the segment
-  Real u0, v0, u1, v1;        //!< position of entry and exit in the box
+  Real s0, s1;                //!< s at entry and exit
+  Real u0, v0, u1, v1;        //!< position at entry and exit, in the box
   CVERT_OF(Parabola) f;
   LeafEvent event;
 };
@@ -142,7 +139,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   bool up = segment.P1[2] >= segment.P0[2];
   bool above0 = x.f.f0 >= Real(0), above1 = x.f.f1 >= Real(0);
   event.changes = above0 != above1;
-  /* Through the upper or the lower face, if z bounds the part of the ray in the box. */
+  /* Sides of the upper and lower face, if the ray enters or leaves through them. */
   if (inBox.lower > inColumn.lower && !event.started) above0 = !up;
   if (inBox.upper < inColumn.upper && !event.ended) above1 = up;
   event.enter = above0 ? sideAbove : sideBelow;
@@ -155,8 +152,8 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
   return x;
 }
 
-/*! Finds the first position, from entry to exit, at which a ray intersects a lip of leaf (leafX,leafY). last: number of
- *  the last leaf of a side of the block. */
+/*! Returns the first position at which a ray intersects a lip of leaf (leafX,leafY). last: number of the last leaf of a
+ *  side of the block. */
 CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY,
   uint32_t last, CVERT_OF(Lip) lip)
 {

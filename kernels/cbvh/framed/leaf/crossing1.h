@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Intersects a single ray with a decoded leaf of cLEAF, as framed/leaf/crossing.h, using the results of the box
- * test. */
+/* As crossing.h, for a single ray and a decoded leaf. Uses the results of the box test. */
 
 #include "../block_visitor1.h"
 #include "crossing.h"
@@ -15,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Returns the position of s in the box of a leaf: u and v. */
+      /*! u and v of two positions s, in the box of a leaf. */
       __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
                                             const vfloat4& s)
       {
@@ -26,7 +25,7 @@ namespace embree
         return max(min(at,vfloat4(one)),vfloat4(zero));
       }
 
-      /*! ranges: ranges of the leaves' boxes. started, ended: the segment starts or ends in the box of the leaf. */
+      /*! started, ended: see LeafEvent. */
       __forceinline Crossing<float> crossDecodedLeaf (const FrameRay& ray, const NodeEntries::LeafTile& tile,
                                                       uint32_t leaf, const BoxRanges<16>& ranges, bool started,
                                                       bool ended)
@@ -52,7 +51,6 @@ namespace embree
         x.event.ended = ended;
         bool above0 = x.f.f0 >= 0.0f, above1 = x.f.f1 >= 0.0f;
         x.event.changes = above0 != above1;
-        /* Through the upper or the lower face, if z bounds the part of the ray in the box. */
         if (ray.enter(tile.grandchildren,2,leaf) >= sNear && !started) above0 = ray.descends();
         if (ray.leave(tile.grandchildren,2,leaf) <= sFar && !ended) above1 = !ray.descends();
         x.event.enter = above0 ? sideAbove : sideBelow;

@@ -16,19 +16,19 @@ namespace embree
     class LeafEncoder
     {
     public:
-      /*! sharpSides: sides of the block, see sharpSidesOf(). */
+      /*! sharpSides: see sharpSidesOf(). */
       LeafEncoder(const BlockGeometry& geometry, Block* block, uint32_t sharpSides, BlockStatistics& statistics)
         : geometry(geometry), block(block), groups((Heights*)block->leaves()), sharpSides(sharpSides),
           statistics(statistics) {}
 
-      /*! Stores the heights of group m, whose box is `box`, and returns its word. */
+      /*! Stores the heights of group m, and returns its word. box: decoded bounds of the group. */
       uint32_t group(uint32_t m, const NodeBox& box)
       {
         const QuadGroup quads = quadsOf(m);
         return add(m,quads,encodeGroup(box,quads),box);
       }
 
-      /*! As above, for groups m to m+3, the children of one node. */
+      /*! As group(), for groups m to m+3, the children of one node. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.isWhole()) {
@@ -72,7 +72,7 @@ namespace embree
 
       void finish() { block->info |= encodeBorderWidth(borderWidth); }
 
-      /*! Returns the header bits for a border width: the smallest code that is not less, or the entire box. */
+      /*! Smallest code that is not less, or the entire box. */
       static uint32_t encodeBorderWidth(double width)
       {
         uint32_t code = 0;
@@ -81,7 +81,7 @@ namespace embree
       }
 
     private:
-      /*! Stores an encoded group, and measures its leaves. Returns its word. */
+      /*! Stores an encoded group and measures its leaves. Returns its word. */
       uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
         groups[m] = encoded.heights;
@@ -132,7 +132,7 @@ namespace embree
           statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
       }
 
-      /*! Measures how far a leaf extends past the edges of its quad on sharp sides of the block. */
+      /*! Measures how far a leaf extends past the edges of its quad on sharp sides. */
       void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
       {
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
@@ -155,7 +155,7 @@ namespace embree
       Heights* groups;
       uint32_t sharpSides;
       BlockStatistics& statistics;
-      double borderWidth = 0;  //!< maximum over all groups
+      double borderWidth = 0;  //!< of all groups
     };
   }}
 }

@@ -29,9 +29,9 @@
 
 CBVH_BEGIN
 
-/*! The 64 bits of a group, as stored in memory. Lattice: the lower 7 bits of byte i are the height of vertex i, row by
- *  row without the middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of
- *  byte 7 is set for loose groups. */
+/*! The 64 bits of a group. Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the
+ *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for
+ *  loose groups. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
@@ -60,24 +60,24 @@ CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
   return int(h);
 }
 
-/* Word of a lattice. 15 bits per axis: 5 bits each for the distances of the lower and upper outer plane from the
- * parent's planes, and for the middle plane. Then the thickness. */
+/* Word of a lattice: 15 bits per axis, 5 bits each for the lower outer, upper outer and middle plane. Then the
+ * thickness. */
 CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
 CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
-/*! Outer planes, in parent extents. Fine steps compensate for the rounding of the parent; codes extend to a third, for
- *  quads that do not fill their parent. */
+/*! Distance of an outer plane from the parent's plane, in parent extents. Fine steps compensate for the rounding of the
+ *  parent; codes extend to a third, for quads that do not fill their parent. */
 CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
-/*! The middle plane. It bounds nothing, so it is rounded to the nearest code. */
+/*! The middle plane bounds nothing, so it is rounded to the nearest code. */
 CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin up or down. The rest is the distance of
- *  straight edges from the lattice. */
+/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight
+ *  edges from the lattice. */
 CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
-/*! Returns plane 0, 1 or 2 of a lattice along an axis. */
+/*! Plane 0, 1 or 2 along an axis. */
 CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
@@ -89,21 +89,21 @@ CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox p
 
 /* --- loose leaves -------------------------------------------------------------------- */
 
-/* Heights of loose leaves: 15 bits per child, 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness
- * begins at bit 60. */
+/* Heights: 15 bits per child, 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness begins at bit
+ * 60. */
 CVERT_CONSTANT int looseBits = 15;
 CVERT_CONSTANT uint32_t looseMask = 0x7FFFu;
 CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu;
 CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CVERT_CONSTANT int looseBins = 32;
-CVERT_CONSTANT float looseRange = 2.0f; //!< range of the bins, in heights of the leaf's box
+CVERT_CONSTANT float looseRange = 2.0f; //!< in heights of the leaf's box
 CVERT_CONSTANT int looseThicknessShift = 60;
 /*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CVERT_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
-  int shift = looseBits*child; // 0, 15, 30, 45: the third field crosses both halves
+  int shift = looseBits*child; // 0, 15, 30, 45: the field at 30 crosses both halves
   if (shift >= 32) return (heights.high >> (shift-32)) & looseMask;
   uint32_t bits = heights.low >> shift;
   if (shift != 0) bits |= heights.high << (32-shift);
@@ -117,7 +117,7 @@ CVERT_FUNCTION float looseThicknessOf (Heights heights) {
 
 /* --- surfaces ------------------------------------------------------------------------ */
 
-/*! Bins of heights. The range is centered on the box, and height q is at lower + (q+1/2) size. */
+/*! The range is centered on the box. Height q is at lower + (q+1/2) size. */
 struct HeightBins { float lower, size; };
 
 CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
@@ -130,14 +130,13 @@ CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 
 CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
-/*! A leaf: its box, and the surface in it. */
 struct LeafPatch
 {
   NodeBox box;
   float z[4];       //!< at the corners of the box: column + 2 row
   float thickness;
-  bool solid;       //!< the entire box is the surface
-  bool empty;       //!< no surface
+  bool solid;       //!< the box is the surface
+  bool empty;
 };
 
 CVERT_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
@@ -173,7 +172,7 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
     lowest = lesser(lowest,leaf.z[c]);
     highest = greater(highest,leaf.z[c]);
   }
-  /* A bilinear patch stays between its corners. The box is clipped to its parent's. */
+  /* A bilinear patch stays between its corners. */
   float lower = greater(lowest-0.5f*leaf.thickness,parent.lower[2]);
   float upper = lesser(highest+0.5f*leaf.thickness,upperOf(parent,2));
   leaf.box.lower[2] = lower;
@@ -181,7 +180,6 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
   return leaf;
 }
 
-/*! Decodes a leaf of a group from the group's word, heights and decoded bounds. */
 CVERT_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (isLoose(heights)) return decodeLooseLeaf(word,heights,child,parent);

@@ -12,7 +12,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Returns how far the edges on the border extend into their leaves' boxes. */
+    /*! How far the edges on the border extend into their leaves' boxes, see borderWidthOf(). */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;

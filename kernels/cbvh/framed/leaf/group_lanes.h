@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four groups of 2 x 2 cells that are children of one node, one per lane: input of the encoder of lattices. */
+/* Four QuadGroups, the children of one node, one per lane. */
 
 #include "../block_geometry.h"
 #include "quad_group.h"
@@ -14,10 +14,10 @@ namespace embree
   {
     struct GroupLanes
     {
-      Double4 vertices[9][3]; //!< row by row
-      Double4 lower[2], upper[2]; //!< bounds of the quads and their rounding
-      double rounding[3];     //!< largest distance between a vertex and the same vertex of a neighboring face
-      uint32_t border[2][2];  //!< [axis][upper]: lanes with that side on the border of the block
+      Double4 vertices[9][3];
+      Double4 lower[2], upper[2]; //!< bounds of the quads, with rounding
+      double rounding[3];     //!< see QuadGroup
+      uint32_t border[2][2];  //!< [axis][upper]: mask of lanes
 
       GroupLanes() {}
 

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule that decides where a ray hits the surface of a cLEAF block. Other files compute how a ray crosses a leaf
- * (crossing.h; for decoded leaves framed/leaf/crossing1.h), and process the hits. docs/formats/framed_hits.md has the
- * rule as tables, which a test compares with this code.
+/* The rule that decides where a ray hits the surface of a cLEAF block. crossing.h and crossing1.h compute how the ray
+ * crosses a leaf. docs/formats/framed_hits.md has the rule as tables, which a test compares with this code.
  *
  * Along a ray,
  *
@@ -43,9 +42,9 @@
  * when it leaves the step's leaf. Otherwise it would shadow the surface that it starts on. A segment that starts (ends)
  * in a leaf, at tnear (tfar), hits the leaf only if f changes sign.
  *
- * In the paper, every ray that intersects an interval hits it, at its near side. This closes the steps too, but it
- * thickens the surface: rays along a crest hit geometry that they should pass, hits are early by half a bin, and rays
- * that start on the surface hit it again.
+ * In the paper, every ray that intersects an interval hits its near side. This closes the steps too, but thickens the
+ * surface: rays along a crest hit what they should pass, hits are early by half a bin, and rays that start on the
+ * surface hit it again.
  *
  * If a surface folds over, leaves overlap and the order of the walk is not the order along the ray. A walk for the
  * closest hit therefore continues after a hit, and accepts nearer changes of sign.
@@ -63,7 +62,7 @@ CBVH_BEGIN
 /* Sides of the surface, in the frame. */
 CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 
-/*! State of a ray that is passed from leaf to leaf of a block. */
+/*! State of a ray in a block. */
 struct WalkState
 {
   uint32_t side;    //!< side on which it left the last leaf, or passed the last box
@@ -87,9 +86,9 @@ struct LeafEvent
   bool changes;     //!< the signs of f at entry and exit differ
   bool nearEntry;   //!< within half a thickness of the patch at the entry
   bool near;        //!< possibly within half a thickness anywhere between entry and exit
-  bool started;     //!< the segment starts inside the box, at tnear
-  bool ended;       //!< the segment ends inside the box, at tfar
-  bool solid;       //!< the leaf has no patch: its box is the surface
+  bool started;     //!< the segment starts inside the box
+  bool ended;       //!< the segment ends inside the box
+  bool solid;       //!< see LeafPatch
   bool empty;       //!< the leaf has no surface
 };
 
@@ -117,7 +116,7 @@ CVERT_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
   return v;
 }
 
-/*! State after an accepted hit. The walk continues, because a nearer hit can follow. */
+/*! The walk continues after an accepted hit, because a nearer hit can follow. */
 CVERT_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
@@ -125,7 +124,6 @@ CVERT_FUNCTION WalkState afterHit (WalkState state)
   return state;
 }
 
-/*! Decides for a ray in a leaf. */
 CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
@@ -159,8 +157,7 @@ CVERT_FUNCTION bool wantsPassed (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
-/*! Decides for a ray that passes over (under) a box: it overlaps the box in x and y, but misses it. Only if
- *  wantsPassed. */
+/*! Call only if wantsPassed(). A ray passes over (under) a box if it overlaps the box in x and y, but misses it. */
 CVERT_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of lattices (framed/leaf/format.h). Fits nine heights whose surface passes through the vertices, and bounds
- * the distance of the quads' edges from this surface. */
+/* Encoder of lattices (format.h): fits nine heights whose surface passes through the vertices, and bounds the distance
+ * of the quads' edges from this surface. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -14,21 +14,20 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Relative width of the narrowest cells of a lattice. Narrower cells would extrapolate their patches too far. */
+    /*! Narrower cells, relative to the group, would extrapolate their patches too far. */
     static constexpr double minCellWidth = 1.0/16;
 
-    /*! Fitting ends when the surface is this close to every vertex, in bins. Rounding to bins moves the surface by up
-     *  to half a bin. */
+    /*! In bins. Rounding to bins moves the surface by up to half a bin. */
     static constexpr double fitTolerance = 0.0625;
     static constexpr int maxFitTurns = 16;
 
-    /*! Piecewise bilinear surface over 3 x 3 heights, in double. */
+    /*! Piecewise bilinear surface over 3 x 3 heights. */
     struct Lattice
     {
       double planes[2][3];
       double z[9];
 
-      struct Position { int corner; double u, v; }; //!< lower vertex of the cell, and position in the cell
+      struct Position { int corner; double u, v; }; //!< lower vertex of the cell, and position in it
 
       Position find(double x, double y) const {
         return in(x >= planes[0][1],y >= planes[1][1],x,y);
@@ -37,7 +36,7 @@ namespace embree
         return { column + 3*row, (x-planes[0][column])/(planes[0][column+1]-planes[0][column]),
                                  (y-planes[1][row])/(planes[1][row+1]-planes[1][row]) };
       }
-      /*! Returns the largest slope along an axis: a bilinear patch is steepest on its sides. */
+      /*! A bilinear patch is steepest on its sides. */
       double steepest(int axis) const
       {
         double slope = 0;
@@ -60,9 +59,9 @@ namespace embree
         double largest() const { return std::max(-lower,upper); }
       };
 
-      /*! Returns the distance in z of the surface from the straight edge from a to b, positive where the surface is
-       *  above. Between the planes that it crosses, the surface over the edge is a parabola, which differs from its
-       *  chord by at most a quarter of its quadratic term. */
+      /*! Range of the height of the surface above the straight edge from a to b. Between the planes that the edge
+       *  crosses, the surface over it is a parabola, which differs from its chord by at most a quarter of its quadratic
+       *  term. */
       Range distance(const double a[3], const double b[3]) const
       {
         double cut[4] = { 0,1,1,1 };
@@ -103,9 +102,9 @@ namespace embree
       }
     };
 
-    /*! Encodes the planes of the lattice. The outer planes keep the slack to all vertices, the middle planes are
-     *  nearest to the mean of the vertices on them. Returns false if a vertex of an outer side on the block's border is
-     *  not in the cells on that side, because the intersector searches for the border there. */
+    /*! Returns false if a vertex of an outer side on the block's border is not in the cells on that side, because the
+     *  intersector searches for the border there. Outer planes keep the slack to all vertices; middle planes are
+     *  nearest to the mean of the vertices on them. */
     inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
       double planes[3])
     {
@@ -140,9 +139,9 @@ namespace embree
       return true;
     }
 
-    /*! Fits heights whose surface passes through the vertices: in each turn, each vertex moves the height of its own
-     *  node by the distance of the surface from the vertex. This converges if each vertex's own node has the largest
-     *  weight there. If it does not converge, the measured deviation is large. */
+    /*! In each turn, each vertex moves the height of its own node by the distance of the surface from the vertex. This
+     *  converges if each vertex's own node has the largest weight there. If it does not converge, the measured
+     *  deviation is large. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position at[9];
@@ -162,7 +161,6 @@ namespace embree
       }
     }
 
-    /*! Lattice whose heights are codes. */
     struct CodedLattice
     {
       Lattice surface;
@@ -178,7 +176,7 @@ namespace embree
       }
     };
 
-    /*! Raises the heights of one side of a group until the surface is above the edges there everywhere, by a slack.
+    /*! Raises the heights of one side of a group, in two steps, until the surface is above the edges there by a slack.
      *  First step: raises each height at its vertex. */
     inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
@@ -191,8 +189,8 @@ namespace embree
     /*! Second step: raises all heights together. Returns false if they would be raised too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
-      /* Repeats, because raising a height also raises the surface next to it. Edges that bulge over their vertices by
-       * more than a few bins should be loose. */
+      /* Raising a height also raises the surface next to it. Edges that bulge over their vertices by more than a few
+       * bins should be loose. */
       const int maxTurns = 4;
       const double maxRaise = 4*lattice.bins.size;
       for (int turn=0; ; turn++) {
@@ -203,7 +201,7 @@ namespace embree
       }
     }
 
-    /*! Returns the code of the smallest thickness that bounds all edges of a group, or 4 if none does. */
+    /*! Smallest code that bounds all edges of a group, or 4 if none does. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The encoder of lattices (lattice_encoder.h) for four groups at a time. Uses the same operations in the same order,
- * and therefore computes the same bits. It supports regular groups, each of whose vertices is in the cell on its own
- * side of the middle planes, except for the vertices of the middle column and row:
+/* lattice_encoder.h for four groups at a time. Uses the same operations in the same order, and therefore computes the
+ * same bits. Supports regular groups: vertices outside of the middle column and row are in the cell on their own side
+ * of the middle planes.
  *
  *    6 .   7   . 8      6 is in cell 2, 7 in 2 or 3, 4 in any.
  *      .       .        All positions in cells are then from 0 to 1.
@@ -26,8 +26,8 @@ namespace embree
     class LatticeLanes
     {
     public:
-      uint32_t encoded = 15;   //!< lanes that have a lattice
-      uint32_t undecided = 0;  //!< lanes that require lattice_encoder.h
+      uint32_t encoded = 15;   //!< mask of lanes that have a lattice
+      uint32_t undecided = 0;  //!< mask of lanes that require lattice_encoder.h
 
       LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
         : parents(parents), groups(groups),
@@ -72,8 +72,8 @@ namespace embree
       Double4 thickness() const { return thick; }
 
     private:
-      /*! Returns the highest code, up to 31, for which closure(latticeOuter) is true, or 0. The closure must be true
-       *  for all lower codes. */
+      /*! Highest code, up to 31, for which closure(latticeOuter) is true, or 0. The closure must be true for all lower
+       *  codes. */
       template<typename Closure>
       static Int4 highest(const Closure& closure)
       {
@@ -116,7 +116,7 @@ namespace embree
         }
       }
 
-      /*! Finds the columns and rows of the vertices, and their positions in the cells. */
+      /*! Sets `at` and `upper`. */
       void findCells()
       {
         uint32_t irregular = 0;
@@ -137,7 +137,7 @@ namespace embree
         encoded &= ~irregular;
       }
 
-      /*! Returns the height at corner (dx,dy) of the cell of vertex v. */
+      /*! Height at corner (dx,dy) of the cell of vertex v. */
       template<int v, int dx, int dy>
       Double4 corner() const
       {
@@ -145,7 +145,7 @@ namespace embree
         return v/3 == 1 ? select(upper[1][v%3],row(dy+1),row(dy)) : row(dy+v/3/2);
       }
 
-      /*! Returns the height of the surface at vertex v. */
+      /*! Height of the surface at vertex v. */
       template<int v>
       Double4 surface() const
       {
@@ -178,7 +178,7 @@ namespace embree
         }
       }
 
-      /*! Sets height v to bin q, rounded down. */
+      /*! Rounds q, in bins, down. */
       void set(int v, Double4 q)
       {
         heights[v] = toInt(min(max(q,0.0),double(latticeBins-1)));
@@ -190,7 +190,7 @@ namespace embree
         Double4 slope[2];
         for (int axis=0; axis<2; axis++)
         {
-          Double4 rise[2] = { 0.0,0.0 }; // maximum over the cells on both sides
+          Double4 rise[2] = { 0.0,0.0 }; // maximum over both cells
           for (int line=0; line<3; line++)
             for (int i=0; i<2; i++) {
               const int v = axis == 0 ? i+3*line : line+3*i;
@@ -202,7 +202,7 @@ namespace embree
           + slope[1]*groups.rounding[1];
       }
 
-      /*! The point where the straight edge from vertex a to b crosses the middle plane of an axis. */
+      /*! Where the edge from vertex a to b crosses the middle plane of an axis. */
       struct LineCrossing
       {
         Double4 t, across, z; //!< fraction of the edge, position along the other axis
@@ -215,11 +215,11 @@ namespace embree
         }
       };
 
-      /*! Returns the distance in z of the surface from a point on the middle plane of an axis. isUpper: the point is in
-       *  the upper cells along the other axis. */
+      /*! Height of the surface above a point on the middle plane of an axis. isUpper: the point is in the upper cells
+       *  along the other axis. */
       Double4 distance(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
-        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // of the heights over the plane
+        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // heights over the plane
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
         const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,
           reciprocal[other][1],reciprocal[other][0]);
@@ -227,8 +227,7 @@ namespace embree
       }
 
       /*! Bounds of the height of the surface above the two edges of a row or column. The exact range contains lowest[0]
-       *  to
-     *  highest[0], and lies within lowest[1] to highest[1]. These differ only in the middle rows and columns. */
+       *  to highest[0], and lies within lowest[1] to highest[1]. These differ only in the middle rows and columns. */
     struct Range4
       {
         Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
@@ -239,8 +238,8 @@ namespace embree
         }
       };
 
-      /*! Returns the bounds of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane at one point
-       *  x, before or after vertex b, which results in three pieces. A piece differs from its chord by its sag.
+      /*! Bounds of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane at one point x, before
+       *  or after vertex b, which results in three pieces. A piece differs from its chord by its sag.
        *
        *    a-----x--b--------c    the plane is at x */
       template<int axis, int line>
@@ -282,7 +281,7 @@ namespace embree
             largest = max(largest,sag);
           }
         }
-        /* These edges may cross the other plane, too. Parts of pieces have less sag. */
+        /* These edges may also cross the other plane. Parts of pieces have less sag. */
         if (line == 1)
           for (int i=0; i<2; i++) {
             const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
@@ -294,7 +293,6 @@ namespace embree
         return range;
       }
 
-      /*! Sets the distance of the surface above a vertex. */
       template<int v>
       void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
 
@@ -386,7 +384,7 @@ namespace embree
           latticeThickness(codes[3]&3))*size;
       }
 
-      /*! One lane, in the form of lattice_encoder.h. */
+      /*! One lane, for lattice_encoder.h. */
       struct Exact
       {
         CodedLattice lattice;
@@ -436,7 +434,7 @@ namespace embree
       Double4 at[9][2];        //!< position of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
-      Double4 off[9];          //!< distance of the surface above each vertex, see measure()
+      Double4 off[9];          //!< see measure()
       Double4 bend[4];         //!< of a cell: sag of a straight line through it that advances by 1 along both axes
       Double4 thick;
     };

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Measures how well the leaves of a frame represent their quads. A leaf is a height field over a box of its frame, and
- * represents anything else badly: a wall that is vertical in the frame gets a wrong normal, a fold becomes a thick
- * plane or an entire box, and the box extends past the edges where the surface ends or bends. Patches with many such
- * quads should be stored as cVERT. docs/paper.md has the measurements behind the limits below. */
+/* Measures how well leaves represent their quads. A leaf is a height field over a box of its frame, and represents
+ * anything else badly: a wall that is vertical in the frame gets a wrong normal, a fold becomes a thick plane or an
+ * entire box, and the box extends past the edges where the surface ends or bends. Patches with many such quads should
+ * be stored as cVERT. docs/paper.md has the measurements behind the limits. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
@@ -15,20 +15,19 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Smallest cosine of the angle between the normals of a leaf and its quad. */
+    /*! Cosine of the angle between the normals of a leaf and its quad. */
     static constexpr double minNormalCosine = 0.7;
 
-    /*! Largest thickness of a leaf, relative to the side of a square with the quad's area. */
+    /*! Relative to the side of a square with the quad's area. */
     static constexpr double maxLeafThickness = 0.25;
 
-    /*! Largest distance that a leaf may extend past an edge where the surface ends or bends, relative to its own
-     *  extent. */
+    /*! Distance that a leaf extends past an edge where the surface ends or bends, relative to the leaf's extent. */
     static constexpr double maxOverhang = 1.0/16;
 
-    /*! Largest fractions of a patch's quads, and of its edges where the surface ends or bends. */
+    /*! Fractions of a patch's quads, and of its edges where the surface ends or bends. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! Number of quads of a patch that are a sufficient sample. */
+    /*! A sufficient sample of the quads of a patch. */
     static constexpr size_t minQuadsSeen = 1024;
 
     struct LeafFit
@@ -46,9 +45,8 @@ namespace embree
 
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
-      /*! True if a patch with this number of quads and edges is poor before all of it was measured. The first quarter
-       *  is a sample of the remaining quads, if it is large enough and distributed over the patch. All edges are
-       *  counted. */
+      /*! As isPoor(), before all quads and edges of the patch were measured. The first quarter is a sample of the
+       *  remaining quads, if it is large enough and distributed over the patch. All edges are counted. */
       bool isGivenUp(size_t allQuads, size_t allEdges) const
       {
         const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
@@ -56,7 +54,7 @@ namespace embree
           || poorEdges > maxPoorEdges*double(allEdges);
       }
 
-      /*! Adds quad (x,y) of a cLEAF block, and its leaf. isRough: loose or solid. thickness: in world space. */
+      /*! isRough: loose or solid. thickness: in world space. */
       void addQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box, const double slope[2],
         bool isRough, double thickness)
       {
@@ -68,7 +66,7 @@ namespace embree
         poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);
       }
 
-      /*! Adds a quad whose normal is the axis of its frame. */
+      /*! A quad whose leaf's normal is the z axis of the frame. */
       void addFlatQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };
@@ -78,7 +76,7 @@ namespace embree
         flippedQuads += quad.cosine(geometry.frame,box,flat) < 0;
       }
 
-      /*! overhang: distance that a leaf extends past its edge. */
+      /*! overhang: see maxOverhang. */
       void addEdge(double overhang)
       {
         edges++;
@@ -86,7 +84,7 @@ namespace embree
       }
 
     private:
-      /*! Cross product of the diagonals of a quad, in world space. Its length is twice the area. */
+      /*! Cross product of the diagonals, in world space. length: twice the area. */
       struct QuadNormal
       {
         double n[3], length;
@@ -105,7 +103,7 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! Returns the cosine of the angle to the plane with these slopes through the middle of a box. */
+        /*! Cosine of the angle to the plane with these slopes through the middle of a box. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
           const double c[3] =

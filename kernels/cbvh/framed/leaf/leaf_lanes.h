@@ -4,8 +4,8 @@
 #pragma once
 
 /* Measures the leaves of four lattices at a time. Most leaves are good, and thinner than the thickest leaf of their
- * block. This is tested without divisions and roots, with a margin for rounding. Only for other leaves, values are
- * computed (LeafFit, BlockStatistics). */
+ * block: this is tested without divisions and roots, with a margin for rounding. LeafFit and BlockStatistics measure
+ * the others. */
 
 #include "lattice_lanes.h"
 #include "leaf_thickness.h"
@@ -17,7 +17,6 @@ namespace embree
     class LeafLanes
     {
     public:
-      /*! m: first of the groups. */
       LeafLanes(const BlockGeometry& geometry, uint32_t m, const NodeBoxes& parents, const GroupLanes& groups,
         const LatticeLanes& lattices)
         : geometry(geometry), parents(parents), groups(groups), lattices(lattices)
@@ -30,7 +29,7 @@ namespace embree
         }
       }
 
-      /*! Returns the lanes whose leaf of quad c is good and not thicker than maxThickness. */
+      /*! Mask of the lanes whose leaf of quad c is good and not thicker than maxThickness. */
       uint32_t good(int c, float maxThickness) const
       {
         const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;
@@ -45,7 +44,6 @@ namespace embree
           { 0.5*(z[1]+z[3]-z[0]-z[2])*lattices.reciprocalWidth(0,column),
             0.5*(z[2]+z[3]-z[0]-z[1])*lattices.reciprocalWidth(1,row) };
 
-        /* Normals of the leaf's plane and of the quad. */
         const Double4 k = x[2] - slope[0]*x[0] - slope[1]*x[1];
         Double4 leaf[3], quad[3], a[3], b[3];
         for (int i=0; i<3; i++) {
@@ -61,8 +59,8 @@ namespace embree
         const Double4 rcpW = x[0]*w.n.x + x[1]*w.n.y + x[2]*w.n.z + w.d;
 
         const double room = 1-1e-6;
-        const Double4 thickness2 = thickness*thickness, unit2 = room*rcpW*rcpW*leaf2; // squared thickness in world
-                                                                                      // space: thickness2/unit2
+        const Double4 thickness2 = thickness*thickness, unit2 = room*rcpW*rcpW*leaf2; // squared world-space thickness:
+                                                                                      // thickness2/unit2
         const double limit2 = 0.5*maxLeafThickness*maxLeafThickness;                  // for a quad of length 1
         return ((Double4(0.0) < cosine)
               & (Double4(minNormalCosine*minNormalCosine)*leaf2*quad2 < room*cosine*cosine)
@@ -70,7 +68,7 @@ namespace embree
               & (thickness2 < double(maxThickness)*maxThickness*unit2)).bits();
       }
 
-      /*! As borderWidth(), for the groups in these lanes. */
+      /*! As borderWidth() of group_encoder.h. */
       double borderWidth(uint32_t lanes) const
       {
         double width = 0;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics that the encoders collect of a block, in particular the world-space thickness of its leaves. */
+/* Statistics of a block, in particular the world-space thickness of its leaves. */
 
 #include "leaf_fit.h"
 
@@ -13,15 +13,15 @@ namespace embree
   {
     struct BlockStatistics
     {
-      uint32_t invalidQuads = 0;   //!< quads with a vertex that is not finite
+      uint32_t invalidQuads = 0;
       uint32_t solidLeaves = 0;
       bool affine = false;
       float maxThickness = 0;      //!< world units
       LeafFit fit;
 
       /*! Adds and returns the world-space distance between the plane z = slope (x,y) through the middle of a box and
-       *  the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the plane (a_x Rx + a_y Ry + a_z
-       *  Rz - k Rw).p = const in world space, where R are the rows of the map. The length of its normal divided by W is
+       *  the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the world-space plane (a_x Rx +
+       *  a_y Ry + a_z Rz - k Rw).p = const, where R are the rows of the map. The length of its normal divided by W is
        *  the distance in the frame per unit of world space. */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
@@ -39,7 +39,6 @@ namespace embree
         return t;
       }
 
-      /*! Adds a leaf whose box is the surface. */
       void addBoxThickness(const BlockGeometry& geometry, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };

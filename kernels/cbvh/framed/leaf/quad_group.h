@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Input and output of the encoders of cLEAF groups. */
-
 #include "format.h"
 #include "../node_encoder.h"
 
@@ -15,9 +13,8 @@ namespace embree
     /*! 2 x 2 quads in the frame of their block. */
     struct QuadGroup
     {
-      double vertices[9][3]; //!< row by row
-      ExactBox boxes[4];     //!< bounds of the quads and their rounding; empty for quads with a vertex that is not
-                             //!< finite
+      double vertices[9][3];
+      ExactBox boxes[4];     //!< bounds of the quads, with rounding; empty if a vertex is not finite
       double rounding[3];    //!< largest distance between a vertex and the same vertex of a neighboring face
       bool border[2][2];     //!< [axis][upper]: that side is on the border of the block
 
@@ -29,7 +26,7 @@ namespace embree
         return false;
       }
 
-      /*! Returns the distance in z that a surface with these slopes must keep from what it bounds. */
+      /*! Distance in z that a surface with these slopes must keep from what it bounds. */
       double slack(const double slope[2]) const {
         return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }

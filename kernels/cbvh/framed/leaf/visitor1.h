@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF, for a single ray. crossing1.h computes how the ray crosses them, framed/leaf/hit_rule.h decides
- * where it hits, and this class reports the hits. */
+/* Leaves of cLEAF, for a single ray. hit_rule.h decides where it hits. */
 
 #include "crossing1.h"
 
@@ -73,14 +72,14 @@ namespace embree
           passedMask = wantsPassed(state) ? ~0u : 0u;
         }
 
-        /*! Call after a hit was reported. Returns true if the walk may end. */
+        /*! Returns true if the walk may end. */
         __forceinline bool accept (bool accepted)
         {
           if (accepted) setState(afterHit(state));
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! Returns true if the ray intersects what the verdict selects, and sets s. */
+        /*! Returns true if the ray intersects what `hit` selects, and sets s. */
         __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           if (hit == hitNone) return false;
@@ -97,10 +96,9 @@ namespace embree
           return at.met;
         }
 
-        /*! Returns s of a position between entry and exit. */
+        /*! k: position between entry and exit. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
-        /*! Returns the hit at s in a leaf. */
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const
         {
           const vfloat4 uv = positionInLeaf(this->frameRay,surfaces,child,vfloat4(s));

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF, for packets: visitor1.h, crossing1.h and framed/leaf/hit_rule.h with one ray per lane. */
+/* As visitor1.h, crossing1.h and hit_rule.h, with one ray per lane. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
@@ -14,11 +14,11 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! WalkState of each ray. */
+      /*! WalkState, one per ray. */
       template<int K>
       struct WalkStates
       {
-        vbool<K> known, above; //!< known: rays that know their side; above: their side is above
+        vbool<K> known, above; //!< known: the side is known; above: the side is above
         vbool<K> pending, fromSurface, found;
 
         __forceinline WalkStates () : known(false), above(false), pending(false), fromSurface(false), found(false) {}
@@ -32,7 +32,7 @@ namespace embree
         }
       };
 
-      /*! Crossing<float> of each ray with one leaf. Events are masks. */
+      /*! Crossing<float> of each ray with one leaf. */
       template<int K>
       struct Crossings
       {
@@ -54,7 +54,6 @@ namespace embree
           enterAbove = f0 >= vfloat<K>(zero);
           leaveAbove = f1 >= vfloat<K>(zero);
           changes = enterAbove ^ leaveAbove;
-          /* Through the upper or the lower face, if z bounds the part of the ray in the box. */
           enterAbove = select(andn(box.enterZ >= box.sNear,started),rays.down[2],enterAbove);
           leaveAbove = select(andn(box.leaveZ <= box.sFar,ended),!rays.down[2],leaveAbove);
           const vfloat<K> reach = vfloat<K>(surfaces.reach[leaf]) + rays.epsilonZ;
@@ -62,7 +61,7 @@ namespace embree
           near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
         }
 
-        /*! Returns the position in the box of a leaf. axis 0: u, 1: v. */
+        /*! u (axis 0) or v (axis 1) in the box of a leaf. */
         static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4],
                                                  const vfloat<K>& s)
         {
@@ -130,12 +129,12 @@ namespace embree
           const Crossings<K> x(this->frameRays,surfaces,child,box,this->startInside(box),this->endInside(box));
           WalkStates<K> next = state;
           const vbool<K> first = andn(lanes,state.found);
-          vbool<K> hit;                  // rays that hit, at the entry unless root or lip
+          vbool<K> hit;                  // at the entry, unless root or lip
           vbool<K> root(false), lip(false);
           LeafHits<K> hits;
           hits.fromAbove = hits.fromBelow = vbool<K>(false);
 
-          /* As crossLeaf() of framed/leaf/hit_rule.h. */
+          /* As crossLeaf(). */
           if (unlikely(((surfaces.solid | surfaces.empty) >> child) & 1u)) {
             hit = (surfaces.solid >> child) & 1u ? andn(lanes,x.started) : vbool<K>(false);
             next.known = next.pending = vbool<K>(false);
@@ -175,14 +174,14 @@ namespace embree
         }
 
       private:
-        /*! As afterHit() of framed/leaf/hit_rule.h. */
+        /*! As afterHit(). */
         __forceinline void found (const vbool<K>& accepted)
         {
           state.found |= accepted;
           state.pending = andn(state.pending,accepted);
         }
 
-        /*! Sets a part of the hits, as leafHit in visitor1.h. */
+        /*! See leafHit in visitor1.h. */
         __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
         {
           const float* h = surfaces.height[child];
@@ -218,7 +217,7 @@ namespace embree
           return x == 0 || y == 0 || x == last || y == last;
         }
 
-        /*! As meetsLips of visitor1.h: sets s. Returns the rays that intersect no lip. */
+        /*! Sets s. Returns the rays that intersect no lip. */
         __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
                                       vfloat<K>& s) const
         {
@@ -235,7 +234,6 @@ namespace embree
           return vbool<K>(int(missed));
         }
 
-        /*! Returns s of a position between entry and exit. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
       };
     }

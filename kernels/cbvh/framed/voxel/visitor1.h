@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Leaves of cVOXEL: boxes. */
-
 #include "../block_visitor1.h"
 
 namespace embree
@@ -13,8 +11,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! The ray hits a leaf where it enters its box. A ray that starts inside a box does not hit that box, because it
-       *  comes from, or is already past, the surface in it. */
+      /*! A leaf is hit where the ray enters its box. A ray that starts inside a box does not hit it: the ray comes
+       *  from, or is already past, the surface in it. */
       template<typename RayType>
       struct VoxelVisitor1 : public BlockVisitor1<RayType>
       {
@@ -32,7 +30,6 @@ namespace embree
         }
 
       private:
-        /*! Returns the position in the box of a leaf. */
         __forceinline float position (const NodePlanes<16>& boxes, int axis, uint32_t leaf, float s) const
         {
           const float lower = boxes.at[axis][0][leaf], upper = boxes.at[axis][1][leaf];

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cVOXEL, for packets, see visitor1.h. */
+/* See visitor1.h. */
 
 #include "../block_visitorK.h"
 
@@ -36,7 +36,6 @@ namespace embree
         }
 
       private:
-        /*! Returns the position in the box of a leaf. */
         __forceinline vfloat<K> position (const NodePlanes<16>& boxes, int axis, uint32_t leaf,
                                           const vfloat<K>& s) const
         {
