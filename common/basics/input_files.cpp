@@ -15,9 +15,9 @@ namespace {
 using FileIdentity = std::pair<dev_t, ino_t>;
 
 std::mutex mutex;
-std::map<FileIdentity, std::string> inputs; // to the path under which the file was read
+std::map<FileIdentity, std::string> inputs; // the path under which the file was read
 
-/* Returns false for devices and pipes, which are written in place and cannot be replaced. */
+/* Returns false for devices and pipes, which are never replaced. */
 bool findIdentity(const std::string& path, FileIdentity& identity)
 {
   struct stat status;

@@ -29,7 +29,7 @@ public:
   /* A part of the picture, with the same colors as in the whole picture. */
   SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Cancelled. */
+  /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Canceled. */
   void add(const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, unsigned threads = 1);
 
   /* Return the mean of the samples over the background: as sRGB, and linear. */
@@ -51,7 +51,7 @@ private:
 };
 
 /* Renders a scene, or a part of the picture. `first` and `hits` belong to primaryRays with times; they are the first
- * samples. Throws Cancelled. */
+ * samples. Throws Canceled. */
 SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up,
                               const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits, int samples,
                               const Shutter& shutter, HitColors colors, unsigned threads);

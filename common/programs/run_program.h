@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-/* Runs a program. Returns the exit status: the result of `run`, 130 if the user cancelled it, or 1 after an error. An
+/* Runs a program. Returns the exit status: the result of `run`, 130 if the user canceled it, or 1 after an error. An
  * error prints one line on stderr that starts with the program's name. Failing to write standard output is an error. */
 int runProgram(const char* name, const std::function<int()>& run);
 

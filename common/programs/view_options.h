@@ -36,7 +36,7 @@ Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hint
 
 /* Returns the camera of a view: "full" shows the whole model, "close" shows the place in the model's hints, and
  * parseView reads other values. `scene` is the model as GRID or from a file; it is traced on `threads` threads.
- * Throws Error, also if there is no surface. Throws Cancelled. */
+ * Throws Error, also if there is no surface. Throws Canceled. */
 Camera chooseCamera(const std::string& view, const Model& model, const TracedScene& scene, ImageSize size,
                     unsigned threads);
 

@@ -30,18 +30,18 @@ struct Bake
   std::function<float(const LimitPoint&)> height; // must be thread-safe
 };
 
-/* Returns a map with one tile per face, whose border texels lie on the borders of the face. Throws Error, Cancelled. */
+/* Returns a map with one tile per face, whose border texels lie on the borders of the face. Throws Error. */
 HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake);
 
 /* Returns a map of charts: `texels` x `texels` texels per face with their centers inside the face, and a rim around
- * each chart. Sets the cage's texture coordinates. Throws Error, Cancelled. */
+ * each chart. Sets the cage's texture coordinates. Throws Error. */
 HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake);
 
 /* Only sets the texture coordinates, for a map that was baked earlier. */
 void unfoldForCharts(Cage& cage, int texels);
 
 /* Bakes tiles in memory and displaces by them, for a cage of some hundred quads. `scale` is in world units per unit of
- * height. Throws Error, Cancelled. */
+ * height. Throws Error. */
 std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, float scale, const Bake& bake);
 
 /* Returns a hash of a cage as text. */

@@ -52,8 +52,7 @@ constexpr float defaultAmplitude = 0.006f;
  * Changes nothing if nothing is displaced. */
 SceneSettings withDefaultAmplitude(SceneSettings settings);
 
-/* Generates or reads a model and validates its cage. Appends lines to `warnings` for probable mistakes. Throws Error,
- * Cancelled. */
+/* Generates or reads a model and validates its cage. Appends lines to `warnings` for probable mistakes. Throws Error. */
 Model loadScene(const SceneSettings& settings, std::string& warnings);
 
 } // namespace cbvh

@@ -35,7 +35,7 @@ struct TrexSettings
 /* Factor of the amplitude of the rough variant. */
 constexpr float trexRoughFactor = 5.0f;
 
-/* Shows progress. Throws Error if the map cannot be written or read. Throws Cancelled. */
+/* Shows progress. Throws Error if the map cannot be written or read. Throws Canceled. */
 Model makeTrex(const TrexSettings& settings);
 
 } // namespace cbvh

@@ -92,7 +92,7 @@ float midLevelOf(const DisplacementMap& map);
  *
  * Appends complete lines to `warnings` for probable mistakes.
  * Throws Error for a file that cannot be read or has too few images or channels, for tangent-space vectors or <UDIM>
- * without texture coordinates, and for texture coordinates on some faces only. Throws Cancelled. */
+ * without texture coordinates, and for texture coordinates on some faces only. Throws Canceled. */
 std::unique_ptr<Displacement> displaceByMap(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
 } // namespace cbvh

@@ -38,7 +38,7 @@ public:
   /* Reads all images of a file. Reads `count` channels, the first of which is `channel`: a name, a number from 0, or
    * empty for the first of the file. Texels without a value (NaN, -3.4e38, GDAL's nodata) and texels outside of an
    * image's data window read as `neutral`.
-   * Throws Error as read() does, and if the file lacks the channels. Throws Cancelled. */
+   * Throws Error as read() does, and if the file lacks the channels. Throws Canceled. */
   static FileInfo inspect(const std::string& path, const std::string& channel = "", int count = 1,
                           float neutral = 0.0f);
 

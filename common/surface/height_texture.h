@@ -30,7 +30,7 @@ public:
   /* Opens files and reads each once, to check that all texels are finite.
    * `paths` names one file, all images of which are used, or several files, of which only the first images are used.
    * Appends a line to `warnings` for each file with texels without a value.
-   * Throws Error, one line that starts with the path. Throws Cancelled. */
+   * Throws Error, one line that starts with the path. Throws Canceled. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);
   ~HeightTexture();

@@ -29,7 +29,7 @@ inline bool isTriangle(const Cage& mesh, size_t face)
 float latticeSpacing(const std::vector<Vec3f>& positions);
 
 /* Writes quads and their vertices as OBJ, merging vertices with equal coordinates. Leaves out quads with a vertex that
- * is not finite. Throws Error, Cancelled. */
+ * is not finite. Throws Error. */
 void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
               const std::vector<std::array<unsigned, 4>>& quads);
 

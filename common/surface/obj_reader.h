@@ -19,7 +19,7 @@ namespace cbvh {
  * `warnings` for the tag smoothtriangles, because Embree has no such rule.
  * Throws Error, one line with path and line number, for a file that cannot be read or has no faces, a face of fewer
  * than 3 vertices, an index out of range, a malformed or infinite number, an unknown statement, a malformed tag, and a
- * face with texture coordinates at only some corners. Throws Cancelled. */
+ * face with texture coordinates at only some corners. Throws Canceled. */
 Cage readObj(const std::string& path, std::string& warnings);
 
 /* Reads a cage from a stream; messages use `name` as the path. */

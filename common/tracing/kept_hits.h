@@ -21,7 +21,7 @@ struct KeptHit
 };
 
 /* Traces the rays once, otherwise as timeTrace does with the same settings. Not for Vulkan devices. Throws
- * Cancelled. */
+ * Canceled. */
 std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 /* Numbers of rays for which two libraries report different hits. A ray is counted under the first difference. */

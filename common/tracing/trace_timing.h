@@ -31,7 +31,7 @@ struct TraceTiming
   size_t hits = 0; // rays that hit something
 };
 
-/* Traces all rays. Ignores mode, coherence and threads for a Vulkan device. Throws Error, Cancelled. */
+/* Traces all rays. Ignores mode, coherence and threads for a Vulkan device. Throws Error. */
 TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 } // namespace cbvh

@@ -19,7 +19,7 @@ class BuiltVariant
 {
 public:
   /* Builds the variant, and appends its result to the group, where its address stays valid. The variant's ISA overrides
-   * the settings. The library must outlive the variant. Throws Error, Cancelled. */
+   * the settings. The library must outlive the variant. Throws Error. */
   BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
                Group& group);
 

@@ -22,7 +22,7 @@ struct GroupSettings
   int level;
 };
 
-/* Runs a group. Throws Error, Cancelled. */
+/* Runs a group. Throws Error. */
 Group runGroup(const GroupSettings& settings);
 
 } // namespace cbvh

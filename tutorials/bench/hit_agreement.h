@@ -16,7 +16,7 @@
 namespace cbvh {
 
 /* Adds agreements to the results of all variants of other libraries than the first that have none yet. `title` names
- * the phase. Throws Cancelled. */
+ * the phase. Throws Canceled. */
 void compareLibraries(const BenchOptions& options, const std::vector<View>& views,
                       const std::vector<BuiltVariant>& batch, const std::string& title);
 

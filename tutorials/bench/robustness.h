@@ -71,8 +71,7 @@ struct CheckedView
 class Robustness
 {
 public:
-  /* `frameLevels` are the frame levels of the representations. The model must outlive this object. Throws Error,
-   * Cancelled. */
+  /* `frameLevels` are the frame levels of the representations. The model must outlive this object. Throws Error. */
   Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
              const Checks& checks, uint32_t seed);
 

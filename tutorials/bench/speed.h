@@ -18,7 +18,7 @@
 namespace cbvh {
 
 /* Adds a record for each combination to every variant's result, in the same order. `views` belong to the variants;
- * `batch` begins with GRID of each ISA and library; `title` names the phase. Throws Cancelled. */
+ * `batch` begins with GRID of each ISA and library; `title` names the phase. Throws Canceled. */
 void measureSpeed(const BenchOptions& options, const std::vector<View>& views, const std::vector<BuiltVariant>& batch,
                   const std::string& title);
 

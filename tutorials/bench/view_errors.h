@@ -19,7 +19,7 @@ struct ErrorSettings
   unsigned threads;
 };
 
-/* Compares primary and bounced rays. `hits` are the hits of the primary rays in the scene. Throws Cancelled. */
+/* Compares primary and bounced rays. `hits` are the hits of the primary rays in the scene. Throws Canceled. */
 ViewResult errorsInView(const ErrorSettings& settings, const View& view, const BuiltScene& scene,
                         const std::vector<SurfaceHit>& hits);
 

@@ -17,7 +17,7 @@ public:
   ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level);
 
   /* Writes the pictures of a variant in a view that the options name, and stores their file names in the result. `hits`
-   * are the hits of the view's primary rays. Throws Error, Cancelled. */
+   * are the hits of the view's primary rays. Throws Error. */
   void write(const View& view, const Variant& variant, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
              ViewResult& result) const;
 

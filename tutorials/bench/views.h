@@ -40,11 +40,11 @@ struct View
 };
 
 /* Builds GRID at the reference level, traces the views, and frees it. Returns one entry per view of the options, or
- * none without a reference level. Throws Error, Cancelled. */
+ * none without a reference level. Throws Error. */
 std::vector<ReferenceView> traceReference(const BenchOptions& options, const Model& model);
 
 /* Returns one entry per view of the options. `grid` is the model as GRID. `reference` belongs to the model and must
- * outlive the views. Throws Error, Cancelled. */
+ * outlive the views. Throws Error. */
 std::vector<View> makeViews(const BenchOptions& options, const Model& model, const BuiltScene& grid,
                             const std::vector<ReferenceView>& reference);
 

@@ -26,7 +26,7 @@ class PathTracer
 public:
   virtual ~PathTracer() = default;
 
-  /* Traces one more path per pixel. Throws Error, Cancelled; the picture is invalid afterwards. */
+  /* Traces one more path per pixel. Throws Error; the picture is invalid afterwards. */
   void addSample() { addSample(count++); }
 
   unsigned samples() const { return count; }

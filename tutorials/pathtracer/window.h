@@ -14,7 +14,7 @@ namespace cbvh {
 void requireWindows();
 
 /* Opens a window of a size and shows the picture after each of `samples` samples. Returns when the window is closed,
- * which may be before the last sample. Throws Error, Cancelled. */
+ * which may be before the last sample. Throws Error. */
 void showWindow(PathTracer& tracer, ImageSize size, unsigned samples);
 
 } // namespace cbvh

@@ -34,7 +34,7 @@ auto interruptible(const py::object& progress, const Work& work)
   return std::move(*result);
 }
 
-/* Cancels the work of all threads and waits until they have left; later calls throw Cancelled. For Python's atexit,
+/* Cancels the work of all threads and waits until they have left; later calls throw Canceled. For Python's atexit,
  * which runs before the interpreter ends: daemon threads are not joined before. */
 void cancelAllAtExit();
 bool interpreterEnds(); // true after cancelAllAtExit was called

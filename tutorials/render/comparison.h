@@ -46,7 +46,7 @@ struct Comparison
   std::vector<Result> results; // in the order of the options, without representations that did not fit into memory
 };
 
-/* Measures all representations and writes the pictures. Throws Error, Cancelled. */
+/* Measures all representations and writes the pictures. Throws Error. */
 Comparison runComparison(const Options& options, const ModelView& view);
 
 } // namespace cbvh

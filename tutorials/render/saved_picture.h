@@ -9,12 +9,10 @@
 
 namespace cbvh {
 
-/* Opens options.loadPath, writes the picture, and prints the contents of the file and times. Throws Error,
- * Cancelled. */
+/* Opens options.loadPath, writes the picture, and prints the contents of the file and times. Throws Error. */
 void renderSaved(const Options& options);
 
-/* Builds a model of many copies into the file of --save, copy by copy, and renders the file. Throws Error,
- * Cancelled. */
+/* Builds a model of many copies into the file of --save, copy by copy, and renders the file. Throws Error. */
 void saveAndRender(const Options& options, const ModelView& view);
 
 } // namespace cbvh

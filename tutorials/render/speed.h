@@ -40,7 +40,7 @@ public:
   InterleavedSpeed(const RaySets& sets, int repeat) : sets(sets), repeat(repeat) {}
 
   /* Measures a scene, alternately with `grid` unless it is null. `name` is for the line of progress. Throws
-   * Cancelled. */
+   * Canceled. */
   Speeds measure(const std::string& name, const TracedScene& scene, const TracedScene* grid);
 
   /* Sets GRID's own speed from all its measurements so far. Does not change the speeds if there are none. */

@@ -33,7 +33,7 @@ public:
   int height() const { return (sourceHeight - 1) * repeatY + 1; }
 
   /* Returns the heights of w x h samples from (x0,y0) on, row by row, in the raster's unit; NaN for a missing sample.
-   * Row 0 is the top of the image. Reads rows that are not in memory. Throws Error, Cancelled. */
+   * Row 0 is the top of the image. Reads rows that are not in memory. Throws Error. */
   std::vector<float> heights(int x0, int y0, int w, int h, unsigned threads);
 
 private:

@@ -30,7 +30,7 @@ struct LoadedModel
 };
 
 /* Opens the file, or loads or generates the model, and fits the view of the options. Slow; call it in the background.
- * The result's preview refers to its model. Throws Error, Cancelled. */
+ * The result's preview refers to its model. Throws Error. */
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
 
 struct Document

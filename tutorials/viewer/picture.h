@@ -113,7 +113,7 @@ private:
   int count = 0;
 };
 
-/* Renders a picture with all its samples. Throws Cancelled. */
+/* Renders a picture with all its samples. Throws Canceled. */
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
 } // namespace cbvh

@@ -61,7 +61,7 @@ public:
   /* Adds a finished scene and starts the next build. */
   void poll();
 
-  /* Waits until all requested scenes are built. Throws Error, Cancelled. */
+  /* Waits until all requested scenes are built. Throws Error. */
   void finish();
 
   /* Returns null if the scene is not built. */

@@ -44,7 +44,7 @@ public:
 
   /* --- every frame --- */
 
-  /* Applies finished background work and starts the next task. Throws Cancelled after a signal. */
+  /* Applies finished background work and starts the next task. Throws Canceled after a signal. */
   void update();
 
   /* Renders if anything changed since the last call; otherwise adds a sample to an incomplete picture. Returns true if

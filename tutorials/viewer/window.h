@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-/* Opens the window and returns when it is closed. Throws Error if there is no display. Throws Cancelled. */
+/* Opens the window and returns when it is closed. Throws Error if there is no display. Throws Canceled. */
 void showWindow(const ViewerOptions& options);
 
 } // namespace cbvh

@@ -34,7 +34,7 @@ public:
   /* True until take() is called, even after the task has ended. */
   bool busy() const { return task.valid(); }
 
-  /* Makes the current task end early, and take() throw Cancelled. Does nothing without a task. */
+  /* Makes the current task end early, and take() throw Canceled. Does nothing without a task. */
   void cancel();
 
   bool finished() const;
