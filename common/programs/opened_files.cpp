@@ -16,11 +16,11 @@ bool hasExtension(const char* extension, const std::string& path)
   return lowerCase(std::filesystem::path(path).extension().string()) == extension;
 }
 
-/* Pipes have no extension. They are cages, because maps cannot be read from pipes. */
+/* Pipes are cages, because maps cannot be read from pipes. */
 bool isCage(const std::string& path) { return hasExtension(".obj", path) || isPipe(path); }
 bool isSavedScene(const std::string& path) { return hasExtension(".cbvh", path); }
 
-/* Resets the settings of a map, and the strength of a generated scene. */
+/* Resets the map's settings and the amplitude. */
 void resetMap(SceneSettings& settings)
 {
   const SceneSettings fresh;
@@ -76,7 +76,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
 void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene)
 {
   SceneSettings named;
-  named.cagePath = scene.cagePath; // a height map alone is for this cage
+  named.cagePath = scene.cagePath; // a height map alone belongs to this cage
   if (!files.empty())
     named = openFiles(files, named);
   const bool hasModel =
