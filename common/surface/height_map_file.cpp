@@ -22,8 +22,7 @@
 namespace cbvh {
 namespace {
 
-/* Redirects stderr to /dev/null while it exists, because libpng prints errors that OpenImageIO reports anyway. Affects
- * all threads; programs read maps while they do nothing else. */
+/* Redirects stderr of all threads to /dev/null, because libpng prints errors that OpenImageIO reports anyway. */
 class QuietStderr
 {
 public:
@@ -61,7 +60,7 @@ Error unreadable(const std::string& path, std::string reason)
   return Error(path + ": cannot read this height map: " + (reason.empty() ? "unknown reason" : reason));
 }
 
-/* Opening a pipe without a writer blocks, and OpenImageIO opens a file several times. */
+/* Pipes without a writer would block, and OpenImageIO opens a file several times. */
 void requireFile(const std::string& path)
 {
   std::error_code ignored;
@@ -87,7 +86,6 @@ std::unique_ptr<MapImage> openImage(const std::string& path)
   return input;
 }
 
-/* Some channels of an image. */
 struct Texels
 {
   int width, height, channels;
@@ -95,7 +93,7 @@ struct Texels
 
   const float* at(int x, int y) const { return &values[(size_t(y) * size_t(width) + size_t(x)) * size_t(channels)]; }
 
-  /* True if all border texels are equal, so that adjacent copies of the map meet without a step. */
+  /* True if adjacent copies of the map meet without a step. */
   bool hasConstantBorder() const
   {
     const auto same = [&](int x, int y) { return std::equal(at(x, y), at(x, y) + channels, at(0, 0)); };
@@ -114,7 +112,6 @@ bool isCancelled(void*, float)
   return cancelRequested();
 }
 
-/* Reads channels of the current image. */
 Texels readImage(MapImage& input, int image, int first, int count, const std::string& path)
 {
   const OIIO::ImageSpec& spec = input.spec();
@@ -134,7 +131,7 @@ Texels readImage(MapImage& input, int image, int first, int count, const std::st
               " is not finite");
 }
 
-/* Returns the index of a channel of the current image. Throws Error unless `count` channels follow from there on. */
+/* Returns the channel's index. Throws Error unless `count` channels start there. */
 int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int count, const std::string& path)
 {
   int first = 0;
@@ -165,7 +162,7 @@ HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
-  input->setReading({0, 1, NAN}); // so that a missing height is an error
+  input->setReading({0, 1, NAN}); // a missing height is an error
   Texels texels = readImage(*input, 0, 0, 1, path);
   HeightMap map;
   map.w = texels.width;
@@ -212,7 +209,7 @@ std::string HeightMap::recipeOf(const std::string& path)
   const auto input = OIIO::ImageInput::open(path);
   if (input)
     return std::string(input->spec().get_string_attribute(recipeAttribute));
-  OIIO::geterror(); // otherwise OpenImageIO prints the error later
+  OIIO::geterror(); // otherwise OpenImageIO prints it later
   return "";
 }
 
@@ -220,7 +217,7 @@ void HeightMap::write(const std::string& path, const std::string& recipe) const
 {
   OIIO::ImageSpec spec(w, h, 1, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"Y"};
-  spec.attribute("compression", "none"); // noise hardly compresses and compressing it takes long
+  spec.attribute("compression", "none"); // noise hardly compresses
   if (!recipe.empty())
     spec.attribute(recipeAttribute, recipe);
   writeImageFile(path, spec, OIIO::TypeDesc::FLOAT, texels.data());
