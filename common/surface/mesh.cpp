@@ -54,7 +54,7 @@ void makeQuads(Cage& cage, const std::string& path)
 
 float latticeSpacing(const std::vector<Vec3f>& positions)
 {
-  int lowest = 1000, highest = -1000; // exponents: of the common divisor, and of the largest coordinate
+  int lowest = 1000, highest = -1000; // exponents of the common divisor and the largest coordinate
   for (const Vec3f& p : positions)
     for (float x : {p.x, p.y, p.z})
     {

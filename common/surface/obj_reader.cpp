@@ -1,14 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* See obj_reader.h. Tags are as in OpenSubdiv's regression shapes: `t name ints/floats/strings`, followed by that many
- * values. Vertices and faces in tags are numbered from 0.
+/* Tags are as in OpenSubdiv's regression shapes: `t name ints/floats/strings`, followed by that many values.
+ * Vertices and faces in tags are numbered from 0.
  *
- * Reason for not using tinyobjloader: version 2.0.0rc10 of Debian 12 reads the tags, but misreads some files without
- * an error. It drops the first vertex after a byte order mark, reads `v 1 x 2` and NaN as vertices, skips unknown
- * statements, and keeps only 8 bits of the number of corners of a face. For an index out of range it only warns,
- * without naming the index. It rejects faces that a backslash continues on the next line. This reader is also
- * faster. */
+ * tinyobjloader (2.0.0rc10 of Debian 12) reads the tags, but misreads some files without an error: it drops the
+ * first vertex after a byte order mark, reads `v 1 x 2` and NaN as vertices, skips unknown statements, keeps 8 bits
+ * of the number of corners, and rejects faces that continue on the next line. This reader is also faster. */
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
@@ -43,7 +41,7 @@ public:
     for (std::string line; readLine(line);)
     {
       if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0)
-        line.erase(0, 3); // a byte order mark, written by Windows programs
+        line.erase(0, 3); // byte order mark of Windows programs
       while (continues(line))
       {
         line.back() = ' ';
@@ -59,8 +57,7 @@ public:
   }
 
 private:
-  /* Reads a line that ends in LF, CR LF or CR. Removes the line end and blanks before it. Returns false at the end of
-   * the file. */
+  /* Reads a line that ends in LF, CR LF or CR, without trailing blanks. Returns false at the end of the file. */
   bool readLine(std::string& line)
   {
     line.clear();
@@ -85,8 +82,8 @@ private:
     return true;
   }
 
-  /* True if the statement continues on the next line. Comments and statements with names never do: a name may be a
-   * Windows path that ends in a backslash. */
+  /* True if the statement continues on the next line. Comments and names never do: a Windows path may end in a
+   * backslash. */
   static bool continues(std::string_view line)
   {
     if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
@@ -118,7 +115,7 @@ private:
     return words;
   }
 
-  /* Makes a word of a file that may be binary printable in messages. */
+  /* For words of files that may be binary. */
   static std::string printable(std::string_view word)
   {
     constexpr size_t longest = 32;
@@ -147,7 +144,7 @@ private:
     return value;
   }
 
-  /* Tiny coordinates, written by programs that compute in doubles, become 0. */
+  /* Tiny coordinates of programs that compute in doubles become 0. */
   template<typename T>
   T outOfRange(std::string_view word) const
   {
@@ -209,7 +206,7 @@ private:
     }
   }
 
-  /* Keeps the comments before the first statement, in which programs describe themselves. */
+  /* Programs describe themselves in comments before the first statement. */
   void comment(std::string_view line)
   {
     constexpr size_t longest = 4096;
@@ -242,7 +239,7 @@ private:
     addTextureCoordinates(uvs, corners);
   }
 
-  /* uvIndices stays empty up to the first face with texture coordinates. */
+  /* uvIndices stays empty until the first face with texture coordinates. */
   void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners)
   {
     if (!uvs.empty() && uvs.size() != corners)
@@ -256,7 +253,7 @@ private:
     cage.uvIndices.insert(cage.uvIndices.end(), uvs.begin(), uvs.end());
   }
 
-  /* t NAME INTS/FLOATS/STRINGS, followed by the values. */
+  /* t NAME INTS/FLOATS/STRINGS VALUES */
   struct Tag
   {
     std::string name;
@@ -294,13 +291,13 @@ private:
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
         fail("sharpness " + printable(words[3 + counts[0] + i]) + " is negative; expected 0 or more");
-      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // 10 is infinitely sharp, as in OpenSubdiv
+      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // infinitely sharp, as in OpenSubdiv
     }
     tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());
     return tag;
   }
 
-  /* Returns the sharpness of the i-th of n edges or vertices of a tag. */
+  /* Of the i-th of n edges or vertices. */
   float sharpness(const Tag& tag, size_t i, size_t n) const
   {
     if (tag.floats.size() != 1 && tag.floats.size() != n)
@@ -358,11 +355,11 @@ private:
         warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + printable(rule(tag)) +
                     "' is ignored: Embree supports only the normal rule\n";
     }
-    else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which are not smoothed here
+    else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which stay linear here
       fail("unknown tag " + quoted(tag.name));
   }
 
-  /* Checks ranges at the end, because tags may precede the faces and vertices that they refer to. */
+  /* At the end, because tags may precede the faces and vertices that they refer to. */
   void finish()
   {
     if (cage.faceSizes.empty())
