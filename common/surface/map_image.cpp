@@ -204,7 +204,7 @@ std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const
   if (!(value >= least && value <= most) || value != std::floor(value))
     return {}; // no sample can have this value
   if (isUnsigned(from.format))
-    value = std::floor(value * (std::ldexp(1.0, int(8 * from.format.size())) - 1) / most); // samples of 1 to 7 and 9 to 15 bits
+    value = std::floor(value * (std::ldexp(1.0, int(8 * from.format.size())) - 1) / most); // 1 to 7 and 9 to 15 bits
   return photometric == WhiteIsZero && !isInverted ? 255 - value : value;
 }
 

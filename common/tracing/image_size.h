@@ -5,7 +5,7 @@
 
 namespace cbvh {
 
-/* Size in pixels. */
+/* In pixels. */
 struct ImageSize
 {
   int width = 1024, height = 1024;

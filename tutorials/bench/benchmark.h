@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Runs all combinations that a command line names. */
+/* Runs all combinations of a command line. */
 
 #include "options.h"
 #include "results.h"
