@@ -31,14 +31,13 @@ namespace fs = std::filesystem;
 
 /* --- displacement -------------------------------------------------------------- */
 
-/* Heights as arguments from Python. */
 struct Heights
 {
-  std::string path; // of an image, or
-  HeightMap map;    // an array if the path is empty
+  std::string path; // image, or
+  HeightMap map;    // array if the path is empty
 };
 
-/* A file that contains an array, because OpenImageIO's texture system only reads files. */
+/* Stores an array in a file, because OpenImageIO's texture system only reads files. */
 class MapFile
 {
 public:
@@ -62,7 +61,7 @@ private:
   std::string folder;
 };
 
-/* Keeps the file as long as tiles of it may be read. */
+/* Keeps the file while its tiles may be read. */
 struct ArrayDisplacement
 {
   MapFile file;
@@ -103,7 +102,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   }
   const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});
   map.path = kept->file.path();
-  /* Messages name the argument instead of the temporary file. */
+  /* Replaces the temporary file's name by the argument's. */
   const auto withArgument = [&](std::string text) {
     for (size_t at; (at = text.find(map.path)) != std::string::npos;)
       text.replace(at, map.path.size(), "height");
@@ -129,7 +128,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
 
 const std::vector<std::string> valuesOfMaps{"heights", "object", "tangent"}; // in the order of MapValues
 
-/* Reads one number, or one for each direction. */
+/* One number, or one per direction. */
 Vec2f readRepeat(const py::object& value)
 {
   const Floats given = floats(value, "repeat");
@@ -142,10 +141,10 @@ Vec2f readRepeat(const py::object& value)
   return repeat;
 }
 
-/* Reads an array of shape (steps, vertices, 3), or (vertices, 3) for one step. */
+/* Shape (steps, vertices, 3), or (vertices, 3) for one step. */
 std::vector<std::vector<Vec3f>> readPoses(const py::object& given, size_t numVertices)
 {
-  constexpr size_t most = 128; // together with the cage, Embree's limit of 129 time steps
+  constexpr size_t most = 128; // Embree's 129 time steps without the cage
   if (given.is_none())
     return {};
   const Floats array = floats(given, "poses");

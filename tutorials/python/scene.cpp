@@ -49,7 +49,7 @@ struct Scene
   BuiltScene built;
 };
 
-/* A scene from a file, without a model. */
+/* Has no model. */
 struct LoadedScene
 {
   const TracedScene& traced() const { return saved; }
@@ -75,7 +75,7 @@ unsigned threadsOf(int threads)
 
 /* --- building ------------------------------------------------------------------ */
 
-/* Parses "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
+/* "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
 Representation readRepresentation(const std::string& name, const py::object& frameLevel)
 {
   const std::vector<Representation> one = parseRepresentations(
@@ -159,7 +159,7 @@ std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays
   return hit;
 }
 
-/* For Scene and LoadedScene; so is the next function. */
+/* For Scene and LoadedScene, as the next function. */
 template<typename Traced>
 py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
@@ -340,7 +340,7 @@ py::dict tessellation(const Scene& scene, float time)
 
 /* --- docstrings ---------------------------------------------------------------- */
 
-/* Returns the names of the representations for which a predicate is true, "cgrid, cvoxel". */
+/* Representations for which a predicate is true, "cgrid, cvoxel". */
 std::string wordsOf(bool (Representation::*is)() const, const std::string& quote)
 {
   std::string words;

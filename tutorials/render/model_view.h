@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The model, camera and build settings that the options describe. */
+/* From the options. */
 
 #include "options.h"
 
@@ -15,7 +15,7 @@ struct ModelView
   Camera camera;
   BuildSettings build;
 
-  /* Loads the model. Throws Error. */
+  /* Throws Error. */
   explicit ModelView(const Options& options);
 };
 
