@@ -19,7 +19,7 @@ struct Error : std::runtime_error
 /* The user pressed Ctrl-C. */
 struct Cancelled : Error
 {
-  Cancelled() : Error("cancelled") {}
+  Cancelled() : Error("canceled") {}
 };
 
 } // namespace cbvh

@@ -68,7 +68,7 @@ bool interrupted()
 
 void endSoonAfterCancel(const char* program)
 {
-  std::snprintf(cancelMessage, sizeof(cancelMessage), "\n%s: cancelled\n", program);
+  std::snprintf(cancelMessage, sizeof(cancelMessage), "\n%s: canceled\n", program);
   std::signal(SIGALRM, onGraceOver);
 }
 

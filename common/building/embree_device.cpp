@@ -25,7 +25,7 @@ const char* errorName(RTCError code)
   case RTC_ERROR_INVALID_OPERATION: return "invalid operation";
   case RTC_ERROR_OUT_OF_MEMORY: return "out of memory";
   case RTC_ERROR_UNSUPPORTED_CPU: return "unsupported CPU";
-  case RTC_ERROR_CANCELLED: return "cancelled";
+  case RTC_ERROR_CANCELLED: return "canceled";
   default: return "unknown error";
   }
 }

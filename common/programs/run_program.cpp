@@ -23,7 +23,7 @@ int runProgram(const char* name, const std::function<int()>& run)
   }
   catch (const Cancelled&)
   {
-    std::fprintf(stderr, "%s: cancelled\n", name);
+    std::fprintf(stderr, "%s: canceled\n", name);
     return 130;
   }
   catch (const std::bad_alloc&)

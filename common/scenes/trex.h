@@ -31,7 +31,7 @@ struct TrexSettings
   int threads = 0;       // 0 for all
 };
 
-/* Of the amplitude. */
+/* Factor of the amplitude. */
 constexpr float trexRoughFactor = 5.0f;
 
 /* Shows progress. Throws Error if the map cannot be written or read. */

@@ -25,8 +25,8 @@ struct TextureChannels
 class HeightTexture
 {
 public:
-  /* Opens files and checks that all texels are finite. `paths` names one file, of which all images are used, or
-   * several, of which the first images are used. Appends a line to `warnings` for each file with texels without a
+  /* Opens files and checks that all texels are finite. `paths` names one file, whose images are all used, or
+   * several, whose first images are used. Appends a line to `warnings` for each file with texels without a
    * value. Throws Error with the path. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);

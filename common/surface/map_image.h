@@ -74,7 +74,7 @@ private:
   std::string refused;
   size_t missing = 0;
 
-  /* Of the current image: */
+  /* About the current image: */
   int image = -1;
   OIIO::ROI window; // the visible part, in the source's coordinates
   std::optional<double> nodata;

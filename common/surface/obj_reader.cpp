@@ -297,7 +297,7 @@ private:
     return tag;
   }
 
-  /* Of the i-th of n edges or vertices. */
+  /* Sharpness of the i-th of n edges or vertices. */
   float sharpness(const Tag& tag, size_t i, size_t n) const
   {
     if (tag.floats.size() != 1 && tag.floats.size() != n)

@@ -4,8 +4,8 @@
 #pragma once
 
 /* The program defines Embree's functions itself: each jumps through a slot, at the cost of an entry of a linker's
- * table for a shared library. Slots can be refilled, so several builds of the library can be in one process, one of
- * which is current. */
+ * table for a shared library. Slots can be refilled, so a process may contain several builds of the library; one of
+ * them is current. */
 
 #include <map>
 #include <string>

@@ -66,7 +66,7 @@ py::array view(const T* data, const Shape& shape, const Shape& strides, const py
   return array;
 }
 
-/* Of a vector whose elements consist of T only: shape (n,) or (n, width). */
+/* For vectors whose elements consist of T only: shape (n,) or (n, width). */
 template<typename T, typename Element>
 py::array view(const std::vector<Element>& elements, const py::handle& owner)
 {

@@ -452,7 +452,7 @@ footprint: width of a pixel at distance 1 (Camera.footprint); directions must ha
 
 rmse_pixels, median_pixels, p99_pixels and max_pixels describe distances between hit points. rmse_of_others_pixels and
 bias_pixels (above 0: behind the reference) exclude distances beyond 5 pixels, which usually mean another sheet of the
-surface. false_hits and misses count rays of which only one hits. Normals are in degrees, u and v in quads (cells).)";
+surface. false_hits and misses count rays for which only one of both has a hit. Normals are in degrees, u and v in quads (cells).)";
 
 constexpr const char* trueErrorsText =
   R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.

@@ -215,7 +215,7 @@ void addNormalsAndParameters(Table& table, std::optional<Errors> Result::*errors
   count("- - on another patch", &Errors::otherPatch);
 }
 
-/* Of compression. The RMSE is for comparison with the paper. */
+/* Errors of compression. The RMSE is for comparison with the paper. */
 void addMeshErrors(Table& table)
 {
   meshRow(table, "against the mesh: error, pixels, median", [](const HitErrors& e) { return number(e.median, 4); });
@@ -229,7 +229,7 @@ void addMeshErrors(Table& table)
   addNormalsAndParameters(table, &Result::errors);
 }
 
-/* Of tessellation and compression. */
+/* Errors of tessellation and compression. */
 void addTrueErrors(Table& table)
 {
   trueRow(table, "against the true surface: error, pixels, median",

@@ -19,7 +19,7 @@ struct ViewerOptions
   BuildSettings build;
   bool autoLevel = false;                   // rates by the initial view instead of build.level
   float quadSize = 1;                       // of rates by the view, in pixels
-  float maxPixelError = 0;                  // largest lattice spacing of cVERT with rates by the view, in pixels; 0: no bound
+  float maxPixelError = 0;                  // largest lattice spacing of cVERT with rates by the view, pixels; 0: none
   PictureMode mode = PictureMode::Shading;
   std::string view = "full";
   int samples = 16;                         // per pixel in PictureMode::Shading

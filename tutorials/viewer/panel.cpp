@@ -175,7 +175,7 @@ void Panel::drawKeys()
   ImGui::TextUnformatted("Drop a cage (OBJ), a height map, both, or compressed surfaces (.cbvh) here to open them.");
 }
 
-/* Of constant height, so that nothing moves under the mouse. */
+/* The height is constant, so that nothing moves under the mouse. */
 void Panel::drawFooter()
 {
   ImGui::Separator();
@@ -347,7 +347,7 @@ void Panel::drawReports()
     drawLegend();
 }
 
-/* Of the first sample. */
+/* All figures belong to the first sample. */
 void Panel::drawSamples()
 {
   const Picture* const picture = viewer.picture();

@@ -24,7 +24,7 @@ public:
   void fold() { changeFold = true; } // toggles, as does hide()
   void hide() { hidden = !hidden; }
 
-  /* Whether to quit. The window handles the keys of the answer. */
+  /* Shows or hides the question whether to quit. The window handles the keys of the answer. */
   void ask(bool now) { asking = now; }
   bool isAsking() const { return asking; }
   bool quitChosen() const { return quit; }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the user can change at run time, and the scenes that it needs. */
+/* State that the user can change at run time, and the scenes that it needs. */
 
 #include "document.h"
 #include "picture.h"

@@ -72,7 +72,7 @@ public:
   float time() const { return shownTime; }
   void setTime(float time);
 
-  /* Of the background task, if any. */
+  /* Progress of the background task, if any. */
   std::optional<Worker::Progress> progress() const { return worker.progress(); }
 
   /* Cancels the background task. */
