@@ -50,7 +50,7 @@ void requireNoInputFile(const std::string& path)
     return;
   const std::string input =
     found->second == path ? "an input of this run" : found->second + ", an input of this run, which is the same file";
-  throw Error(path + ": would replace " + input + "; give another name");
+  throw Error(path + ": would replace " + input + ": expected another name");
 }
 
 } // namespace cbvh

@@ -236,7 +236,8 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
     throw Error("the triangles of NAIVE do not move: expected a model without motion, or another representation");
   for (const Patch& patch : layout.patches())
     if (settings.level == 0 && !layout.isQuadFace(patch.face))
-      throw Error("NAIVE at level 0 needs a cage of quads only, but face " + std::to_string(patch.face) + " is none");
+      throw Error("NAIVE at level 0: face " + std::to_string(patch.face) +
+                  " is not a quad: expected only quads, or level 1");
 
   std::vector<GeometryHandle> copies;
   std::vector<DisplacementContext> captures(model.copies.size());

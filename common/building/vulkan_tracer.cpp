@@ -32,7 +32,7 @@ void validateTraceDevice(const std::string& name)
                 "a device's name");
 #ifndef CBVH_VULKAN
   throw Error(settingName("device") + " " + name +
-              ": this build has no Vulkan, which needs Vulkan's headers, glslc and Python");
+              ": this build has no Vulkan, because it lacked Vulkan's headers, glslc or Python: expected cpu");
 #endif
 }
 

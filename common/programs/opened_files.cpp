@@ -85,9 +85,9 @@ void applyFileArguments(const std::vector<std::string>& files, SceneSettings& sc
     throw Error(named.savedPath + ": a file of compressed surfaces must be opened alone: expected no model options");
   scene.savedPath = named.savedPath;
   if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
-    throw Error(named.cagePath + ": expected only one model, but there is a --scene or a --cage, too");
+    throw Error(named.cagePath + ": --scene or --cage names another model: expected only one");
   if (!named.heightPath.empty() && !scene.heightPath.empty())
-    throw Error(named.heightPath + ": expected only one height map, but there is a --height, too");
+    throw Error(named.heightPath + ": --height names another height map: expected only one");
   if (named.savedPath.empty())
     scene.cagePath = named.cagePath;
   if (!named.heightPath.empty())

@@ -140,7 +140,7 @@ Camera chooseCamera(const std::string& view, const Model& model, const TracedSce
 {
   const Box3f bounds = scene.bounds();
   if (!hasSurface(bounds))
-    throw Error(model.name + ": Embree makes no surface of this cage: expected faces that are neither holes nor "
+    throw Error(model.name + ": Embree tessellates no face of this cage: expected faces that are neither holes nor "
                 "invalid");
   if (view != "full" && view != "close")
     return parseView(view, model.view.up, size);

@@ -69,7 +69,7 @@ void requireFile(const std::string& path)
     throw Error(path + ": no such height map" +
                 (path.find('<') == std::string::npos ? "" : "; expected <UDIM>, %(UDIM)d or <UVTILE> for tiles"));
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))
-    throw Error(path + ": height maps are read more than once, but this is a pipe or a device; expected a file");
+    throw Error(path + ": this is a pipe or a device, which cannot be read more than once: expected a file");
 }
 
 std::unique_ptr<MapImage> openImage(const std::string& path)
@@ -78,7 +78,8 @@ std::unique_ptr<MapImage> openImage(const std::string& path)
   const std::string extension = std::filesystem::path(path).extension().string();
   const std::string formats = "," + std::string(OIIO::get_string_attribute("input_format_list")) + ",";
   if ((extension == ".ptx" || extension == ".ptex") && formats.find(",ptex,") == std::string::npos)
-    throw Error(path + ": this OpenImageIO was built without its Ptex reader; a TIFF with one page per face works too");
+    throw Error(path + ": this OpenImageIO has no Ptex reader: expected another format, such as a TIFF "
+                "with one page per face");
   auto input = std::make_unique<MapImage>();
   OIIO::ImageSpec spec;
   if (!input->open(path, spec, MapImage::configuration({})))
@@ -128,7 +129,7 @@ Texels readImage(MapImage& input, int image, int first, int count, const std::st
   const size_t texel = size_t(bad - texels.values.begin()) / size_t(count), width = size_t(spec.width);
   throw Error(path + ": the " + (count == 1 ? "height" : "vector") + " at texel " + std::to_string(texel % width) +
               "," + std::to_string(texel / width) + (image ? " of image " + std::to_string(image) : "") +
-              " is not finite");
+              " is not finite: expected a finite number");
 }
 
 /* Returns the channel's index. Throws Error unless `count` channels start there. */
@@ -152,8 +153,8 @@ int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int cou
     names += (names.empty() ? "" : ", ") + name;
   if (count > 1)
     throw Error(path + ": a map of vectors needs " + std::to_string(count) + " channels" +
-                (channel.empty() ? "" : " from '" + channel + "' on") + ", but the file has " + names);
-  throw Error(path + ": unknown channel '" + channel + "': the file has " + names);
+                (channel.empty() ? "" : " from '" + channel + "' on") + ": expected them among " + names);
+  throw Error(path + ": unknown channel '" + channel + "': expected one of " + names);
 }
 
 } // namespace
@@ -194,7 +195,7 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   if (!input->refusal().empty())
     throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->refusal());
   if (info.images == 0)
-    throw unreadable(path, "it contains only copies of reduced resolution or masks");
+    throw unreadable(path, "it contains only smaller copies or masks: expected at least one other image");
   info.missing = input->numMissing();
   info.isPlain &= info.missing == 0;
   return info;

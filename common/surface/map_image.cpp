@@ -62,11 +62,11 @@ OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
 std::string refusalOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
 {
   if (spec.deep)
-    return "it is a deep image, with many values per texel";
+    return "it is a deep image: expected one value per texel and channel";
   if (spec.width < 1 || spec.height < 1)
-    return "it is empty";
+    return "it is empty: expected at least one texel";
   if (spec.depth > 1)
-    return "it is a volume of " + std::to_string(spec.depth) + " slices";
+    return "it is a volume of " + std::to_string(spec.depth) + " slices: expected one";
   if (isInverted && !isUnsigned(spec.format))
     return "white is zero in it, which is undefined for samples of type " + std::string(spec.format.c_str()) +
            ": expected black as zero";

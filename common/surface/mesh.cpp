@@ -39,7 +39,7 @@ void makeQuads(Cage& cage, const std::string& path)
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
       throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) +
-                  " vertices, but a mesh consists of quads and triangles; " + settingName("cage") +
+                  " vertices: expected a mesh of quads and triangles; " + settingName("cage") +
                   " reads the file as a subdivision surface");
     if (!isHole[face])
       indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});

@@ -158,7 +158,7 @@ private:
   {
     const float value = number<float>(word);
     if (!std::isfinite(value))
-      fail(quoted(word) + " is not finite");
+      fail(quoted(word) + " is not finite: expected a finite number");
     return value;
   }
 
@@ -202,7 +202,8 @@ private:
                                                          "p",  "usemtl", "mtllib", "usemap", "maplib", "mg", "lod",
                                                          "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
       if (!skipped.count(kind))
-        fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? "; expected an OBJ file" : ""));
+        fail("unknown statement " + quoted(kind) +
+             (lineNumber == 1 ? ": expected an OBJ file" : ": expected a statement of OBJ"));
     }
   }
 
@@ -356,7 +357,7 @@ private:
                     "' is ignored: Embree supports only the normal rule\n";
     }
     else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which stay linear here
-      fail("unknown tag " + quoted(tag.name));
+      fail("unknown tag " + quoted(tag.name) + ": expected crease, corner, hole, interpolateboundary or creasemethod");
   }
 
   /* At the end, because tags may precede the faces and vertices that they refer to. */
@@ -410,10 +411,10 @@ Cage readObj(const std::string& path, std::string& warnings)
   }
   std::ifstream stream(path);
   if (!stream)
-    throw Error(path + ": cannot be opened");
+    throw Error(path + ": cannot be opened: expected a readable file");
   stream.peek(); // opening a directory succeeds, reading it fails
   if (stream.bad())
-    throw Error(path + ": cannot be read");
+    throw Error(path + ": cannot be read: expected a file, not a folder");
   return readObj(stream, path, warnings);
 }
 

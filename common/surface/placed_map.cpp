@@ -172,7 +172,7 @@ public:
     }
     if (texture.numImages() > 1 && texture.numImages() < images)
       throw Error(map.path + ": the file has " + std::to_string(texture.numImages()) + " images, but " + cage.name +
-                  " needs " + std::to_string(images) + " (one per quad and n per n-gon), or one for all faces");
+                  " expects " + std::to_string(images) + " (one per quad and n per n-gon), or one for all faces");
     if (texture.numImages() == 1 && !texture.hasConstantBorder())
       warn(warnings, cage.name + " has no texture coordinates: each face gets the whole of " + map.path +
                        "; the heights on the border of the map differ, so borders of faces use the mean of both sides");

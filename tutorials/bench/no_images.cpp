@@ -14,7 +14,7 @@ namespace {
 
 [[noreturn]] void rejectImage(const std::string& path)
 {
-  throw Error(path + ": cbvh_bench_bare cannot read or write images, because it has no OpenImageIO; use cbvh_bench");
+  throw Error(path + ": cbvh_bench_bare has no OpenImageIO to read or write images: expected cbvh_bench");
 }
 
 } // namespace

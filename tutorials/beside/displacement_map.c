@@ -112,7 +112,7 @@ static unsigned int writePicture(CbvhGroup group, const char* path, int size)
   unsigned int hits = 0;
   int x, y;
   if (!file) {
-    fprintf(stderr, "displacement_map: cannot write %s\n", path);
+    fprintf(stderr, "displacement_map: cannot write %s: expected a writable path\n", path);
     exit(1);
   }
   fprintf(file, "P5 %d %d 255\n", size, size);

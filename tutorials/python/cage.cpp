@@ -57,7 +57,7 @@ void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
   if (uvs.is_none())
   {
     if (!uvIndices.is_none())
-      throwValueError("uv_indices", "needs uvs");
+      throwValueError("uv_indices", "is given without uvs: expected both");
     return;
   }
   cage.uvs = vec2Vector(uvs, "uvs");

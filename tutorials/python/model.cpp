@@ -171,7 +171,7 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
   model->cage = cage;
   model->poses = readPoses(poses, cage.positions.size());
   if (amplitude && height.is_none())
-    throwValueError("amplitude", "needs a height");
+    throwValueError("amplitude", "is given without a height: expected both");
   if (amplitude && !std::isfinite(*amplitude))
     throwValueError("amplitude", "is not finite: expected a finite number");
   if (midLevel && !std::isfinite(*midLevel))
@@ -237,7 +237,7 @@ Mesh meshOf(const Model& model, int level, int threads)
   const PatchLayout layout = model.layout(level);
   for (const Patch& patch : layout.patches())
     if (level == 0 && !layout.isQuadFace(patch.face))
-      throw Error("level 0 needs a cage of quads only, but face " + std::to_string(patch.face) + " is none");
+      throw Error("level 0: face " + std::to_string(patch.face) + " is not a quad: expected only quads, or level 1");
   if (layout.numVertices() > UINT32_MAX)
     throw Error("level " + std::to_string(level) + " has " + std::to_string(layout.numVertices()) +
                 " vertices: expected at most 2**32 - 1");

@@ -150,7 +150,7 @@ void SceneStore::take()
   {
     worker.take();
     if (built->report().quads == 0)
-      throw Error(model.name + ": Embree makes no surface of this cage: expected faces that are neither holes nor "
+      throw Error(model.name + ": Embree tessellates no face of this cage: expected faces that are neither holes nor "
                   "invalid");
     entries.push_front({key, std::move(built)});
   }
