@@ -17,10 +17,10 @@
 namespace cbvh {
 
 /* The form in which a surface is passed to Embree:
- *   "grids", "grids:N"                     one grid per patch, or grids of N x N quads
- *   "quads", "quads:rows", "quads:shuffled"  indexed quads: in the order of OpenSubdiv's uniform refinement; patch by
- *                                          patch, row by row; or shuffled
- *   "triangles", and with :rows, :shuffled two triangles for each of these quads */
+ * - "grids": one grid per patch; "grids:N": grids of N x N quads;
+ * - "quads": indexed quads in the order of OpenSubdiv's uniform refinement; "quads:rows": patch by patch, row by row;
+ *   "quads:shuffled";
+ * - "triangles", "triangles:rows", "triangles:shuffled": two triangles for each of these quads. */
 struct DicedInput
 {
   enum Shape { Grids, Quads, Triangles };
@@ -39,7 +39,7 @@ struct DicedInput
 struct QuadMesh
 {
   std::vector<Vec3f> vertices;
-  std::vector<std::array<unsigned, 4>> quads; // in order around each quad
+  std::vector<std::array<unsigned, 4>> quads; // vertices in order around the quad
 };
 
 /* Returns an uncommitted geometry with its own copy of the mesh. */

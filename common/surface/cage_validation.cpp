@@ -156,7 +156,8 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
   return rings;
 }
 
-/* Turns faces beyond Embree's limits into holes. Embree would also leave out faces that share a vertex with them. */
+/* Turns faces beyond Embree's limits into holes. Embree would also leave out all faces that share a vertex
+ * with a face of too many vertices. */
 void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<char> isHole(cage.numFaces(), 0);

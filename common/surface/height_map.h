@@ -32,7 +32,7 @@ public:
     int channels = 0;            // of the first image
     bool constantBorder = false; // of the first image
     bool isPlain = true;         // the texture system can read the file itself, see map_image.h
-    size_t missing = 0;          // texels that read as `neutral`
+    size_t missing = 0;          // texels without a value
   };
 
   /* Reads `count` channels of all images. `channel` is the first one: a name, a number from 0, or empty. Texels

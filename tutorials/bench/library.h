@@ -42,7 +42,7 @@ private:
 
   std::string label, file, release;
   std::vector<std::string> targets;
-  void* opened = nullptr; // never closed, because Embree's threads may remain
+  void* opened = nullptr; // never closed, because threads may hold objects of Embree
   EmbreeFunctions functions;
 };
 
