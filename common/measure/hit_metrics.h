@@ -15,7 +15,7 @@
 
 namespace cbvh {
 
-/* Over rays that hit in both. */
+/* Errors of rays that hit both in the reference and in the representation. */
 struct HitErrors : ErrorSummary
 {
   size_t rays = 0;

@@ -29,7 +29,7 @@ struct RayOffset
   static RayOffset ofEmbree() { return {0.0f, 0.0f, 32.0f}; }
 };
 
-/* One per pixel. */
+/* Primary rays, one per pixel. */
 struct PictureRays
 {
   const std::vector<Ray>& rays;

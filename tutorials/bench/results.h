@@ -33,7 +33,7 @@ struct Speed
   double mrays(double s) const { return double(rays) * 1e-6 / s; }
 };
 
-/* With the first library, for a view, a ray set, a query and a mode. */
+/* Agreement with the first library, for a view, a ray set, a query and a mode. */
 struct HitAgreement
 {
   std::string view;

@@ -65,7 +65,7 @@ struct CheckedView
   float footprint;
 };
 
-/* For all representations of a model at a level. */
+/* Checks for all representations of a model at a level. */
 class Robustness
 {
 public:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* From the options. */
+/* The model, camera and build settings that the options describe. */
 
 #include "options.h"
 

@@ -35,7 +35,7 @@ public:
   void writeExr(const Representation& r, const std::vector<Vec3f>& colors, const std::vector<Ray>& rays,
                 const std::vector<SurfaceHit>& hits);
 
-  /* From pixelErrors. */
+  /* `errors` is a result of pixelErrors. */
   void writeErrors(const Representation& r, const std::vector<float>& errors);
 
   /* `grid` is GRID's ambient occlusion; empty for `light` alone. */

@@ -25,7 +25,7 @@ int mirrored(int i, int n)
   return place < n ? place : period - place;
 }
 
-/* By which MapImage, like OpenImageIO, divides samples. */
+/* Factor by which MapImage, like OpenImageIO, divides samples. */
 float unitOf(OIIO::TypeDesc type)
 {
   switch (type.basetype)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* In Embree's own kernels. */
+/* The terrain in Embree's own kernels, for comparison. */
 
 #include "terrain_tile.h"
 #include "building/embree_device.h"

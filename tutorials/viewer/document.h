@@ -14,7 +14,7 @@
 
 namespace cbvh {
 
-/* Ready to be shown. */
+/* A model that is ready to be shown. */
 struct LoadedModel
 {
   SceneSettings source;                // has an amplitude or scale, see withDefaultAmplitude

@@ -58,7 +58,7 @@ std::string frameLevelEntries()
   return entries;
 }
 
-/* Separated by commas. */
+/* Representations of the surfaces in a file, separated by commas. */
 std::string kindsIn(const SavedScene& scene)
 {
   std::string kinds;

@@ -5,8 +5,8 @@
 
 /* A picture of one representation, or of two side by side. Tiles of pixels are tasks of TBB.
  *
- * Only shading uses several samples per pixel, because fine displacement looks like noise with one; errors, cells,
- * normals and figures have no meaningful mean. */
+ * Only shading uses several samples per pixel, because fine displacement looks like noise with one. Figures and the other
+ * modes use one hit, because errors, cells and normals have no meaningful mean. */
 
 #include "building/built_scene.h"
 #include "building/saved_scene.h"
@@ -96,7 +96,7 @@ public:
   /* The mean of at least one sample. */
   const Image& image() const { return shown; }
 
-  /* Per pane. */
+  /* One report per pane. */
   const std::vector<PaneReport>& reports() const { return paneReports; }
 
 private:

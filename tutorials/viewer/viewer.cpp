@@ -202,7 +202,7 @@ std::vector<Pane> Viewer::panesOrPreview() const
   return {Pane(document->loaded->preview.get())};
 }
 
-/* Once; undamaged parts are shown. */
+/* Reports damage once; undamaged parts are shown. */
 void Viewer::checkFile()
 {
   if (!isFile())

@@ -67,7 +67,7 @@ public:
   float split() const { return splitPosition; }
   void moveSplit(float position);
 
-  /* 0 to 1. */
+  /* Time at which a moving model is shown, 0 to 1. */
   bool moves() const { return document && document->loaded->moves(); }
   float time() const { return shownTime; }
   void setTime(float time);

@@ -77,7 +77,7 @@ void Viewpoint::pan(float pixelsRight, float pixelsDown, float depth, ImageSize 
 void Viewpoint::zoom(Vec3f point, float factor)
 {
   const Vec3f newEye = point + factor * (eye - point), newTarget = point + factor * (target - point);
-  /* Limits of floats, near and far. */
+  /* Limits for the precision of floats: not too close to the target, and not too far away. */
   const float distance = length(newTarget - newEye), reach = length(newTarget) + length(newEye);
   if (factor < 1.0f ? distance > 1e-4f * reach : reach < 1e15f)
   {
