@@ -46,7 +46,7 @@ private:
 /* Throws Error. */
 void writeTextFile(const std::string& path, const std::string& text);
 
-/* Also flushes. Throws Error, for example if the disk is full. */
+/* Writes and flushes. Throws Error, for example if the disk is full. */
 void writeStandardOutput(const std::string& text);
 
 /* Creates a folder and its parents if necessary, and a file in it as a test. Throws Error. */

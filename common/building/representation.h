@@ -25,7 +25,7 @@ enum class RepresentationKind
   CLeafOnly = 1000,
 };
 
-/* In the order of lists. */
+/* All kinds, in the order of lists. */
 const std::vector<RepresentationKind>& representationKinds();
 
 /* Names in tables, "cLEAF", and on command lines, "cleaf". */

@@ -17,7 +17,7 @@ struct BlockGrid
   int level;
   int frameLevel;
 
-  /* In quads; a patch may be narrower. */
+  /* Width in quads; a patch may be narrower. */
   size_t blockWidth() const { return size_t(1) << std::max(0, level - frameLevel); }
 };
 

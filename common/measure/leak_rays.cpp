@@ -172,7 +172,7 @@ private:
     drawn.push_back({rayFrom(place.origin, direction), aimed});
   }
 
-  /* In one call, for the speed of devices. */
+  /* Traces all rays in one call, for the speed of devices. */
   void trace()
   {
     std::vector<RTCRayHit> closestHits(drawn.size());

@@ -60,7 +60,7 @@ Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::
 
 Vec3f errorColor(float error)
 {
-  /* At 0, 1.25, 2.5, 3.75 and 5 pixels. */
+  /* Colors at 0, 1.25, 2.5, 3.75 and 5 pixels. */
   const Vec3f stops[5] = {{0.02f, 0.05f, 0.75f}, {0.0f, 0.65f, 0.85f}, {0.1f, 0.75f, 0.1f},
                           {1.0f, 0.8f, 0.0f}, {1.0f, 0.2f, 0.6f}};
   if (error == falseHitError)

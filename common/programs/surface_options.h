@@ -35,7 +35,7 @@ inline Vec2f parseRepeat(const std::string& text)
   return repeat;
 }
 
-/* With as few digits as necessary. */
+/* Formats a number with as few digits as necessary. */
 inline std::string shortNumber(float value)
 {
   char text[32];
@@ -77,7 +77,7 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
     ->check(CLI::IsMember({"object", "tangent"}));
 }
 
-/* For applyFileArguments (opened_files.h). `saved` is true if the program also shows files of compressed surfaces. */
+/* Adds arguments for applyFileArguments. `saved` is true if the program also shows files of compressed surfaces. */
 inline void addFileArguments(CLI::App& app, std::vector<std::string>& files, bool saved = false)
 {
   app.add_option("files", files,

@@ -43,7 +43,7 @@ std::string listOfScenes(const std::string& last = " and ");
 /* Checks names and combinations of settings. Throws Error with the option. */
 void validateScene(const SceneSettings& settings);
 
-/* For height maps; vectors have a default scale of 1. */
+/* Default for height maps; vectors have a default scale of 1. */
 constexpr float defaultAmplitude = 0.006f;
 
 /* Sets the default amplitude or scale of the map if neither is set and the model is displaced. */

@@ -14,7 +14,7 @@
 namespace cbvh {
 namespace {
 
-/* Per side of a face: one per vertex at level 6. Fewer in the atlas, because more than half of it is empty. */
+/* Texels per side of a face: one per vertex at level 6. Fewer in the atlas, because more than half of it is empty. */
 constexpr int tileTexels = 64, chartTexels = 48;
 
 /* Changes with everything on which the texels depend. */

@@ -70,7 +70,7 @@ struct Patch
   size_t firstQuad;    // the same for quads
 };
 
-/* In order of faces; holes have no patches. Faces are numbered consecutively over the copies. */
+/* Patches in order of faces; holes have none. Faces are numbered consecutively over the copies. */
 class PatchLayout
 {
 public:

@@ -14,7 +14,7 @@ namespace cbvh {
 /* Converts faces to 4 vertices, triangles by repeating the last one. Removes holes. Throws Error for larger faces. */
 void makeQuads(Cage& cage, const std::string& path);
 
-/* For meshes of makeQuads. */
+/* Requires a mesh of makeQuads. */
 inline bool isTriangle(const Cage& mesh, size_t face)
 {
   const unsigned* const v = &mesh.faceIndices[4 * face];

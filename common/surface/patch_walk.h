@@ -25,7 +25,7 @@ public:
   FacePoint toEmbree(const PatchPoint& p) const;
 
 private:
-  /* In parameters of the patch beyond the border. */
+  /* A place in parameters of the patch beyond the border. */
   struct Crossing
   {
     unsigned face, subPatch, edge;

@@ -19,7 +19,7 @@ class PlacedMap
 public:
   virtual ~PlacedMap() = default;
 
-  /* As displaceByMap. */
+  /* Parameters and errors as displaceByMap. */
   static std::unique_ptr<PlacedMap> create(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
   /* Writes one value, or three for vectors, filtered to the spacing of `level`; nothing where there is no map.

@@ -24,7 +24,7 @@ double inside(double x)
 
 double square(double x) { return x * x; }
 
-/* In parameters. */
+/* A step in parameters. */
 struct Step
 {
   double u, v;
@@ -36,7 +36,7 @@ struct Step
   }
 };
 
-/* In cells. Farther away, derivatives do not describe the surface. */
+/* Longest step, in cells. Farther away, derivatives do not describe the surface. */
 constexpr double longestStep = 4.0;
 
 Cage cageOf(const Model& model, size_t copy)

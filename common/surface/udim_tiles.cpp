@@ -18,7 +18,7 @@ namespace {
 constexpr const char* placeholder = "<UDIM>";
 constexpr int columns = 10;
 
-/* With OpenImageIO's meaning. */
+/* Placeholders, with OpenImageIO's meaning. */
 struct Placeholder
 {
   const char* spelling;

@@ -17,7 +17,7 @@ namespace cbvh {
 
 bool isUdimPath(const std::string& path);
 
-/* As inputs of the run, see basics/input_files.h. */
+/* Records inputs of the run, see basics/input_files.h. */
 void noteMapFiles(const Cage& cage, const std::string& path);
 
 struct UdimTiles
@@ -34,7 +34,7 @@ struct UdimTiles
   /* Index into paths; -1 without a file. */
   int imageOf(unsigned face) const { return isUdim() ? images[face] : 0; }
 
-  /* In texture coordinates. */
+  /* Origin of the face's tile, in texture coordinates. */
   Vec2f originOf(unsigned face) const { return isUdim() ? origins[face] : Vec2f{0, 0}; }
 
 private:

@@ -35,7 +35,7 @@ struct HitDifferences
   size_t all() const { return hits + ids + distances + surfaces; }
 };
 
-/* For the same rays. */
+/* Both arguments belong to the same rays. */
 HitDifferences compareKeptHits(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b);
 
 } // namespace cbvh

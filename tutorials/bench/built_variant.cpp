@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-/* In Embree 3.13. */
+/* Sizes in Embree 3.13. */
 constexpr size_t gridQuads = 8;           // per side
 constexpr size_t gridVertexBytes = 16;    // x, y, z and (u,v)
 constexpr size_t vertexBytes = 12;        // of a triangle mesh

@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* By name; null if the library lacks the function. */
+/* Addresses by name; null if the library lacks the function. */
 using EmbreeFunctions = std::map<std::string, void*>;
 
 /* `opened` is a library opened by dlopen. */

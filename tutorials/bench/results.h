@@ -19,7 +19,7 @@
 
 namespace cbvh {
 
-/* For a view, a ray set, a query, a mode and a number of threads. */
+/* Speed for a view, a ray set, a query, a mode and a number of threads. */
 struct Speed
 {
   std::string view;

@@ -79,7 +79,7 @@ struct Shape
   }
 };
 
-/* In a cube. */
+/* Geometries in a cube. */
 class Shapes
 {
 public:
@@ -138,7 +138,7 @@ public:
     rtcCommitGeometry(geometries[i]);
   }
 
-  /* From outside at random shapes. */
+  /* Rays from outside at random shapes. */
   std::vector<RTCRayHit> rays(size_t count) const
   {
     std::mt19937 random(1);

@@ -45,7 +45,7 @@ Code codeFor(bool byRayQuery, bool hasFloat64)
 
 constexpr uint32_t groupSize = 8; // as in path.comp
 
-/* Per submission, approximately: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
+/* Paths per submission, approximately: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
 constexpr uint32_t pathsAtOnce = 1u << 18;
 
 class UploadedScene

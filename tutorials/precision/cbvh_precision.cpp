@@ -54,7 +54,7 @@ struct Source
   std::function<Commit(EmbreeDevice&)> prepare;
 };
 
-/* As an application passes them. */
+/* Vertices and faces, as an application passes them. */
 struct Diced
 {
   std::vector<std::vector<Vec3f>> steps; // vertices

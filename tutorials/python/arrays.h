@@ -32,7 +32,7 @@ Shape shapeOf(const py::array& array);
 
 /* --- arguments ---------------------------------------------------------------- */
 
-/* Any shape. */
+/* Accepts any shape. */
 Floats floats(const py::object& value, const std::string& argument);
 
 /* Shapes (n,), (n, 2) and (n, 3). The last two must be finite. */
@@ -40,10 +40,10 @@ std::vector<float> floatVector(const py::object& value, const std::string& argum
 std::vector<Vec2f> vec2Vector(const py::object& value, const std::string& argument);
 std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argument);
 
-/* Shape (3,), finite. */
+/* Requires shape (3,), finite. */
 Vec3f vec3(const py::object& value, const std::string& argument);
 
-/* From 0 to limit - 1, or `none`. Writes the argument's shape to `shape`. */
+/* Requires 0 to limit - 1, or `none`. Writes the argument's shape to `shape`. */
 std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
                               std::optional<unsigned> none = {});
 

@@ -24,7 +24,7 @@ namespace py = pybind11;
 /* `progress` is None, or receives the name of a phase and the fraction done, 0 to 1. Throws what `work` throws. */
 void runInterruptible(const py::object& progress, const std::function<void()>& work);
 
-/* With a result. */
+/* Returns the result of `work`. */
 template<typename Work>
 auto interruptible(const py::object& progress, const Work& work)
 {

@@ -141,7 +141,7 @@ Vec2f readRepeat(const py::object& value)
   return repeat;
 }
 
-/* Shape (steps, vertices, 3), or (vertices, 3) for one step. */
+/* Requires shape (steps, vertices, 3), or (vertices, 3) for one step. */
 std::vector<std::vector<Vec3f>> readPoses(const py::object& given, size_t numVertices)
 {
   constexpr size_t most = 128; // Embree's 129 time steps without the cage

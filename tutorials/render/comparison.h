@@ -45,7 +45,7 @@ struct Comparison
   std::vector<Result> results; // in the order of the options
 };
 
-/* Also writes the pictures. Throws Error. */
+/* Measures all representations and writes the pictures. Throws Error. */
 Comparison runComparison(const Options& options, const ModelView& view);
 
 } // namespace cbvh

@@ -24,7 +24,7 @@ std::string scientific(double value)
   return text;
 }
 
-/* With three decimals below 1 MiB. */
+/* Formats with three decimals below 1 MiB. */
 std::string mebibytes(size_t bytes)
 {
   const double value = double(bytes) / (1 << 20);

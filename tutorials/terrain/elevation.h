@@ -28,7 +28,7 @@ public:
   /* Throws Error with the path. */
   explicit Elevation(const ElevationSettings& settings);
 
-  /* In samples. Neighboring copies are mirrored and share a row or column, so there are no steps. */
+  /* Size in samples. Neighboring copies are mirrored and share a row or column, so there are no steps. */
   int width() const { return (sourceWidth - 1) * repeatX + 1; }
   int height() const { return (sourceHeight - 1) * repeatY + 1; }
 

@@ -19,7 +19,7 @@ struct TerrainTile
   std::vector<Vec3f> vertices; // by rows, plus one, because libraries may read 16 bytes per vertex
 };
 
-/* For the sample in column x and row y. The x axis points east, y north: row 0 is the northern edge. */
+/* Vertex of the sample in column x and row y. The x axis points east, y north: row 0 is the northern edge. */
 Vec3f vertexAt(const Options& options, const Elevation& elevation, int x, int y, float height);
 
 /* Starts at column x0 and row y0. Neighboring tiles share the vertices between them. */

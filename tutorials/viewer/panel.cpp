@@ -185,7 +185,7 @@ void Panel::drawFooter()
     drawSamples();
 }
 
-/* On both sides of the split line, or close to it. */
+/* Draws captions on both sides of the split line, or close to it. */
 void Panel::drawCaptions(const Rectangle& area)
 {
   const std::vector<Pane> panes = viewer.panes();

@@ -19,8 +19,8 @@
 namespace cbvh {
 namespace {
 
-/* In pixels. A tile is a task: large enough to outweigh its overhead, and small enough that the last ones do not
- * delay the frame. */
+/* Side of a tile in pixels. A tile is a task: large enough to outweigh its overhead, and small enough that the last
+ * ones do not delay the frame. */
 constexpr int tileSize = 16;
 
 /* Columns of a pane. Hits are stored in rows of the region. */
@@ -159,7 +159,7 @@ public:
     });
   }
 
-  /* In all modes but shading. */
+  /* Colors the pane in all modes but shading. */
   void paint(Image& image) const
   {
     forPixels([&](int x, int y, size_t pixel) { image.set(pixel, color(x, y)); });
@@ -178,7 +178,7 @@ private:
     });
   }
 
-  /* As in HitErrors. */
+  /* Computes statistics as in HitErrors. */
   void summarize(PaneReport& report) const
   {
     std::vector<float> both;

@@ -5,7 +5,7 @@
 
 /* A picture of one representation, or of two side by side. Tiles of pixels are tasks of TBB.
  *
- * Only shading uses several samples per pixel, because fine displacement looks like noise with one. Figures and the other
+ * Only shading uses several samples per pixel, because fine displacement looks like noise with one. Figures and other
  * modes use one hit, because errors, cells and normals have no meaningful mean. */
 
 #include "building/built_scene.h"
@@ -29,7 +29,7 @@ enum class PictureMode
 constexpr PictureMode allPictureModes[] = {PictureMode::Shading, PictureMode::Normals, PictureMode::Error,
                                            PictureMode::Cells, PictureMode::Blocks};
 
-/* For the command line. */
+/* Name on the command line. */
 const char* pictureModeName(PictureMode mode);
 
 /* A part of the picture. */
@@ -77,7 +77,8 @@ struct PictureSettings
 /* Where the right pane starts. */
 int splitColumn(ImageSize size, float split);
 
-/* For a patch of `resolution` quads per side, as documented for rtcSetGeometryCompression; 0 for NAIVE and GRID. */
+/* Frame level of a patch of `resolution` quads per side, as documented for rtcSetGeometryCompression; 0 for NAIVE and
+ * GRID. */
 int effectiveFrameLevel(const Representation& representation, unsigned resolution);
 
 /* Rendered sample by sample. The first sample is through the centers of pixels, and all figures belong to it. */
@@ -109,7 +110,7 @@ private:
   int count = 0;
 };
 
-/* With all samples. Throws Canceled. */
+/* Renders all samples. Throws Canceled. */
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
 } // namespace cbvh

@@ -44,7 +44,7 @@ public:
   /* The key's level replaces the settings' level. The worker must outlive the store. */
   SceneStore(const Model& model, const BuildSettings& settings, Worker& worker);
 
-  /* For autoLevel. `maxPixelError` bounds the spacing of cVERT, 0 for no bound. */
+  /* Settings for autoLevel. `maxPixelError` bounds the spacing of cVERT, 0 for no bound. */
   void setDicing(const ViewDicing& newDicing, float maxPixelError)
   {
     dicing = newDicing;

@@ -25,7 +25,7 @@ struct ViewState
   std::vector<SceneKey> scenes() const;
 };
 
-/* Nothing until all scenes are built. A file has one pane. */
+/* Panes; none until all scenes are built. A file has one. */
 std::vector<Pane> findPanes(const ViewState& state, const Document& document);
 
 bool operator==(const ViewState& a, const ViewState& b);

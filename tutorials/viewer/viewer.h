@@ -81,7 +81,7 @@ public:
   /* About the last failure or action, or empty. */
   std::string message() const;
 
-  /* With all its samples. */
+  /* Saves the shown picture with all its samples. */
   void savePicture();
 
   bool continuous = false; // render even if nothing changed

@@ -27,7 +27,7 @@ void Viewpoint::set(const Camera& camera)
   fieldOfView = camera.fov();
 }
 
-/* As in Camera, also for views along the up vector. */
+/* Same axis as in Camera, also for views along the up vector. */
 Vec3f Viewpoint::right() const
 {
   const Vec3f r = cross(direction(), up);

@@ -22,14 +22,14 @@ public:
   float distance() const { return length(target - eye); } // from the target
   float fov() const { return fieldOfView; }
 
-  /* In radians: about the target, or about the eye. */
+  /* Rotate the view, in radians: about the target, or about the eye. */
   void orbit(float right, float upwards);
   void look(float right, float upwards);
 
   /* The point becomes the target. */
   void lookAt(Vec3f point);
 
-  /* In world units. */
+  /* Moves eye and target, in world units. */
   void move(float right, float forward);
 
   /* Moves points at distance `depth` by a number of pixels. */

@@ -106,7 +106,7 @@ public:
 private:
   enum class Drag { None, Orbit, Look, Distance, Pan, Split };
 
-  /* In pixels: on dense screens a window has more pixels than units. */
+  /* Area in pixels: on dense screens a window has more pixels than units. */
   Rectangle pictureArea() const
   {
     int w, h;
@@ -187,7 +187,7 @@ private:
 
   /* --- mouse ------------------------------------------------------------------------------- */
 
-  /* In pixels of the picture. */
+  /* Cursor in pixels of the picture. */
   Vec2f cursor() const
   {
     double x, y;
@@ -233,7 +233,7 @@ private:
       panel.ask(false);
   }
 
-  /* Also for key repeats. Returns false for other keys. */
+  /* Handles key repeats, too. Returns false for other keys. */
   bool handleOrbit(int key)
   {
     constexpr float angle = 0.05f;

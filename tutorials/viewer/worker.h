@@ -51,7 +51,7 @@ public:
     double fraction = 0; // of the phase, in [0,1]
   };
 
-  /* Nothing without a task. */
+  /* Empty without a task. */
   std::optional<Progress> progress() const;
 
 private:
