@@ -44,7 +44,7 @@ public:
   /* True if the current image is a smaller copy or a mask, as in GDAL's TIFFs. */
   bool isCopyOrMask() const { return copyOrMask; }
 
-  /* So far. */
+  /* Number of missing texels read so far. */
   size_t numMissing() const { return missing; }
 
   /* Reason not to read the current image, or empty. */

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Square pixels. */
+/* A pinhole camera with square pixels. */
 
 #include "surface/view_hints.h"
 #include "tracing/image_size.h"

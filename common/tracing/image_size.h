@@ -5,7 +5,7 @@
 
 namespace cbvh {
 
-/* In pixels. */
+/* Size in pixels. */
 struct ImageSize
 {
   int width = 1024, height = 1024;

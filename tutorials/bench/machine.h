@@ -24,7 +24,7 @@ struct Machine
 
 Machine describeMachine();
 
-/* UTC, ISO 8601. */
+/* Current time in UTC, ISO 8601. */
 std::string dateNow();
 
 /* Instruction sets of both library and processor, narrowest first. */

@@ -49,7 +49,7 @@ struct Scene
   BuiltScene built;
 };
 
-/* Has no model. */
+/* A scene from a file, without a model. */
 struct LoadedScene
 {
   const TracedScene& traced() const { return saved; }
