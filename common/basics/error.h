@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Exceptions of the tools. runProgram catches them and prints what() as one line on stderr, so a message must name
- * the file or the argument, and its value. */
+/* Exceptions of the tools. runProgram prints what() as one line on stderr, so a message must name the file or the
+ * argument, and its value. */
 
 #include <stdexcept>
 #include <string>
@@ -19,7 +19,7 @@ struct Error : std::runtime_error
 /* The user pressed Ctrl-C. */
 struct Cancelled : Error
 {
-  Cancelled() : Error("cancelled") {}
+  Cancelled() : Error("canceled") {}
 };
 
 } // namespace cbvh

@@ -21,7 +21,6 @@ using cvert::UnfinishedFile;
 
 namespace {
 
-/* Owns a file descriptor. Throws std::system_error if it is negative. */
 class Descriptor
 {
 public:
@@ -37,7 +36,7 @@ public:
   const int number;
 };
 
-/* Output to a device or a pipe. Collects the bytes in memory until the commit, because image writers seek. */
+/* Output to a device or a pipe. Buffers all bytes until the commit, because image writers seek. */
 struct Stream
 {
   explicit Stream(const OutputPath& output)

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Files that appear either complete or not at all: they are written under a temporary name next to the final one,
- * then renamed. Devices, pipes and descriptors of the process such as /dev/stdout are written in place, because a
- * rename would replace them. */
+/* Files that appear either complete or not at all: written under a temporary name next to the final one, then
+ * renamed. Devices, pipes and descriptors such as /dev/stdout are written in place, because a rename would replace
+ * them. */
 
 #include <cstdint>
 #include <memory>
@@ -20,22 +20,21 @@ public:
   /* Creates the temporary file. Throws Error, also if this path is an input of the run (input_files.h). */
   explicit PendingFile(const std::string& path);
 
-  /* Removes the temporary file if it was not committed. */
   ~PendingFile();
 
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /* Path for writers that open the file themselves. It has no extension. */
+  /* Path without extension, for writers that open the file themselves. */
   const std::string& temporary() const;
 
-  /* Writes `bytes` bytes at `offset`. Returns false on failure; commit() then throws. */
+  /* Returns false on failure; commit() then throws. `offset` is in bytes. */
   bool write(const void* data, size_t bytes, uint64_t offset) noexcept;
 
-  /* Returns the reason of the first write that failed, or an empty string. */
+  /* Reason of the first write that failed, or empty. */
   std::string error() const;
 
-  /* Moves the file to its final path, with the permissions of the file that it replaces. Throws Error. */
+  /* Moves the file to its final path and keeps the permissions of a file that it replaces. Throws Error. */
   void commit();
 
 private:
@@ -44,13 +43,13 @@ private:
   std::unique_ptr<Place> place;
 };
 
-/* Writes a file. Throws Error. */
+/* Throws Error. */
 void writeTextFile(const std::string& path, const std::string& text);
 
-/* Writes a text to standard output and flushes it. Throws Error, for example if the disk is full. */
+/* Writes and flushes. Throws Error, for example if the disk is full. */
 void writeStandardOutput(const std::string& text);
 
-/* Creates a folder and its parents if necessary, and checks that files can be created in it. Throws Error. */
+/* Creates a folder and its parents if necessary, and a file in it as a test. Throws Error. */
 void prepareOutputFolder(const std::string& path);
 
 } // namespace cbvh

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Hashes of short integer keys, for containers, and of bytes, for names and keys of files. */
-
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -13,8 +13,7 @@
 namespace cbvh {
 namespace {
 
-/* Redirects OpenImageIO's writers into a PendingFile, which records errors: the writers ignore the result of closing
- * a file. */
+/* Redirects OpenImageIO's writers into a PendingFile, because they ignore errors when they close a file. */
 class PendingProxy : public OIIO::Filesystem::IOProxy
 {
 public:

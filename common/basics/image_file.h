@@ -9,8 +9,8 @@
 
 namespace cbvh {
 
-/* Writes an image, completely or not at all. The extension of the path selects the format; the default is PNG.
- * `type` is the type of the values in `pixels`. Throws Error with the path. */
+/* Writes an image, completely or not at all. The extension selects the format; the default is PNG. `type` describes
+ * `pixels`. Throws Error with the path. */
 void writeImageFile(const std::string& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels);
 
 } // namespace cbvh

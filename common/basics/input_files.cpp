@@ -15,9 +15,9 @@ namespace {
 using FileIdentity = std::pair<dev_t, ino_t>;
 
 std::mutex mutex;
-std::map<FileIdentity, std::string> inputs; // to the path under which the file was read
+std::map<FileIdentity, std::string> inputs; // the path under which the file was read
 
-/* Returns false for devices and pipes, which are written in place and cannot be replaced. */
+/* Returns false for devices and pipes, which are never replaced. */
 bool findIdentity(const std::string& path, FileIdentity& identity)
 {
   struct stat status;
@@ -50,7 +50,7 @@ void requireNoInputFile(const std::string& path)
     return;
   const std::string input =
     found->second == path ? "an input of this run" : found->second + ", an input of this run, which is the same file";
-  throw Error(path + ": would replace " + input + "; give another name");
+  throw Error(path + ": would replace " + input + ": expected another name");
 }
 
 } // namespace cbvh

@@ -3,15 +3,13 @@
 
 #pragma once
 
-/* Finds the word that a user may have meant. */
-
 #include <algorithm>
 #include <string>
 #include <vector>
 
 namespace cbvh {
 
-/* Levenshtein distance: the smallest number of letters to insert, delete or replace that turns a into b. */
+/* Levenshtein distance: the number of letters to insert, delete or replace. */
 inline size_t editDistance(const std::string& a, const std::string& b)
 {
   std::vector<size_t> costs(b.size() + 1), previous(b.size() + 1);
@@ -25,7 +23,7 @@ inline size_t editDistance(const std::string& a, const std::string& b)
   return costs.back();
 }
 
-/* Returns the first of the nearest words, or an empty string if `words` is empty. */
+/* Returns the first of the words with the smallest edit distance, or an empty string if there are none. */
 inline std::string nearestWord(const std::string& word, const std::vector<std::string>& words)
 {
   std::string nearest;

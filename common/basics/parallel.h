@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A loop on several threads that can be cancelled. The tools use plain threads, because Embree's pool belongs to its
- * devices. */
+/* Uses plain threads, because Embree's pool belongs to its devices. */
 
 #include "basics/progress.h"
 
@@ -18,14 +17,14 @@
 
 namespace cbvh {
 
-/* Returns the number of threads to use; 0 requests all hardware threads. */
+/* `requested` is 0 for all hardware threads. */
 inline unsigned threadCount(int requested)
 {
   return requested > 0 ? unsigned(requested) : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/* Calls body(begin, end) for consecutive ranges of at most `chunk` indices that cover [0,n), in any order, on up to
- * `threads` threads including the calling one. Rethrows the first exception. Throws Cancelled if the user cancels. */
+/* Calls body(begin, end) for ranges of at most `chunk` indices that cover [0,n), in any order, on up to `threads`
+ * threads including the calling one. Rethrows the first exception. Throws Canceled if the user cancels. */
 template<typename Body>
 void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body)
 {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::seconds longestWait{10}; // for a program that opens the pipe for writing
 constexpr std::chrono::milliseconds step{20};   // between two checks for such a program
-constexpr int pollMilliseconds = 100;           // the time in which an idle read notices that it was cancelled
+constexpr int pollMilliseconds = 100;           // an idle read notices cancellation within this time
 
 } // namespace
 
@@ -55,7 +55,7 @@ PipeInput::int_type PipeInput::underflow()
     }
     if (bytes == 0 && hadWriter)
       return traits_type::eof();
-    if (bytes == 0) // from a non-blocking pipe: no program has it open for writing
+    if (bytes == 0) // no program has the pipe open for writing
     {
       if (std::chrono::steady_clock::now() - start > longestWait)
         throw Error(path + ": cannot read this pipe: no program opened it for writing within " +

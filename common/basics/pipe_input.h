@@ -23,7 +23,7 @@ public:
   PipeInput& operator=(const PipeInput&) = delete;
 
 protected:
-  /* Waits for data, but at most 10 seconds for a program that opens the pipe for writing. Throws Error, Cancelled. */
+  /* Waits up to 10 seconds for a program that opens the pipe for writing. Throws Error. */
   int_type underflow() override;
 
 private:

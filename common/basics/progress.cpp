@@ -21,7 +21,7 @@ volatile std::sig_atomic_t signalFlag = 0;
 std::atomic<bool> requestFlag{false};
 PhaseListener phaseListener;
 
-/* Read by signal handlers, which must not allocate. Empty unless endSoonAfterCancel was called. */
+/* Read by signal handlers, which must not allocate. Empty before endSoonAfterCancel. */
 char cancelMessage[64] = "";
 char unfinishedFile[PATH_MAX] = "";
 
@@ -45,7 +45,7 @@ void onGraceOver(int)
   _exit(cancelledStatus);
 }
 
-/* Returns the remaining time in words, "about 12 min" or "about 40 s", if `fraction` > 0 took `seconds`. */
+/* Returns the remaining time, "about 12 min" or "about 40 s". `fraction` > 0 is done after `seconds`. */
 std::string timeLeft(double seconds, double fraction)
 {
   const double left = seconds / fraction - seconds;
@@ -68,7 +68,7 @@ bool interrupted()
 
 void endSoonAfterCancel(const char* program)
 {
-  std::snprintf(cancelMessage, sizeof(cancelMessage), "\n%s: cancelled\n", program);
+  std::snprintf(cancelMessage, sizeof(cancelMessage), "\n%s: canceled\n", program);
   std::signal(SIGALRM, onGraceOver);
 }
 

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Random numbers and directions that are the same on every machine, unlike the distributions of the standard
- * library. */
+/* Random numbers that are the same on every machine, unlike those of the standard library's distributions. */
 
 #include "basics/vec.h"
 

@@ -8,7 +8,7 @@
 
 namespace cbvh {
 
-/* Returns the wall-clock time of run(), in seconds. */
+/* Wall-clock time of run(), in seconds. */
 template<typename Run>
 double secondsOf(const Run& run)
 {
@@ -17,8 +17,8 @@ double secondsOf(const Run& run)
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
 }
 
-/* Returns the processor time of run(), in seconds; other processes do not affect it. `clock` is
- * CLOCK_THREAD_CPUTIME_ID for the calling thread or CLOCK_PROCESS_CPUTIME_ID for all threads. */
+/* Processor time of run(), in seconds. `clock` is CLOCK_THREAD_CPUTIME_ID for the calling thread or
+ * CLOCK_PROCESS_CPUTIME_ID for all threads. */
 template<typename Run>
 double processorSecondsOf(clockid_t clock, const Run& run)
 {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The spelling of scene settings in messages. Programs and the Python module share code, but a program's option is
- * --frame-level and the Python argument is frame_level. */
+/* The spelling of scene settings in messages: --frame-level in programs, frame_level in the Python module. */
 
 #include <string>
 
@@ -16,10 +15,10 @@ enum class SettingNames
   Arguments // frame_level
 };
 
-/* The default is Options. Not thread-safe: a program calls it before anything else. */
+/* Not thread-safe: call it first. */
 void setSettingNames(SettingNames names);
 
-/* Returns a setting as the user spells it. `words` is in lower case with hyphens: "frame-level". */
+/* `words` is in lower case with hyphens, "frame-level". */
 std::string settingName(const std::string& words);
 
 } // namespace cbvh

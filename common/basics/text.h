@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-/* Converts ASCII letters to lower case. */
+/* Converts ASCII letters only. */
 inline std::string lowerCase(std::string text)
 {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });

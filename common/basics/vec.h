@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Small vectors for the tools: plain floats without alignment or SIMD. */
+/* Plain floats without alignment or SIMD. */
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,7 @@ struct Vec3
 };
 
 using Vec3f = Vec3<float>;
-using Vec3d = Vec3<double>; // for measuring errors
+using Vec3d = Vec3<double>;
 
 inline Vec3d toDouble(Vec3f a) { return {a.x, a.y, a.z}; }
 
@@ -56,7 +56,7 @@ Vec3<T> cross(Vec3<T> a, Vec3<T> b)
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/* Returns the zero vector for the zero vector. */
+/* The zero vector stays zero. */
 template<typename T>
 Vec3<T> normalize(Vec3<T> a)
 {

@@ -21,8 +21,7 @@ bool onProgress(void* phase, double fraction)
   return !cancelRequested();
 }
 
-/* `contexts` are those of the scene's subdivision geometries if Embree tessellates before it calls its progress
- * monitor; otherwise empty. */
+/* `contexts` are empty if Embree calls its progress monitor while it tessellates. */
 void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, size_t quads,
                  std::vector<DisplacementContext>& contexts)
 {
@@ -38,8 +37,8 @@ void commitScene(EmbreeDevice& device, RTCScene scene, const std::string& name, 
   device.check("committing the scene");
 }
 
-/* Sets up one context per copy, which must outlive the scene; captures may be set already. `poses` are the model's, or
- * empty for a static scene. */
+/* Sets up one context per copy; they must outlive the scene and may have captures already. `poses` is empty for a
+ * static scene. */
 void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
                   const std::vector<std::vector<Vec3f>>& poses, int level, const EdgeRates* rates,
                   std::vector<DisplacementContext>& contexts, const RTCCompressionArguments* compression = nullptr)
@@ -54,7 +53,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
   }
 }
 
-/* Builds GRID at the first time step and frees it. `captures`, one per copy, receive the vertices. */
+/* Builds GRID at the first time step, lets `captures` (one per copy) receive the vertices, and frees the scene. */
 void captureVertices(const Model& model, const BuildSettings& settings, std::vector<DisplacementContext>& captures,
                      const std::string& phase)
 {
@@ -118,7 +117,7 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
 {
   BuildSettings own = settings;
   if (model.isMesh && own.maxError < 0.0f && model.spacing > 0.0f)
-    own.maxError = model.spacing; // keeps vertices on a lattice exact
+    own.maxError = model.spacing; // lattice vertices stay exact
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, own));
   scene.reset(rtcNewScene(device->handle()));
   if (settings.filters)
@@ -174,8 +173,8 @@ void BuiltScene::readStatistics()
   device->check("reading the compression statistics");
 }
 
-/* A mesh of triangles only becomes a triangle geometry. Any other mesh becomes a quad geometry, whose triangles repeat
- * their last vertex. */
+/* Uses a triangle geometry if all faces are triangles, otherwise a quad geometry whose triangles repeat their last
+ * vertex. */
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
   if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::CVert)
@@ -237,7 +236,8 @@ void BuiltScene::buildTriangles(const Model& model, const BuildSettings& setting
     throw Error("the triangles of NAIVE do not move: expected a model without motion, or another representation");
   for (const Patch& patch : layout.patches())
     if (settings.level == 0 && !layout.isQuadFace(patch.face))
-      throw Error("NAIVE at level 0 needs a cage of quads only, but face " + std::to_string(patch.face) + " is none");
+      throw Error("NAIVE at level 0: face " + std::to_string(patch.face) +
+                  " is not a quad: expected only quads, or level 1");
 
   std::vector<GeometryHandle> copies;
   std::vector<DisplacementContext> captures(model.copies.size());

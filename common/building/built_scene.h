@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* A model built in one representation, with the cost of building it. */
-
 #include "building/edge_rates.h"
 #include "building/embree_device.h"
 #include "building/representation.h"
@@ -24,47 +22,47 @@
 
 namespace cbvh {
 
-/* The surface that a scene stores: quads, each of which stands for the triangles 00, 10, 01 and 01, 10, 11. */
+/* Quads; each stands for the triangles 00, 10, 01 and 01, 10, 11. */
 struct StoredMesh
 {
-  std::vector<Vec3f> vertices;                // stored once per block: duplicates at borders are the same floats
-  std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01: in order around the quad
-  std::vector<unsigned> faces;                // per quad, as hits report them; the first of two triangles
+  std::vector<Vec3f> vertices;                // once per block: equal floats at shared borders
+  std::vector<std::array<unsigned, 4>> quads; // 00, 10, 11, 01
+  std::vector<unsigned> faces;                // per quad, as hits report them (the first of two triangles)
 };
 
-/* A bound on the distance by which cVERT moves vertices, in pixels of a camera. */
+/* Limits how far cVERT moves vertices, in pixels of a camera. */
 struct PixelBound
 {
   float pixels = 0;     // 0 for none
   Vec3f eye;
-  float footprint = 0;  // of a pixel at a distance of 1
+  float footprint = 0;  // width of a pixel at a distance of 1
 };
 
 struct BuildSettings
 {
   int level = 6;
   std::shared_ptr<const EdgeRates> rates; // replaces `level` if set; not for NAIVE or meshes
-  int threads = 0;     // of Embree's build, 0 for all
+  int threads = 0;     // 0 for all
 
-  /* The coarsest lattice spacing of cVERT, 0 for lossless. For automatic frame levels of cLEAF and cVOXEL: the largest
+  /* cVERT: the coarsest lattice spacing, 0 for lossless. cLEAF and cVOXEL with an automatic frame level: the largest
    * thickness of leaves, 0 for no bound. Negative: the library's default. */
   float maxError = -1;
 
   PixelBound pixelBound;
-  bool filters = false; // call filter functions of contexts
-  std::string isa;      // Embree's name of the widest instruction set to use; empty for the host's best
-  std::string device = "cpu"; // that traces: "cpu", "vulkan", "ray-query", "vulkan:NAME" or "ray-query:NAME"
-  std::string name;     // in lines of progress; empty for the representation's label
+  bool filters = false; // call the filter functions of intersect contexts
+  std::string isa;      // Embree's name of the widest instruction set, empty for the best
+  std::string device = "cpu"; // tracing device: "cpu", "vulkan", "ray-query", "vulkan:NAME" or "ray-query:NAME"
+  std::string name;     // for progress; empty for the representation's label
 };
 
-/* Throws Error that names the option (--level, --threads, --isa or --device) and its value. */
+/* Throws Error that names --level, --threads, --isa or --device and its value. */
 void validateBuild(const BuildSettings& settings);
 
-/* Returns the configurations of the device and of its geometries. */
+/* Returns Embree's configuration string for the device. */
 std::string deviceConfig(const Representation& representation, const BuildSettings& settings);
 RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 
-/* Returns the fraction of quads that cLEAF stores exactly, as cVERT, in [0,1]. */
+/* Fraction of quads that cLEAF stores exactly, as cVERT, in [0,1]. */
 inline double exactQuadShare(const RTCCompressionStatistics& s)
 {
   return s.numQuads ? double(s.numExactQuads) / double(s.numQuads) : 0.0;
@@ -73,14 +71,14 @@ inline double exactQuadShare(const RTCCompressionStatistics& s)
 struct BuildReport
 {
   double seconds = 0;    // for committing geometries and scene
-  size_t liveBytes = 0;  // held by the device after the commit, including buffers and cage
-  size_t peakBytes = 0;  // the most held during the commit
+  size_t liveBytes = 0;  // after the commit, including buffers and cage
+  size_t peakBytes = 0;  // maximum during the commit
   size_t quads = 0;
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
   std::optional<VulkanSceneReport> onDevice; // set if a Vulkan device traces
 
-  /* Returns a bound on the distance between the surface and its mesh: the thickness of leaves, or the distance by
-   * which vertices were moved. Where faces tear the mesh, includes the width of the gap. */
+  /* Bounds the distance between the surface and its mesh: the thickness of leaves, or how far vertices were moved
+   * plus the width of gaps between faces. */
   float distanceFromMesh() const
   {
     return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderGap);
@@ -88,15 +86,13 @@ struct BuildReport
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }
 
-  /* Returns the fraction of cLEAF's quads that are stored exactly, as cVERT, in [0,1]. */
   double exactShare() const { return exactQuadShare(compression); }
 };
 
 class BuiltScene : public TracedScene
 {
 public:
-  /* Builds the scene and shows progress. The model must outlive the scene. Throws Error with Embree's message, and
-   * Cancelled. */
+  /* Shows progress. The model must outlive the scene. Throws Error with Embree's message. */
   BuiltScene(const Model& model, const Representation& representation, const BuildSettings& settings);
 
   RTCScene handle() const override { return scene.get(); }
@@ -110,17 +106,17 @@ public:
   const BuildReport& report() const { return built; }
   const PatchLayout& layout() const { return patches; }
 
-  /* Saves a compressed scene to a file (saved_scene.h). The file is replaced only on success. Throws Error. */
+  /* Saves a compressed scene (saved_scene.h). Replaces the file only on success. Throws Error. */
   void save(const std::string& path) const;
 
-  /* Translates Embree's hit: NAIVE's triangles become faces and (u,v). */
+  /* Converts triangles of NAIVE to faces and (u,v). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
 
-  /* Writes the vertices of the stored triangle that was hit. `time` is the ray's, for models that move. Returns false
-   * if there is no triangle. Only for cVERT and cGRID; throws Error for other representations. */
+  /* Writes the vertices of the stored triangle that was hit. `time` is the ray's. Returns false if there is none.
+   * Throws Error except for cVERT and cGRID. */
   bool triangleOf(const SurfaceHit& hit, float time, Vec3f vertices[3]) const;
 
-  /* Returns the whole stored surface at a time. Only for cVERT and cGRID; throws Error for others. */
+  /* Throws Error except for cVERT and cGRID. */
   StoredMesh storedMesh(float time = 0) const;
 
 private:
@@ -132,9 +128,9 @@ private:
   void commit(const char* doing);
 
   Representation what;
-  std::string name; // in lines of progress
+  std::string name; // for progress
   PatchLayout patches;
-  std::shared_ptr<const EdgeRates> rates; // used by contexts
+  std::shared_ptr<const EdgeRates> rates; // referenced by contexts
   size_t facesOfCopy, quadsOfCopy, numGeometries;
   std::vector<DisplacementContext> contexts; // one per copy
   std::unique_ptr<EmbreeDevice> device;
@@ -144,8 +140,8 @@ private:
   BuildReport built;
 };
 
-/* Returns the vertices of all patches of all copies, in the order of the model's layout: GRID's vertices to the bit, at
- * the first time step. Throws Error, Cancelled. */
+/* Returns the vertices of all patches of all copies, in the order of the model's layout: equal to GRID's vertices to
+ * the bit, at the first time step. Throws Error. */
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
 
 } // namespace cbvh

@@ -18,8 +18,8 @@
 namespace cbvh {
 namespace {
 
-/* Identifies points of a cage that several patches share: vertices, points on edges, and points on the spokes and in
- * the centers of n-gons. */
+/* Identifies points that several patches share: vertices, points on edges, and in n-gons points on spokes and
+ * centers. */
 class BorderPoints
 {
 public:
@@ -35,7 +35,7 @@ public:
 
   using Name = std::array<unsigned, 4>;
 
-  /* Returns the name of vertex (x,y) of a patch, which must be on its border. */
+  /* Vertex (x,y) must be on the patch's border. */
   Name name(const Patch& patch, unsigned face, unsigned x, unsigned y) const
   {
     const unsigned n = patch.resolution, size = faces[face].size;
@@ -69,7 +69,7 @@ private:
     return a < b ? Name{Edge, a, b, k} : Name{Edge, b, a, steps - k};
   }
 
-  /* A spoke begins in the middle of an edge. */
+  /* A spoke leads from the middle of an edge to the center. */
   Name onSpoke(unsigned face, unsigned edge, unsigned k, unsigned steps) const
   {
     if (k == 0)
@@ -107,8 +107,8 @@ private:
   int face = 0;
 };
 
-/* Returns x and y of the n-th of 4^k quads into which refinement divides a patch. The four children of a quad are
- * ordered around it, from corner 0. */
+/* Returns (x,y) of the n-th quad after uniform refinement of a patch. The four children of a quad are ordered around
+ * it, from corner 0. */
 std::array<unsigned, 2> refinedPosition(unsigned n)
 {
   const unsigned x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};
@@ -128,7 +128,7 @@ void copyVertices(EmbreeDevice& device, RTCGeometry geometry, const std::vector<
                              "allocating vertices"));
 }
 
-/* Returns the index of corner c, in order around the quad, of quad (x,y). */
+/* Corner c counts around the quad from (x,y). */
 size_t vertexOf(const Patch& patch, unsigned x, unsigned y, unsigned c)
 {
   return patch.firstVertex + (y + c / 2) * (patch.resolution + 1) + x + (c == 1 || c == 2);

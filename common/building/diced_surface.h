@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A model as an application dices it: the vertices of GRID's tessellation, merged where patches share them, and the
- * geometries that the application passes to Embree. */
+/* A model as an application dices it: GRID's vertices, merged where patches share them, as the geometries that the
+ * application passes to Embree. */
 
 #include "building/built_scene.h"
 #include "building/embree_device.h"
@@ -17,10 +17,10 @@
 namespace cbvh {
 
 /* The form in which a surface is passed to Embree:
- *   "grids", "grids:N"                     one grid per patch, or grids of N x N quads
- *   "quads", "quads:rows", "quads:shuffled"  indexed quads: in the order of OpenSubdiv's uniform refinement; patch by
- *                                          patch, row by row; or shuffled
- *   "triangles", and with :rows, :shuffled two triangles for each of these quads */
+ * - "grids": one grid per patch; "grids:N": grids of N x N quads;
+ * - "quads": indexed quads in the order of OpenSubdiv's uniform refinement; "quads:rows": patch by patch, row by row;
+ *   "quads:shuffled";
+ * - "triangles", "triangles:rows", "triangles:shuffled": two triangles for each of these quads. */
 struct DicedInput
 {
   enum Shape { Grids, Quads, Triangles };
@@ -31,7 +31,7 @@ struct DicedInput
   Order order = Refined;
   unsigned gridQuads = 0; // per side of a grid, 0 for whole patches
 
-  /* Throws Error with the word if it is unknown. */
+  /* Throws Error if the word is unknown. */
   static DicedInput parse(const std::string& text);
 };
 
@@ -39,24 +39,24 @@ struct DicedInput
 struct QuadMesh
 {
   std::vector<Vec3f> vertices;
-  std::vector<std::array<unsigned, 4>> quads; // vertices in order around each quad
+  std::vector<std::array<unsigned, 4>> quads; // vertices in order around the quad
 };
 
-/* Returns an uncommitted geometry with its own copy of the mesh, as quads or as two triangles per quad. */
+/* Returns an uncommitted geometry with its own copy of the mesh. */
 GeometryHandle makeIndexed(EmbreeDevice& device, const QuadMesh& mesh, bool asTriangles);
 
 class DicedSurface
 {
 public:
-  /* Tessellates the model, which must outlive the surface. Throws Error, Cancelled. */
+  /* The model must outlive the surface. Throws Error. */
   DicedSurface(const Model& model, const BuildSettings& settings);
 
   size_t numQuads() const { return layout.numQuads(); }
 
-  /* Returns a mesh with one vertex for each shared position. Throws Error if OpenSubdiv's refinement differs. */
+  /* Throws Error if OpenSubdiv's refinement has other vertices. */
   QuadMesh mesh(DicedInput::Order order) const;
 
-  /* Returns an uncommitted geometry with its own copy of the vertices. gridQuads as in DicedInput. */
+  /* Returns an uncommitted geometry with its own copy of the vertices. `gridQuads` as in DicedInput. */
   GeometryHandle makeGrids(EmbreeDevice& device, unsigned gridQuads) const;
 
 private:
@@ -68,7 +68,7 @@ private:
   int level;
   PatchLayout layout;
   std::vector<Vec3f> positions; // of the patches, concatenated
-  std::vector<unsigned> first;  // for each vertex: the first vertex at the same position
+  std::vector<unsigned> first;  // per vertex: the first vertex at the same position
 };
 
 } // namespace cbvh

@@ -25,14 +25,14 @@ const char* errorName(RTCError code)
   case RTC_ERROR_INVALID_OPERATION: return "invalid operation";
   case RTC_ERROR_OUT_OF_MEMORY: return "out of memory";
   case RTC_ERROR_UNSUPPORTED_CPU: return "unsupported CPU";
-  case RTC_ERROR_CANCELLED: return "cancelled";
+  case RTC_ERROR_CANCELLED: return "canceled";
   default: return "unknown error";
   }
 }
 
 EmbreeDevice::EmbreeDevice(const std::string& config)
 {
-  /* Embree itself accepts any name here, and rejects it when a scene is committed. */
+  /* Embree accepts any name here and rejects it only when a scene is committed. */
   if (config.find("subdiv_accel=cbvh") != std::string::npos)
     requireCompression();
   device = rtcNewDevice(config.c_str());
@@ -54,7 +54,7 @@ void EmbreeDevice::check(const char* doing)
     return;
   const RTCError code = errorCode;
   errorCode = RTC_ERROR_NONE;
-  /* A displacement function ends a build by throwing Cancelled, which Embree reports as an unknown error. */
+  /* A displacement function throws Canceled; Embree reports that as an unknown error. */
   if (code == RTC_ERROR_CANCELLED || cancelRequested())
     throw Cancelled();
   throw Error(std::string("Embree, ") + doing + ": " + errorName(code) +
@@ -66,7 +66,7 @@ void EmbreeDevice::onError(void* self, RTCError code, const char* message)
   EmbreeDevice& device = *static_cast<EmbreeDevice*>(self);
   std::lock_guard<std::mutex> lock(device.mutex);
   if (device.errorCode != RTC_ERROR_NONE)
-    return; // keep the first error, which is the cause
+    return; // later errors are consequences
   device.errorCode = code;
   device.errorMessage = message ? message : "";
 }

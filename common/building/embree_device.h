@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* An Embree device that throws exceptions and counts memory, and RAII handles for its objects. Each representation
- * uses its own device, so that the memory monitor counts only that representation. */
+/* An Embree device that throws exceptions and counts memory. Each representation has its own device, so that the
+ * memory monitor counts only that representation. */
 
 #include <embree3/rtcore.h>
 
@@ -16,7 +16,7 @@
 
 namespace cbvh {
 
-/* Counts the bytes that a device holds, as rtcSetDeviceMemoryMonitorFunction reports them. */
+/* Counts bytes that rtcSetDeviceMemoryMonitorFunction reports. */
 class MemoryMonitor
 {
 public:
@@ -34,8 +34,7 @@ private:
 class EmbreeDevice
 {
 public:
-  /* `config` is Embree's configuration string. Throws Error if Embree rejects it, or if it requests compression from a
-   * library that has none. */
+  /* `config` is Embree's configuration string. Throws Error if Embree rejects it, or if the library cannot compress. */
   explicit EmbreeDevice(const std::string& config);
   ~EmbreeDevice();
   EmbreeDevice(const EmbreeDevice&) = delete;
@@ -44,8 +43,8 @@ public:
   RTCDevice handle() const { return device; }
   MemoryMonitor& memory() { return monitor; }
 
-  /* Throws Error with Embree's message if an error occurred since the last call, or Cancelled if the build was
-   * cancelled. `doing` names the operation in the message. Thread-safe. */
+  /* Throws Error if an error occurred since the last call, or Canceled if the build was canceled. `doing` names the
+   * operation in the message. Thread-safe. */
   void check(const char* doing);
 
 private:
@@ -59,7 +58,6 @@ private:
   std::string errorMessage;
 };
 
-/* Returns an Embree error code in words. */
 const char* errorName(RTCError code);
 
 struct SceneRelease
@@ -73,7 +71,7 @@ struct GeometryRelease
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 using GeometryHandle = std::unique_ptr<RTCGeometryTy, GeometryRelease>;
 
-/* Allocates the buffer in slot 0 of a geometry, which owns it. `doing` names the operation in errors. Throws Error. */
+/* The geometry owns the buffer (slot 0). `doing` names the operation in errors. Throws Error. */
 template<typename T>
 T* newBuffer(EmbreeDevice& device, RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t count,
              const char* doing)

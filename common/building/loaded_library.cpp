@@ -32,8 +32,7 @@ LoadedLibrary loadedLibrary()
   if (!opened)
     return library;
 
-  /* Uses dlsym, because cbvh_bench defines functions of these names that forward elsewhere, and stock Embree lacks
-   * some of them. */
+  /* dlsym is necessary: cbvh_bench defines functions of these names, and stock Embree lacks some of them. */
   const auto newDevice = reinterpret_cast<decltype(&rtcNewDevice)>(dlsym(opened, "rtcNewDevice"));
   const auto releaseDevice = reinterpret_cast<decltype(&rtcReleaseDevice)>(dlsym(opened, "rtcReleaseDevice"));
   const auto property = reinterpret_cast<decltype(&rtcGetDeviceProperty)>(dlsym(opened, "rtcGetDeviceProperty"));

@@ -13,7 +13,7 @@ namespace cbvh {
 
 size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size)
 {
-  const size_t quads = size.quads, later = size.timeSteps - 1; // time steps after the first
+  const size_t quads = size.quads, later = size.timeSteps - 1;
   switch (kind)
   {
   case RepresentationKind::Naive: return quads * (265 + 30 * later); // measured: 246
@@ -35,7 +35,7 @@ size_t availableMemory()
       available = std::min(available, size_t(std::strtoull(rest.c_str(), nullptr, 10)) * 1024);
   std::ifstream limitFile("/sys/fs/cgroup/memory.max"), usedFile("/sys/fs/cgroup/memory.current");
   size_t limit = 0, used = 0;
-  if (limitFile >> limit && usedFile >> used) // fails for "max", which means no limit
+  if (limitFile >> limit && usedFile >> used) // fails for "max": no limit
     available = std::min(available, limit > used ? limit - used : 0);
   return available;
 }

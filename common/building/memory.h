@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Memory that a build needs, and memory that is available, to refuse builds that would not fit. */
+/* Lets programs refuse builds that would not fit into memory. */
 
 #include "building/representation.h"
 #include "surface/model.h"
@@ -12,7 +12,6 @@
 
 namespace cbvh {
 
-/* The size of a model at a level. */
 struct BuildSize
 {
   BuildSize(size_t quads, size_t timeSteps = 1) : quads(quads), timeSteps(timeSteps) {}
@@ -21,11 +20,11 @@ struct BuildSize
   size_t quads, timeSteps;
 };
 
-/* Returns an upper estimate of the bytes that building a representation needs at its peak. */
+/* Upper estimate of the bytes at the peak of the build. */
 size_t estimatedPeakBytes(RepresentationKind kind, const BuildSize& size);
 
-/* Returns the bytes that this process can still allocate: the machine's or its control group's, whichever is less.
- * Returns SIZE_MAX if neither can be read. */
+/* Bytes that this process can still allocate: the machine's or its control group's, whichever is less; SIZE_MAX if
+ * neither is known. */
 size_t availableMemory();
 
 } // namespace cbvh

@@ -24,7 +24,7 @@ struct Names
 
 std::vector<Names> makeNames()
 {
-  /* Names GRID explicitly, because EMBREE_CBVH may select another representation. */
+  /* Explicit, because EMBREE_CBVH may select another representation. */
   std::vector<Names> names = {
     {RepresentationKind::Naive, "naive", "NAIVE", "", false, RTC_COMPRESSION_NONE},
     {RepresentationKind::Grid, "grid", "GRID", "subdiv_accel=bvh4.grid.eager", false, RTC_COMPRESSION_NONE}};
@@ -35,7 +35,7 @@ std::vector<Names> makeNames()
                      kind.hasFrame(), kind.compression()});
     if (names.back().kind != RepresentationKind::CLeaf)
       continue;
-    /* Both set cbvh_exact_faces explicitly, because EMBREE_CBVH may set it. */
+    /* Explicit, because EMBREE_CBVH may set it. */
     Names only = names.back();
     only.kind = RepresentationKind::CLeafOnly;
     only.word += "-only";
@@ -59,7 +59,7 @@ const Names& namesOf(RepresentationKind kind)
   return *std::find_if(names.begin(), names.end(), [=](const Names& n) { return n.kind == kind; });
 }
 
-/* True if a lower-case name is one of the names of a representation. */
+/* `name` is in lower case. */
 bool isNameOf(const Names& names, const std::string& name)
 {
   if (name == names.word)
@@ -70,7 +70,7 @@ bool isNameOf(const Names& names, const std::string& name)
   return name == "cbvh." + key || (name == key && name != namesOf(RepresentationKind::Grid).word);
 }
 
-/* Returns the suffix of a name for an explicit frame level, or an empty string. */
+/* Empty unless the frame level is explicit. */
 std::string frameLevelAfter(const char* mark, const Representation& r)
 {
   return r.hasFrames() && r.frameLevel != autoFrameLevel ? mark + std::to_string(r.frameLevel) : "";

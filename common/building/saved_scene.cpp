@@ -21,7 +21,7 @@ struct FileRelease
 };
 } // namespace
 
-/* In this file, so that programs that do not save also run with older libraries, which lack these functions. */
+/* Here, so that programs that do not save also run with older libraries, which lack these functions. */
 void BuiltScene::save(const std::string& path) const
 {
   requireNoInputFile(path);
@@ -39,7 +39,7 @@ void BuiltScene::save(const std::string& path) const
   device->check("saving");
 }
 
-/* Opens geometries, that is reads their trees, on all threads. */
+/* Opens geometries (reads their trees) on all threads. */
 SavedScene::SavedScene(const std::string& path, unsigned threads, const std::string& isa)
   : device(std::make_unique<EmbreeDevice>("threads=" + std::to_string(threads) + (isa.empty() ? "" : ",isa=" + isa)))
 {
@@ -56,7 +56,7 @@ SavedScene::SavedScene(const std::string& path, unsigned threads, const std::str
     rtcGetCompressedFileGeometryStatistics(file.get(), i, &statistics[i]);
     const GeometryHandle geometry(rtcNewGeometryFromCompressedFile(file.get(), i));
     device->check("opening a file");
-    if (geometry) // null if opening failed; check() may have thrown on another thread
+    if (geometry) // null after an error that another thread's check() reported
       rtcAttachGeometryByID(scene.get(), geometry.get(), i);
   });
   for (const RTCCompressedFileGeometry& geometry : descriptions)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Compressed scenes in files, which can be opened without the model. */
+/* Compressed scenes in files, opened without the model. */
 
 #include "building/embree_device.h"
 #include "building/traced_scene.h"
@@ -25,26 +25,25 @@ using FileWriterHandle = std::unique_ptr<RTCCompressedFileWriterTy, FileWriterRe
 class SavedScene : public TracedScene
 {
 public:
-  /* Opens a file and commits a scene of all its geometries. `isa` is Embree's name of the widest instruction set to
-   * use; empty for the host's best. Throws Error with the reason, and Cancelled. */
+  /* Opens a file and commits a scene of all its geometries. `isa` as in BuildSettings. Throws Error. */
   SavedScene(const std::string& path, unsigned threads, const std::string& isa = "");
 
   RTCScene handle() const override { return scene.get(); }
   const SceneTracer& tracer() const override { return *embreeTracer; }
   const std::vector<RTCCompressedFileGeometry>& geometries() const { return descriptions; }
   size_t quads() const;
-  size_t bytes() const; // of all geometries, in the file
+  size_t bytes() const; // in the file
 
-  /* As BuiltScene::surfaceHit. Faces of geometry i are numbered from i * facesOfCopy(). */
+  /* Faces of geometry i are numbered from i * facesOfCopy(). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
-  unsigned facesOfCopy() const { return mostFaces; } // the most faces of any geometry
+  unsigned facesOfCopy() const { return mostFaces; } // maximum over all geometries
 
-  /* Time from opening the file to the committed scene, without creating the device. Wall-clock time; processor time of
-   * all threads, which other processes do not affect. */
+  /* Time from opening the file to the committed scene, without the device: wall-clock, and processor time of all
+   * threads. */
   double seconds() const { return opening; }
   double processorSeconds() const { return openingProcessorSeconds; }
 
-  /* Bytes that the device allocated: trees, not the mapped file. */
+  /* Bytes of trees; excludes the mapped file. */
   size_t liveBytes() const { return device->memory().live(); }
 
   void check() const override { device->check("tracing"); }

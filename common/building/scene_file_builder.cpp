@@ -12,7 +12,7 @@
 namespace cbvh {
 namespace {
 
-/* Hash of everything that determines the contents of a file. */
+/* Hash of everything that determines a file's contents. */
 class InputKey
 {
 public:
@@ -96,7 +96,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
   requireNoInputFile(path);
   EmbreeDevice device(deviceConfig(representation, settings));
   RTCCompressionArguments arguments = compressionArguments(settings);
-  arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compress in the geometry's commit
+  arguments.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT; // compress when the geometry is committed
   const SharedTopology topology(device, model.cage, model.poses);
   const unsigned long long key = keyOf(model, representation, settings);
   const FileWriterHandle writer(rtcResumeCompressedFileWriter(device.handle(), path.c_str(), key));

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Tracing of a committed scene, by Embree or on a Vulkan device. */
-
 #include <embree3/rtcore.h>
 
 #include <cstddef>
@@ -16,13 +14,12 @@ class SceneTracer
 public:
   virtual ~SceneTracer() = default;
 
-  /* Find the closest hit of each of n rays, or whether each of n rays hits anything, with the results of rtcIntersect1
-   * and rtcOccluded1. Thread-safe. Throw Error. */
+  /* Same results as rtcIntersect1 and rtcOccluded1 for n rays. Thread-safe. Throw Error. */
   virtual void intersect(RTCRayHit* rays, size_t n) const = 0;
   virtual void occluded(RTCRay* rays, size_t n) const = 0;
 };
 
-/* Traces on the calling thread, one ray at a time. */
+/* Traces single rays on the calling thread. */
 class EmbreeTracer : public SceneTracer
 {
 public:
@@ -35,7 +32,7 @@ private:
   RTCScene scene;
 };
 
-/* Traces on the calling thread with the coherent flag: consecutive rays form packets as wide as the instruction set. */
+/* Traces on the calling thread with the coherent flag, in packets as wide as the instruction set. */
 class PacketTracer : public SceneTracer
 {
 public:

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Reads the surface of a built scene. In a file of its own, because cbvh_bench loads libraries that lack these
- * functions. */
+/* A file of its own, because cbvh_bench loads libraries that lack these functions. */
 
 #include "building/built_scene.h"
 #include "basics/error.h"

@@ -11,8 +11,8 @@
 namespace cbvh {
 namespace {
 
-/* Rounds a parameter to 2^-16, the lattice of all tessellations. Embree multiplies by a rounded reciprocal, and its
- * grids end a face at 0.99999994 where other code ends it at 1; a border that is not recognized would tear there. */
+/* Rounds a parameter to 2^-16, the lattice of all tessellations. Embree's grids may end a face at 0.99999994, where
+ * unrecognized borders would tear. */
 float snap(float parameter)
 {
   return std::nearbyint(parameter * 0x1p16f) * 0x1p-16f;
@@ -35,7 +35,6 @@ void displaceAlongNormals(const RTCDisplacementFunctionNArguments* args, const D
   }
 }
 
-/* The same, for displacement by vectors. */
 void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const DisplacementContext& context, size_t begin,
                        const SurfacePoints& points)
 {
@@ -55,7 +54,7 @@ void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const Disp
 
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
-  throwIfCancelled(); // Embree calls its progress monitor rarely; see EmbreeDevice::check
+  throwIfCancelled(); // early, because Embree calls its progress monitor rarely
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
   float u[batch], v[batch], levels[batch];
   for (size_t begin = 0; context.displacement && begin < args->N; begin += batch)
@@ -106,7 +105,7 @@ RTCSubdivisionMode subdivisionMode(BoundaryRule rule)
 
 } // namespace
 
-/* Embree displaces a grid of 8 x 8 quads at a time and millions of points per second, so most calls take no lock. */
+/* Most calls take no lock, because Embree displaces grids of 8 x 8 quads and millions of points per second. */
 void TessellationProgress::add(size_t points)
 {
   constexpr double pointsOfQuad = 1.3; // 9 x 9 points, rounded up
@@ -150,8 +149,7 @@ SharedTopology::SharedTopology(EmbreeDevice& device, const Cage& cage, const std
 void SharedTopology::setVertices(RTCGeometry geometry, unsigned step, const Placement& placement,
                                  const std::vector<Vec3f>& positions, const std::vector<Vec3f>* shape) const
 {
-  /* Embree loads 16 bytes per vertex and requires all four floats to be valid, but rtcSetNewGeometryBuffer does not
-   * initialize the float after the last vertex. So allocate one more vertex. */
+  /* Embree reads 16 bytes per vertex and requires all four floats to be valid, so allocate one more vertex. */
   const size_t n = positions.size();
   const BufferHandle vertices(rtcNewBuffer(device.handle(), (n + 1) * sizeof(Vec3f)));
   device.check("allocating the vertices of a cage");

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Cages as Embree subdivision geometries. */
-
 #include "basics/progress.h"
 #include "building/edge_rates.h"
 #include "building/embree_device.h"
@@ -17,13 +15,13 @@
 
 namespace cbvh {
 
-/* Reports the progress of tessellation. Stock Embree tessellates before it calls its progress monitor. */
+/* Reports progress while Embree tessellates: stock Embree calls its progress monitor only afterwards. */
 class TessellationProgress
 {
 public:
   TessellationProgress(Phase& phase, size_t quads) : phase(phase), quads(quads) {}
 
-  /* Adds points that were displaced. Thread-safe. */
+  /* Adds displaced points. Thread-safe. */
   void add(size_t points);
 
 private:
@@ -36,21 +34,20 @@ private:
 struct DisplacementContext
 {
   const Displacement* displacement = nullptr;
-  int level = 0;                         // of the subdivision
+  int level = 0;
   const EdgeRates* rates = nullptr;      // replaces `level` if set
-  const EdgeRates::Copy* copy = nullptr; // the rates of this copy
-  Placement placement;                   // of the copy and of its displacement
+  const EdgeRates::Copy* copy = nullptr; // of this copy
+  Placement placement;                   // of the copy
 
-  /* If set, every vertex that Embree tessellates is also written here, in the order of the layout. This is GRID's
-   * tessellation to the bit. */
+  /* If set, every vertex that Embree tessellates is also written here, in the order of the layout. */
   const PatchLayout* layout = nullptr;
-  float* captured = nullptr; // 3 floats per vertex
+  float* captured = nullptr; // 3 floats per vertex: GRID's, to the bit
 
-  TessellationProgress* progress = nullptr; // if set, receives the number of displaced points
+  TessellationProgress* progress = nullptr; // null for none
 };
 
-/* Sets the displacement of a copy of a model. `rates` replace the level unless null. Model and rates must outlive the
- * context. */
+/* Sets the displacement of a copy. `rates` may be null, and otherwise replace the level. Model and rates must
+ * outlive the context. */
 void setSurface(DisplacementContext& context, const Model& model, size_t copy, int level, const EdgeRates* rates);
 
 struct BufferRelease
@@ -59,8 +56,7 @@ struct BufferRelease
 };
 using BufferHandle = std::unique_ptr<RTCBufferTy, BufferRelease>;
 
-/* Data that all copies of a cage share, in buffers of a device. The cage and its poses (positions of its vertices at
- * later time steps) must outlive it. */
+/* Buffers that all copies of a cage share. The cage and its poses (vertices at later time steps) must outlive them. */
 class SharedTopology
 {
   static inline const std::vector<std::vector<Vec3f>> noPoses;
@@ -69,11 +65,11 @@ public:
   /* Throws Error. */
   SharedTopology(EmbreeDevice& device, const Cage& cage, const std::vector<std::vector<Vec3f>>& poses = noPoses);
 
-  /* Returns a committed geometry at a placement, not yet attached to a scene.
+  /* Returns a committed geometry, not yet attached to a scene.
    *
-   * `context` holds displacement, level (the edge rate is 2^level) or rates, and capture. `compression` is read during
-   * the call; null selects the device's settings. `shape` holds the vertices of a copy that has its own, see Model.
-   * Throws Error. */
+   * `context` holds displacement, level (the edge rate is 2^level) or rates, and capture. `compression` is read
+   * during the call; null selects the device's settings. `shape` holds the vertices of a copy that has its own, see
+   * Model. Throws Error. */
   GeometryHandle makeGeometry(const Placement& placement, DisplacementContext& context,
                               const RTCCompressionArguments* compression = nullptr,
                               const std::vector<Vec3f>* shape = nullptr) const;

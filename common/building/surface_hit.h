@@ -9,13 +9,13 @@
 
 namespace cbvh {
 
-/* A hit in parameters of the subdivision surface, whatever the representation: face and (u,v) as GRID reports them. */
+/* A hit of any representation, with face and (u,v) as GRID reports them. */
 struct SurfaceHit
 {
   float t = INFINITY; // infinity for a miss
   float u = 0, v = 0;
-  unsigned face = RTC_INVALID_GEOMETRY_ID; // faces of the copies of a model are numbered consecutively
-  Vec3f normal; // geometric, not normalized, oriented as dP/du x dP/dv
+  unsigned face = RTC_INVALID_GEOMETRY_ID; // numbered consecutively over the copies of a model
+  Vec3f normal; // geometric, not normalized, in the direction of dP/du x dP/dv
 
   bool hit() const { return t < INFINITY; }
 };

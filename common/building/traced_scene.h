@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A committed scene that rays can be traced through, built from a model or opened from a file. */
+/* A committed scene, built from a model or opened from a file. */
 
 #include "building/scene_tracer.h"
 #include "building/surface_hit.h"
@@ -22,14 +22,14 @@ public:
 
   virtual RTCScene handle() const = 0;
 
-  /* The tracer of the scene; the second function returns the same tracer if it is a Vulkan device, otherwise null. */
+  /* vulkan() returns the tracer if it is a Vulkan device, otherwise null. */
   virtual const SceneTracer& tracer() const = 0;
   virtual const VulkanTracer* vulkan() const { return nullptr; }
 
-  /* Translates a hit of the tracer. */
+  /* Converts a hit of the tracer. */
   virtual SurfaceHit surfaceHit(const RTCRayHit& ray) const = 0;
 
-  /* Throws Error if rays reached damaged blocks of a file, in which they have no hits. */
+  /* Throws Error if rays reached damaged blocks of a file, which they do not hit. */
   virtual void check() const {}
 
   Box3f bounds() const

@@ -14,7 +14,7 @@
 namespace cbvh {
 namespace {
 
-/* A face bends by about a right angle, and 64 quads deviate from such an arc by 1/4000 of its length. */
+/* Quads that keep smooth shapes round: for an arc of about a right angle, 64 chords deviate by 1/4000 of its length. */
 constexpr float smoothRate = 64.0f;
 
 RTCDicingArguments argumentsOf(const Camera& camera, const ViewDicing& dicing)
@@ -61,7 +61,7 @@ public:
     args.maxRates = highest.data();
   }
 
-  /* Replaces the rates. If `displaced` is set, measures the surface displaced and filtered to the previous rates. */
+  /* Replaces the rates. If `displaced`, measures the surface displaced and filtered to the previous rates. */
   void dice(EdgeRates& rates, bool displaced)
   {
     rates.copies.resize(model.copies.size());
@@ -103,7 +103,7 @@ std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& ca
   Dicer dicer(model, camera, dicing, settings);
   dicer.dice(*rates, false);
   if (model.displacement)
-    dicer.dice(*rates, true); // with the length of displaced edges, filtered to about the final rates
+    dicer.dice(*rates, true); // edges are longer after displacement
   return rates;
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Edge rates for a view: quads are about a pixel in size, or as large as requested; see embree3/rtcore_dicing.h. */
+/* Edge rates for a view: quads of about a pixel, or as large as requested (embree3/rtcore_dicing.h). */
 
 #include "building/built_scene.h"
 #include "building/edge_rates.h"
@@ -20,17 +20,17 @@ struct ViewDicing
   float maxRate = 4096;
 };
 
-/* Returns edge rates for a view. An edge gets at most as many quads as the model's map has texels along it, or 64 if
- * that is more, which keeps smooth shapes round. Uses threads and isa of the settings. Throws Error, Cancelled. */
+/* Returns edge rates for a view. The limit per edge is the number of texels along it, or 64 if that is more. Uses
+ * threads and isa of the settings. Throws Error. */
 std::shared_ptr<const EdgeRates> diceByView(const Model& model, const Camera& camera, const ViewDicing& dicing,
                                             const BuildSettings& settings);
 
-/* Returns the settings with a lattice as fine as the view requires, and with rates if `dicing` is set. `maxPixelError`
- * bounds the lattice, 0 for no bound. Throws Error, Cancelled. */
+/* Returns the settings with rates if `dicing` is set, and a lattice that moves vertices by at most `maxPixelError`,
+ * 0 for no bound. Throws Error. */
 BuildSettings settingsForView(BuildSettings settings, const Model& model, const Camera& camera,
                               const std::optional<ViewDicing>& dicing, float maxPixelError);
 
-/* Returns the highest rate that all of the representations support. */
+/* Highest rate that all representations support. */
 float highestRate(const std::vector<Representation>& representations);
 
 } // namespace cbvh

@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-/* prefix of devices that use the driver's ray queries */
+/* selects the driver's ray queries */
 const std::string rayQueryName = "ray-query";
 
 } // namespace
@@ -32,7 +32,7 @@ void validateTraceDevice(const std::string& name)
                 "a device's name");
 #ifndef CBVH_VULKAN
   throw Error(settingName("device") + " " + name +
-              ": this build has no Vulkan, which needs Vulkan's headers, glslc and Python");
+              ": this build has no Vulkan, because it lacked Vulkan's headers, glslc or Python: expected cpu");
 #endif
 }
 
@@ -47,7 +47,7 @@ std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scen
 
 namespace {
 
-/* An open Vulkan device, and the Embree device that receives its errors. */
+/* `errors` receives the errors of `device`. */
 struct OpenDevice
 {
   explicit OpenDevice(const std::string& which) : errors("")

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Scenes on a Vulkan device, if this build has libembree3_vulkan. */
+/* Tracing on a Vulkan device, if this build has libembree3_vulkan. */
 
 #include "building/scene_tracer.h"
 
@@ -12,34 +12,33 @@
 
 namespace cbvh {
 
-/* The cost of a scene on a device. */
 struct VulkanSceneReport
 {
-  std::string device;       // names of the device and its driver
+  std::string device;       // names of device and driver
   double uploadSeconds = 0;
   size_t deviceBytes = 0;
-  size_t importedBytes = 0; // blocks in host memory that are used in place
+  size_t importedBytes = 0; // blocks used in place in host memory
 };
 
 class VulkanTracer : public SceneTracer
 {
 public:
-  /* `name` is "vulkan", or "ray-query" to let the driver's ray queries find the blocks; both may be followed by : and
-   * an index or a part of a device's name. Tracers share an open device. The scene must outlive the tracer. Throws
+  /* `name` is "vulkan", or "ray-query" to let the driver's ray queries find the blocks; then optionally : and an
+   * index or a part of a device's name. Tracers share an open device. The scene must outlive the tracer. Throws
    * Error. */
   static std::unique_ptr<VulkanTracer> create(const std::string& name, RTCScene scene);
 
   virtual const VulkanSceneReport& report() const = 0;
 
-  /* Trace rays as intersect and occluded do, and return the device's time in seconds, without copies. */
+  /* Trace as intersect and occluded. Return the device's time in seconds, without copies. */
   virtual double timeIntersect(RTCRayHit* rays, size_t n) const = 0;
   virtual double timeOccluded(RTCRay* rays, size_t n) const = 0;
 };
 
-/* Creates a tracer on "cpu" or on a device as in VulkanTracer::create. Throws Error. */
+/* `device` is "cpu" or a name as in VulkanTracer::create. Throws Error. */
 std::unique_ptr<SceneTracer> makeTracer(const std::string& device, RTCScene scene);
 
-/* Throws Error unless `name` is valid for makeTracer and this build supports it. */
+/* Throws Error unless this build supports makeTracer(name). */
 void validateTraceDevice(const std::string& name);
 
 } // namespace cbvh

@@ -6,8 +6,8 @@
 
 namespace cbvh {
 
-/* Each point is on a row (or column, with probability 1/2) of a random patch: the first or last one, a border of a
- * block, or any row. */
+/* Each point is on a row (or with probability 1/2 a column) of a random patch: the first, the last, a border of a
+ * block, or any. */
 AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed)
 {
   const std::vector<Patch>& patches = blocks.layout.patches();

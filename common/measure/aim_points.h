@@ -14,20 +14,19 @@
 
 namespace cbvh {
 
-/* A vertex of the tessellation, exact to the bit. */
+/* A vertex, exact to the bit. */
 struct AimPoint
 {
   Vec3f position;
-  Vec3f neighbor; // the other end of an edge of a quad
-  Vec3f normal;   // points outwards, approximate
+  Vec3f neighbor; // the other end of a quad's edge
+  Vec3f normal;   // outwards, approximate
 };
 
-/* The place of a vertex. */
 enum AimKind { AtCageVertex, AtFaceBorder, AtBlockBorder, AtVertex, numAimKinds };
 
 using AimPoints = std::array<std::vector<AimPoint>, numAimKinds>;
 
-/* Picks about `count` points of each kind. `vertices` is the result of tessellate(). */
+/* Picks about `count` points of each kind. `vertices` come from tessellate(). */
 AimPoints pickAimPoints(const BlockGrid& blocks, const std::vector<Vec3f>& vertices, size_t count, uint32_t seed);
 
 } // namespace cbvh

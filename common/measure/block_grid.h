@@ -10,12 +10,12 @@
 
 namespace cbvh {
 
-/* The division of the patches of a tessellation into blocks. */
+/* The division of patches into blocks. */
 struct BlockGrid
 {
-  const PatchLayout& layout; // of the model at the level
+  const PatchLayout& layout;
   int level;
-  int frameLevel;            // of the blocks
+  int frameLevel;
 
   /* Width in quads; a patch may be narrower. */
   size_t blockWidth() const { return size_t(1) << std::max(0, level - frameLevel); }

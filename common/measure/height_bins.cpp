@@ -16,7 +16,7 @@ Vec3d normalOf(const Corners& c)
   return normalize(cross(c[3] - c[0], c[2] - c[1]));
 }
 
-/* A patch as tessellated at a level, in the frame of the cage. */
+/* A tessellated patch, in the frame of the cage. */
 struct Tessellation
 {
   const TrueView& view;
@@ -37,7 +37,7 @@ struct Tessellation
     return s.p + double(offset) * normalize(cross(s.du, s.dv));
   }
 
-  /* Returns the corners of a square of size x size quads. */
+  /* Corners of size x size quads. */
   Corners corners(unsigned i, unsigned j, unsigned size, bool displaced) const
   {
     return {vertex(i, j, displaced), vertex(i + size, j, displaced), vertex(i, j + size, displaced),
@@ -45,7 +45,7 @@ struct Tessellation
   }
 };
 
-/* Returns the size of a bin along the ray, in pixels. NaN if there is no surface, or a quad or block has no normal. */
+/* Size of a bin along the ray, in pixels. NaN without a surface or a normal of quad or block. */
 float heightBin(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const BlockGrid& blocks)
 {
   const unsigned faces = unsigned(view.model.cage.numFaces());
@@ -86,8 +86,8 @@ HeightBins heightBins(const TrueView& view, const std::vector<SurfaceHit>& hits,
   });
   bins.erase(std::remove_if(bins.begin(), bins.end(), [](float b) { return std::isnan(b); }), bins.end());
 
-  /* Errors are uniform over half a bin. For a bin of more than 10 pixels, only a share of the errors is within 5
-   * pixels; their mean square is a third of the largest square. */
+  /* Errors are uniform over half a bin. For bins above 10 pixels, only a share is within 5 pixels; its mean square
+   * is a third of the largest square. */
   constexpr int errorsOfBin = 20;
   HeightBins result;
   result.hits = bins.size();

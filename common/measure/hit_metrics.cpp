@@ -28,7 +28,7 @@ std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::
   return nearer;
 }
 
-/* Returns the distance in quads, or nothing if the hits are on different patches. */
+/* Distance in quads; none if the hits are on different patches. */
 static std::optional<float> distanceOnPatch(const SurfaceHit& a, const SurfaceHit& b, const PatchLayout& layout)
 {
   if (a.face != b.face)

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Places inside are found from the surface: a ray goes inwards from an aim point, and the middle between its ends is
- * inside and sees the aim point. A place counts as inside if random rays from it first hit GRID's surface from the
- * back. */
+/* Places inside are found by rays inwards from aim points: the middle of such a ray sees its aim point, and is
+ * inside if random rays from there first hit GRID's surface from the back. */
 
 #include "measure/leak_rays.h"
 #include "basics/parallel.h"
@@ -29,7 +28,7 @@ struct Place
 struct Found
 {
   float t = INFINITY;
-  float slope = 0; // rate at which the ray leaves the surface to the outside, per unit of t
+  float slope = 0; // d(height above the surface)/dt, positive if the ray leaves
   Vec3f normal;
 
   bool fromBack() const { return slope > 0.0f; }
@@ -99,8 +98,7 @@ public:
   }
 
 private:
-  /* If `grazing`, the aim point is seen at less than 6 degrees, or slightly more if attempts end too close to the
-   * surface. */
+  /* If `grazing`, directions are within 6 degrees of the surface, slightly more if they end too close to it. */
   bool findPlace(const std::vector<AimPoint>& from, bool grazing, Place& place)
   {
     for (int attempt = 0; attempt < 64 && !from.empty(); attempt++)
@@ -136,8 +134,8 @@ private:
     return true;
   }
 
-  /* True if p is farther from the surface than the thickness; otherwise a ray may start behind the surface. Searches
-   * along the normals of walls that p sees in the given and in random directions, where their nearest points are. */
+  /* True if p is farther from the surface than the thickness, so that rays from p start inside. Searches along the
+   * normals of walls seen in the given and in random directions, where the nearest points are. */
   bool isClear(Vec3f p, std::array<Vec3f, 2> directions)
   {
     const float distance = 1.5f * settings.thickness;
@@ -174,7 +172,7 @@ private:
     drawn.push_back({rayFrom(place.origin, direction), aimed});
   }
 
-  /* Traces all rays in one call, which devices need for speed. */
+  /* Traces all rays in one call, for the speed of devices. */
   void trace()
   {
     std::vector<RTCRayHit> closestHits(drawn.size());
@@ -213,8 +211,8 @@ private:
     return leaks;
   }
 
-  /* True if a hit is on the outside of a wall, well behind the first wall of the other scene, and the ray is outside
-   * halfway between. This excludes rays that only touch the first wall and continue inside the surface. */
+  /* True if a ray hits the outside of a wall, well after the first wall of the other scene, and is outside halfway
+   * between. Excludes rays that only touch the first wall and continue inside the surface. */
   bool leaksThrough(const Found& found, const Found& first, const Ray& ray)
   {
     const float tolerance = 2.0f * settings.thickness + 1e-5f * length(ray.origin);

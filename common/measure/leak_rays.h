@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Rays from inside of a closed surface, each of which must hit it. Most aim at places where a ray could leak through,
- * either directly or at grazing angles. */
+/* Rays from the inside of a closed surface: each must hit it. Most aim at places where a ray could leak through,
+ * directly or at grazing angles. */
 
 #include "building/scene_tracer.h"
 #include "measure/aim_points.h"
@@ -20,17 +20,17 @@ namespace cbvh {
 
 struct LeakSettings
 {
-  size_t rays = 1000000;  // approximate number
-  float thickness = 0.0f; // largest thickness of the surface in the scene, world units
+  size_t rays = 1000000;  // approximate
+  float thickness = 0.0f; // maximum over the scene, world units
   uint32_t seed = 1;
 };
 
-/* Leaks of one scene. A ray leaks through if it misses the wall in front of it, by more than the thickness, and hits
- * another wall from outside. */
+/* `through` counts rays that miss the wall in front of them by more than the thickness, and hit another wall from
+ * outside. */
 struct Leaks
 {
-  size_t closest = 0; // closest-hit queries without a hit
-  size_t any = 0;     // any-hit queries without a hit
+  size_t closest = 0; // closest-hit queries that miss
+  size_t any = 0;     // any-hit queries that miss
   size_t through = 0;
 
   Leaks& operator+=(const Leaks& other);
@@ -41,12 +41,12 @@ struct LeakCounts
   size_t rays = 0;
   size_t aimed = 0; // rays at aim points and edges
   Leaks sceneLeaks, gridLeaks;
-  Leaks random;     // part of sceneLeaks: rays that are not aimed
-  std::vector<Ray> examples; // rays that leak in the scene, at most 16
+  Leaks random;     // the part of sceneLeaks that is not aimed
+  std::vector<Ray> examples; // leaks in the scene, at most 16
 };
 
-/* Traces rays through a scene and through GRID of the same surface. `points` are on the surface. Returns no rays if no
- * place inside is found, as for open surfaces. Throws Cancelled. */
+/* Traces rays through a scene and through GRID of the same surface, with `points` on it. Returns no rays if no place
+ * is inside, as for open surfaces. Throws Canceled. */
 LeakCounts countLeaks(RTCScene grid, const SceneTracer& scene, const AimPoints& points, const LeakSettings& settings,
                       unsigned threads);
 

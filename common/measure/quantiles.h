@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Quantiles and medians. */
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,7 +10,7 @@
 
 namespace cbvh {
 
-/* Returns the q-quantile (nearest rank) of values, which it reorders; 0 if there are none. */
+/* Nearest rank. Reorders the values. Returns 0 if there are none. */
 inline double quantile(std::vector<float>& values, double q)
 {
   if (values.empty())
@@ -23,7 +21,7 @@ inline double quantile(std::vector<float>& values, double q)
   return values[k];
 }
 
-/* Returns the median of at least one value. */
+/* Requires at least one value. */
 inline double median(std::vector<double> values)
 {
   std::sort(values.begin(), values.end());
@@ -31,7 +29,7 @@ inline double median(std::vector<double> values)
   return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/* Returns the interquartile range of at least one value, by nearest ranks. */
+/* Requires at least one value. By nearest ranks. */
 inline double interquartileRange(std::vector<double> values)
 {
   std::sort(values.begin(), values.end());

@@ -16,7 +16,7 @@ bool seenFromBehind(const Ray& ray, const SurfaceHit& hit)
   return dot(hit.normal, ray.direction) > 0.0f;
 }
 
-/* Returns the unit normal on the side of the ray, or the zero vector if there is no normal. */
+/* Unit normal on the side of the ray, or zero if there is none. */
 Vec3f facing(const Ray& ray, const SurfaceHit& hit)
 {
   const Vec3f n = normalize(hit.normal);
@@ -33,7 +33,7 @@ bool hasNormal(const SurfaceHit& hit)
   return hit.hit() && length(hit.normal) > 0.0f;
 }
 
-/* Rays that are traced in one call, which devices need for speed. */
+/* Traced in one call, for the speed of devices. */
 class ShadowRays
 {
 public:
@@ -75,8 +75,7 @@ ShadowComparison& operator+=(ShadowComparison& sum, const ShadowComparison& c)
   return sum;
 }
 
-/* Random numbers of a chunk of pixels. Every pixel consumes the same number of them, so that every representation gets
- * the same directions. */
+/* Every pixel consumes the same number of random numbers, so that every representation gets the same directions. */
 std::mt19937 randomOfChunk(const ShadowSettings& settings, size_t begin)
 {
   return std::mt19937(settings.seed + 0x9E3779B9u * uint32_t(begin / chunk + 1));
@@ -87,7 +86,7 @@ void skipPixel(const ShadowSettings& settings, std::mt19937& random)
   random.discard(2 * settings.raysPerHit);
 }
 
-/* Returns the ray from a hit in a direction, offset to the side of the primary ray. */
+/* The origin is offset to the side of the primary ray. */
 Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, const ShadowSettings& settings,
                  float footprint)
 {
@@ -102,7 +101,6 @@ Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, con
   return ray;
 }
 
-/* Compares the secondary rays of pixels. */
 class PixelComparer
 {
 public:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compares secondary rays from a representation's own hits with secondary rays from GRID's hits: a surface must neither
- * shadow itself nor let light through. */
+/* Compares secondary rays from a representation's hits with those from GRID's hits: a surface must neither shadow
+ * itself nor let light through. */
 
 #include "building/scene_tracer.h"
 #include "building/surface_hit.h"
@@ -18,25 +18,25 @@
 
 namespace cbvh {
 
-/* The offset with which a renderer keeps secondary rays off the surface that they leave. */
+/* Keeps secondary rays off the surface that they leave, as renderers do. */
 struct RayOffset
 {
-  float length = 0.0f;  // along the geometric normal on the ray's side, world units
+  float length = 0.0f;  // along the geometric normal to the ray's side, world units
   float pixels = 0.0f;  // the same, in pixel widths at the hit
   float ulps = 0.0f;    // tnear along the ray, in ulps of the maximum of |P| and t
 
-  /* The offset of Embree's own path tracer. */
+  /* As in Embree's path tracer. */
   static RayOffset ofEmbree() { return {0.0f, 0.0f, 32.0f}; }
 };
 
-/* The primary rays of a picture, one per pixel. */
+/* Primary rays, one per pixel. */
 struct PictureRays
 {
   const std::vector<Ray>& rays;
   float footprint; // width of a pixel at distance 1
 };
 
-/* A scene and its hits of the primary rays. */
+/* A scene and its hits of primary rays. */
 struct TracedHits
 {
   const SceneTracer& scene;
@@ -46,12 +46,12 @@ struct TracedHits
 struct ShadowSettings
 {
   RayOffset offset;
-  float length = INFINITY; // of the secondary rays; infinity for ambient light
+  float length = INFINITY; // infinite for ambient light
   unsigned raysPerHit = 1;
   uint32_t seed = 1;
 };
 
-/* False occlusions are shadows where GRID's rays see light; false passes are the opposite. */
+/* False occlusions are shadows where GRID has light; false passes are the opposite. */
 struct ShadowErrors
 {
   size_t falseOcclusions = 0, falsePasses = 0;
@@ -64,25 +64,23 @@ struct ShadowComparison
   size_t rays = 0;
   size_t occluded = 0; // in GRID
   ShadowErrors all;
-  /* Pixels whose hits agree to a pixel width. In other pixels the representation sees another part of the surface,
-   * which is not self-shadowing. */
+  /* Pixels whose hits agree to a pixel width. Elsewhere the representation sees another part of the surface. */
   size_t sameHitRays = 0;
   ShadowErrors sameHitErrors;
-  /* Pixels in which only one of both normals points away from the viewer, so that rays start on the wrong side. */
+  /* Pixels in which only one of the normals points away from the viewer: rays start on the wrong side. */
   size_t flippedRays = 0;
   ShadowErrors flippedErrors;
-  /* The control: rays from the representation's hits, traced through GRID. Their errors come from the position of the
-   * hit, not from the way in which a ray leaves it. */
+  /* Rays from the representation's hits, traced through GRID: errors due to the position of the hit alone. */
   ShadowErrors control;
 };
 
-/* Traces the same directions from each pixel that both scenes hit: cosine-distributed about GRID's normal, on the side
- * of the primary ray. Throws Cancelled. */
+/* Traces the same directions from each pixel that both scenes hit: cosine-distributed about GRID's normal on the
+ * side of the primary ray. Throws Canceled. */
 ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
                                 const ShadowSettings& settings, unsigned threads);
 
-/* Returns for each pixel the fraction of unoccluded directions, 1 for a miss. Directions are cosine-distributed about
- * the hit's own normal. Throws Cancelled. */
+/* Fraction of unoccluded directions per pixel, 1 for a miss. Directions are cosine-distributed about the hit's own
+ * normal. Throws Canceled. */
 std::vector<float> ambientOcclusion(const TracedHits& seen, const PictureRays& primary, const ShadowSettings& settings,
                                     unsigned threads);
 

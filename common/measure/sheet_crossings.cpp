@@ -18,7 +18,7 @@ namespace cbvh {
 namespace {
 
 constexpr int cageQuads = 4;         // per side
-constexpr double rim = 0.9;          // rays stay within, because displacement moves borders sideways
+constexpr double rim = 0.9;          // limits rays, because displacement moves borders sideways
 constexpr size_t raysOfChunk = 1000; // with one seed
 constexpr size_t maxExamples = 16;
 constexpr double pi = 3.14159265358979323846;
@@ -35,7 +35,7 @@ private:
   std::mt19937_64 engine;
 };
 
-/* Returns random rates of all edges, the same on both sides of each edge. */
+/* The same on both sides of each edge. */
 std::vector<float> drawRates(Draws& draws)
 {
   const auto vertex = [](int x, int y) { return y * (cageQuads + 1) + x; };
@@ -63,7 +63,7 @@ DisplacedSheet drawSheet(Draws& draws)
   sheet.amplitude = draws.magnitude(0.03, 5);
   sheet.sideways = draws.below(2) ? draws.uniform(0, 0.6) : 0;
   sheet.frequency = draws.magnitude(0.35, 1.6);
-  const int rates = draws.below(8); // 6 of 8 sheets have a power of two
+  const int rates = draws.below(8); // 6 of 8 sheets have a power of two as rate
   sheet.rate = rates == 0 ? float(1 + draws.below(40)) : float(1 << sheet.level);
   if (rates == 1)
     sheet.rates = drawRates(draws);
@@ -89,7 +89,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
 
 bool isHit(const RTCRayHit& ray) { return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
-/* Returns a ray over the sheet from above everything that can be hit to below it, or the opposite. */
+/* Returns a ray from above the sheet to below it, or the opposite. */
 Ray drawRay(Draws& draws, const RTCBounds& bounds)
 {
   const double height = bounds.upper_z - bounds.lower_z + 0.02;
@@ -98,7 +98,7 @@ Ray drawRay(Draws& draws, const RTCBounds& bounds)
     const double slope = draws.magnitude(0.03, 3);
     double above = bounds.upper_z + height * draws.uniform(0.01, 1);
     double below = bounds.lower_z - height * draws.uniform(0.01, 1);
-    if (above - below > slope * rim) // too long for the sheet: start and end closer
+    if (above - below > slope * rim) // too long for the sheet
     {
       above = bounds.upper_z + 1e-3;
       below = bounds.lower_z - 1e-3;
@@ -114,7 +114,7 @@ Ray drawRay(Draws& draws, const RTCBounds& bounds)
   }
 }
 
-/* Returns the signs of a direction. Packets are traced together if all rays have the same. */
+/* Signs of a direction; equal for the rays of a packet. */
 int octant(const Ray& ray)
 {
   return (ray.direction.x < 0) + 2 * (ray.direction.y < 0) + 4 * (ray.direction.z < 0);

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Finds silhouettes in a picture. If a ray passes a silhouette in only one of two representations, its error is the
- * distance between two sheets, whatever the quality of the representation. Errors of other rays are errors of the
- * surface itself. */
+/* If a ray passes a silhouette in only one of two representations, its error is the distance between two sheets.
+ * Other rays show the errors of the surface itself. */
 
 #include "building/surface_hit.h"
 #include "tracing/camera.h"
@@ -16,9 +15,8 @@
 
 namespace cbvh {
 
-/* Returns the indices of hits away from silhouettes: all 3 x 3 pixels around see the plane of the hit, to 3 pixel
- * widths along their rays. Excludes the border of the picture. `primary` and `hits` hold one entry per pixel of the
- * camera, in rows. */
+/* Indices of hits whose 3 x 3 neighbors all see the plane of the hit, to 3 pixel widths along their rays. Excludes
+ * the border of the picture. `primary` and `hits` hold one entry per pixel, in rows. */
 std::vector<size_t> hitsAwayFromSilhouettes(const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits,
                                             const Camera& camera);
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Relative speed of two scenes of one surface, which trace the same rays alternately. */
+/* Relative speed of two scenes of one surface: they trace the same rays alternately. */
 
 #include "basics/seconds.h"
 #include "building/scene_tracer.h"
@@ -22,7 +22,7 @@ namespace cbvh {
 
 enum class TimedQuery { Single, Packets, AnyHit };
 
-/* Returns the processor time of the calling thread in seconds. `hits` receives the hits of the rays. */
+/* Processor seconds of the calling thread. */
 inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std::vector<RTCRayHit>& hits,
                          TimedQuery query)
 {
@@ -40,8 +40,8 @@ inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std
   });
 }
 
-/* Returns the speed of `ours` divided by the speed of `theirs` for each of `repeat` runs. `hits` receives theirs and
- * ours of the last run. */
+/* Speed of `ours` divided by the speed of `theirs`, for each of `repeat` runs. `hits` receives theirs and ours of
+ * the last run. */
 inline std::vector<double> interleavedSpeedups(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays,
                                                TimedQuery query, unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
@@ -54,7 +54,6 @@ inline std::vector<double> interleavedSpeedups(RTCScene theirs, RTCScene ours, c
   return ratios;
 }
 
-/* Returns the median of interleavedSpeedups. */
 inline double medianSpeedup(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays, TimedQuery query,
                             unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
@@ -63,10 +62,10 @@ inline double medianSpeedup(RTCScene theirs, RTCScene ours, const std::vector<RT
 
 inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
-/* Rays of a picture, in rows and in tiles, and rays that bounce off the surface; at random times in [0,1) or at 0. */
+/* Rays of a picture, in rows and in tiles, and rays that bounce off its hits. Times are random in [0,1), or 0. */
 struct PictureRays
 {
-  /* The picture is side x side pixels. Rays bounce off the hits of `scene`. */
+  /* For a picture of side x side pixels. */
   PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes)
     : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {side, side}))
   {

@@ -11,12 +11,12 @@
 namespace cbvh {
 namespace {
 
-/* Errors of one hit, in pixels unless stated otherwise. */
+/* In pixels unless stated otherwise. */
 struct Measure
 {
   bool measured = false, apart = false;
-  float distance = 0, world = 0, along = 0, angle = 0; // world: in world units; angle: in degrees
-  std::optional<float> cells; // distance in (u,v) in quads, if on the same patch
+  float distance = 0, world = 0, along = 0, angle = 0; // world: world units; angle: degrees
+  std::optional<float> cells; // distance in (u,v) in quads, on the same patch
 };
 
 Measure measure(const TrueView& view, const Ray& ray, const SurfaceHit& hit, const PatchLayout& layout)

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Distances of hits from the true surface: the error of tessellation and compression together, measured in the same
- * way for every representation. */
+/* Distances of hits from the true surface: the errors of tessellation and compression together. */
 
 #include "building/surface_hit.h"
 #include "measure/error_summary.h"
@@ -16,33 +15,31 @@
 
 namespace cbvh {
 
-/* Errors against the nearest point of the true surface. */
 struct TrueErrors : ErrorSummary
 {
-  size_t hits = 0; // measured hits
+  size_t hits = 0;
   /* Distances in world units. */
   double rmseWorld = 0, medianWorld = 0, p99World = 0;
-  /* Signed distance along the ray, in pixels, positive if behind the true surface. Only for hits whose ray intersects
-   * the true surface within 5 pixels; other rays graze or miss it. */
+  /* Signed distance along the ray in pixels, positive behind the true surface. Excludes rays that do not intersect
+   * it within 5 pixels. */
   double rmseAlong = 0, bias = 0;
-  size_t apart = 0; // number of the other hits
+  size_t apart = 0; // hits of the excluded rays
 };
 
-/* Returns the indices of `count` random hits in ascending order, or of all hits if there are fewer. */
+/* Indices of `count` random hits, or of all if there are fewer, in ascending order. */
 std::vector<size_t> sampleHits(const std::vector<SurfaceHit>& hits, size_t count, uint32_t seed);
 
-/* Reference of all representations in a view. */
 struct TrueView
 {
   const Model& model;
-  const TrueSurfaces& surfaces; // of the model
-  const std::vector<Ray>& rays; // primary rays
-  std::vector<size_t> sample;   // indices of the rays to measure
+  const TrueSurfaces& surfaces;
+  const std::vector<Ray>& rays; // primary
+  std::vector<size_t> sample;   // indices of rays to measure
   float footprint;              // width of a pixel at distance 1
 };
 
-/* `hits` holds one entry per ray of the view; misses in the sample are ignored. `layout` is the model's at the level of
- * the hits. Throws Cancelled. */
+/* `hits` holds one entry per ray of the view; misses are ignored. `layout` is the model's at the level of the hits.
+ * Throws Canceled. */
 TrueErrors compareToTrueSurface(const TrueView& view, const std::vector<SurfaceHit>& hits, const PatchLayout& layout,
                                 unsigned threads);
 

@@ -14,7 +14,7 @@
 namespace cbvh {
 namespace {
 
-/* OpenEXR writes the last part in a destructor and ignores errors there. The PendingFile records them. */
+/* Redirects OpenEXR into a PendingFile, because a destructor writes the last part and ignores errors. */
 class PendingStream : public Imf::OStream
 {
 public:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes images with OpenEXR, because OpenImageIO does not support channels of different types. */
+/* OpenEXR instead of OpenImageIO, for channels of different types. */
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* Writes `lines` lines of an image, completely or not at all. Throws Error with the path. */
+/* Writes completely or not at all. Throws Error with the path. */
 void writeExrFile(const std::string& path, const Imf::Header& header, const Imf::FrameBuffer& frame, int lines);
 
 } // namespace cbvh

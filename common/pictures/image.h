@@ -12,12 +12,12 @@
 
 namespace cbvh {
 
-/* An image in 8-bit sRGB, rows from the top. */
+/* 8-bit sRGB, rows from the top. */
 struct Image
 {
   explicit Image(ImageSize size) : size(size), rgb(size_t(size.width) * size.height * 3) {}
 
-  /* `color` is linear, 0 to 1; values outside are clamped. */
+  /* `color` is linear and clamped to [0,1]. */
   void set(size_t pixel, Vec3f color);
 
   ImageSize size;

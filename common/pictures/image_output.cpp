@@ -51,7 +51,7 @@ void writeExr(const std::string& path, ImageSize whole, const Crop& part, const 
   const Imath::Box2i display({0, 0}, {whole.width - 1, whole.height - 1});
   const Imath::Box2i data({part.x0, part.y0}, {part.x1 - 1, part.y1 - 1});
   Imf::Header header(display, data);
-  /* OpenEXR expects the address of pixel (0,0) of the whole picture, which may be outside of our array. */
+  /* OpenEXR expects the address of the whole picture's pixel (0,0), which may be outside of the array. */
   const auto origin = [&](void* first, size_t stride) {
     return reinterpret_cast<char*>(intptr_t(first) - (intptr_t(part.y0) * size.width + part.x0) * intptr_t(stride));
   };

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Writes pictures: PNG through OpenImageIO, colors and hits as multi-channel EXR through OpenEXR. Files appear either
- * complete or not at all. */
+/* Pictures as PNG, and with hits as multi-channel EXR. Files appear either complete or not at all. */
 
 #include "building/surface_hit.h"
 #include "pictures/image.h"
@@ -16,14 +15,14 @@
 
 namespace cbvh {
 
-/* Writes an 8-bit image. Throws Error with the path. */
+/* Throws Error with the path. */
 void writePng(const std::string& path, const Image& image);
 
-/* Writes a part of a picture of size `whole`, with the part as data window and the whole picture as display window.
+/* Writes a part of a picture of size `whole`: the part is the data window, the picture the display window.
  *
- * Channels: linear colors R G B; hits of primary rays P.X P.Y P.Z (hit point), Z (distance along the ray, infinite for
- * a miss), N.X N.Y N.Z (unit geometric normal), u, v, all as floats; primID as an unsigned integer (0xffffffff for a
- * miss), which a float cannot hold. Throws Error with the path. */
+ * Float channels: linear colors R G B; hits of primary rays P.X P.Y P.Z (position), Z (distance along the ray,
+ * infinite for a miss), N.X N.Y N.Z (unit geometric normal), u, v. The channel primID is an unsigned integer,
+ * 0xffffffff for a miss. Throws Error with the path. */
 void writeExr(const std::string& path, ImageSize whole, const Crop& part, const std::vector<Vec3f>& colors,
               const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits);
 

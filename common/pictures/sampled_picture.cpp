@@ -9,7 +9,7 @@
 
 namespace cbvh {
 
-/* The additive sequence of the plastic number, any prefix of which fills a square evenly. */
+/* The additive sequence of the plastic number: any prefix fills a square evenly. */
 Vec2f sampleOffset(int i)
 {
   const auto offset = [i](double step) {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A shaded picture with several samples per pixel. If quads are smaller than pixels, a single sample shows only one of
- * them, and fine displacement looks like noise. */
+/* A shaded picture with several samples per pixel: a single sample makes fine displacement look like noise, because
+ * it shows only one of a pixel's quads. */
 
 #include "building/traced_scene.h"
 #include "pictures/image.h"
@@ -17,8 +17,7 @@
 
 namespace cbvh {
 
-/* Returns the position of sample i, in pixels from the center of the pixel. Sample 0 is the center; samples cover the
- * pixel evenly. */
+/* Position of sample i, in pixels from the center of the pixel. Sample 0 is the center. */
 Vec2f sampleOffset(int i);
 
 class SampledPicture
@@ -26,18 +25,18 @@ class SampledPicture
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* A part of the picture, with the same colors as in the whole picture. */
+  /* A part of the picture, with the colors of the whole. */
   SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Cancelled. */
+  /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Canceled. */
   void add(const std::vector<Ray>& rays, const std::vector<SurfaceHit>& hits, unsigned threads = 1);
 
-  /* Return the mean of the samples over the background: as sRGB, and linear. */
+  /* Mean of the samples over the background: as sRGB, and linear. */
   Image image() const;
   std::vector<Vec3f> linear() const;
 
   /* Adds a sample to one pixel, for callers with their own loops. Different pixels may be on different threads. Call
-   * endSample after every pixel has its sample. */
+   * endSample once every pixel has its sample. */
   void addTo(size_t pixel, const Ray& ray, const SurfaceHit& hit);
   void endSample() { samples++; }
   Vec3f mean(size_t pixel) const { return (1.0f / float(samples)) * sums[pixel]; } // linear
@@ -50,8 +49,7 @@ private:
   int samples = 0;
 };
 
-/* Renders a scene, or a part of the picture. `first` and `hits` belong to primaryRays with times; they are the first
- * samples. Throws Cancelled. */
+/* `first` and `hits` are the first samples, from primaryRays with times. Throws Canceled. */
 SampledPicture sampledPicture(const TracedScene& scene, const Camera& camera, const Crop& part, Vec3f up,
                               const std::vector<Ray>& first, const std::vector<SurfaceHit>& hits, int samples,
                               const Shutter& shutter, HitColors colors, unsigned threads);

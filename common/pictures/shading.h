@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Shades hits and errors. */
-
 #include "building/surface_hit.h"
 #include "pictures/image.h"
 #include "tracing/ray.h"
@@ -16,17 +14,17 @@ namespace cbvh {
 enum class HitColors
 {
   Neutral, // gray from both sides
-  Sides,   // magenta if the normal points away from the viewer: a wrong sign, or the inside of the surface
+  Sides,   // magenta if the normal points away from the viewer
 };
 
-/* Shades with two lights and the representation's geometric normal, flipped towards the viewer if necessary. */
+/* Two lights. The geometric normal is flipped towards the viewer if necessary. */
 class HitShader
 {
 public:
-  /* `middle` is the unit direction of the ray in the middle of the picture. */
+  /* `middle` is the unit direction through the middle of the picture. */
   HitShader(Vec3f middle, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* Returns the linear color of a hit. */
+  /* Linear color of a hit. */
   Vec3f color(const Ray& ray, const SurfaceHit& hit) const;
 
 private:
@@ -34,22 +32,21 @@ private:
   HitColors colors;
 };
 
-/* Returns the linear background color. `fraction` is 0 at the top of the picture, 1 at the bottom. */
+/* Linear. `fraction` is 0 at the top of the picture, 1 at the bottom. */
 Vec3f backgroundColor(float fraction);
 
-/* `values` holds one value per pixel, from 0 (black) to 1 (white). */
+/* One value per pixel, from 0 (black) to 1 (white). */
 Image grayImage(ImageSize size, const std::vector<float>& values);
 
-/* Returns three images side by side: ambient occlusion of GRID, of another representation, and four times their
- * difference, gray for none, brighter where the representation lets more light in. `grid` and `light` are results of
- * ambientOcclusion. */
+/* Three images side by side: ambient occlusion of GRID, of another representation, and four times their difference
+ * (gray for none, brighter for more light). The arguments are results of ambientOcclusion. */
 Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::vector<float>& light);
 
-/* Returns the color of one value of pixelErrors, see errorHeatMap. */
+/* Color of one value of pixelErrors. */
 Vec3f errorColor(float error);
 
-/* Colors of the paper's figure 10: from blue for no error to pink for 5 pixels and more; black for false hits, orange
- * for misses, white for the background. `errors` is a result of pixelErrors. */
+/* Colors of the paper's figure 10: blue for no error to pink for 5 pixels and more; black for false hits, orange for
+ * misses, white for the background. `errors` is a result of pixelErrors. */
 Image errorHeatMap(ImageSize size, const std::vector<float>& errors);
 
 } // namespace cbvh

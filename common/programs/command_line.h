@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Option parsing that all programs share. */
-
 #include "basics/error.h"
 #include "basics/file_output.h"
 #include "basics/nearest_word.h"
@@ -24,7 +22,7 @@
 
 namespace cbvh {
 
-/* Returns the option of a program that is most similar to a misspelled one such as "--levle". */
+/* Returns the option that is most similar to a misspelled one. */
 inline std::string nearestOption(const CLI::App& app, const std::string& word)
 {
   std::vector<std::string> names;
@@ -33,7 +31,7 @@ inline std::string nearestOption(const CLI::App& app, const std::string& word)
   return nearestWord(word, names);
 }
 
-/* Returns false after --help and --version, whose output was printed. Throws Error for invalid command lines. */
+/* Returns false after --help and --version, once their output is printed. Throws Error. */
 inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
 {
   app.set_version_flag("--version", RTC_COMPRESSION_VERSION_STRING,
@@ -55,7 +53,7 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
   }
   catch (const CLI::ArgumentMismatch& e)
   {
-    /* "--level: At Most 1 required but received 2" */
+    /* CLI11's text: "--level: At Most 1 required but received 2" */
     const std::string text = e.what(), mark = ": At Most 1 required but received ";
     const size_t at = text.find(mark);
     if (at == std::string::npos)
@@ -80,7 +78,7 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
   return true;
 }
 
-/* The device that traces, see validateTraceDevice. */
+/* See validateTraceDevice. */
 inline void addDeviceOption(CLI::App& app, std::string& device)
 {
   app.add_option("--device", device,
@@ -89,21 +87,20 @@ inline void addDeviceOption(CLI::App& app, std::string& device)
     ->type_name("DEVICE")->capture_default_str();
 }
 
-/* The widest instruction set, see BuildSettings. */
 inline void addIsaOption(CLI::App& app, std::string& isa)
 {
   app.add_option("--isa", isa, "widest instruction set to use: sse2, sse4.2, avx, avx2 or avx512 [the host's best]")
     ->type_name("ISA");
 }
 
-/* Throws Error that names the option if the value is negative or not finite. */
+/* Throws Error with the option if the value is negative or not finite. */
 inline void requireNotNegative(const std::string& option, float value)
 {
   if (!(value >= 0.0f) || !std::isfinite(value))
     throw Error("invalid " + option + " " + shortNumber(value) + ": expected a finite number of at least 0");
 }
 
-/* Values of the options that choose the tessellation. */
+/* Options that choose the tessellation. */
 struct LevelOptions
 {
   std::string level = "auto", frameLevel = "auto"; // "auto" or a number
@@ -111,13 +108,11 @@ struct LevelOptions
   std::optional<float> maxPixelError;
 };
 
-/* Default of --max-pixel-error with --level auto. Moving vertices by a quarter of a pixel is invisible, but quads are
- * as small, so their normals would turn and smooth surfaces would show rings and grain. 1/32 avoids this and needs a
- * tenth more memory. */
+/* Default of --max-pixel-error with --level auto. Larger errors turn the normals of pixel-sized quads, so that
+ * smooth surfaces show rings and grain; 1/32 avoids this for a tenth more memory. */
 constexpr float autoPixelError = 1.0f / 32.0f;
-constexpr int fixedLevel = 6; // default level when representations are compared
+constexpr int fixedLevel = 6; // if representations are compared
 
-/* Adds --level with auto, --frame-level, --quad-size and --max-pixel-error. */
 inline void addViewLevelOptions(CLI::App& app, LevelOptions& options)
 {
   app.add_option("--level", options.level,
@@ -135,7 +130,7 @@ inline void addViewLevelOptions(CLI::App& app, LevelOptions& options)
     ->type_name("P");
 }
 
-/* Parses the options. Returns true if the level is auto; otherwise sets `level`. Throws Error that names the option. */
+/* Returns true if the level is auto; otherwise sets `level`. Throws Error with the option. */
 inline bool parseLevel(const LevelOptions& options, int& level)
 {
   if (!(options.quadSize > 0.0f) || !std::isfinite(options.quadSize))
@@ -159,8 +154,7 @@ inline void addLevelOptions(CLI::App& app, int& level, std::string& frameLevel)
     ->type_name("N")->capture_default_str();
 }
 
-/* Parses the values of --representation and --frame-level. Throws Error that names the options, or the loaded library
- * if it cannot compress. */
+/* Throws Error with the options, or with the loaded library if it cannot compress. */
 inline std::vector<Representation> parseRepresentationOptions(const std::string& list, const std::string& frameLevel)
 {
   std::vector<Representation> representations;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Options of programs that compare two ways to store a scene, and the models that these options name. */
+/* Options of programs that compare two ways to store a scene. */
 
 #include "programs/surface_options.h"
 #include "scenes/catalogue.h"
@@ -22,10 +22,10 @@ struct ComparedScenes
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
   unsigned repeat = 5;
-  int side = 512; // of the traced picture, in pixels
+  int side = 512; // width and height of the picture, in pixels
   std::string isa;
 
-  /* `cageOption` is the name of the option for a cage, "--cage"; a comma separates several names. */
+  /* `cageOption` is the option for a cage, "--cage"; a comma separates several names. */
   void addOptions(CLI::App& app, const std::string& cageOption)
   {
     app.add_option("--scene", scenes, "comma-separated list of " + listOfScenes())
@@ -40,7 +40,7 @@ struct ComparedScenes
     app.add_option(cageOption, cage.cagePath, "control cage (OBJ) instead of scenes")->type_name("FILE");
   }
 
-  /* Calls measure(model) for each model. Prints warnings. Throws Error. */
+  /* Prints warnings. Throws Error. */
   template<typename Measure>
   void forEach(const Measure& measure) const
   {

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Statistics of compression as JSON, with units in the names. */
-
 #include "building/built_scene.h"
 
 #include <nlohmann/json.hpp>

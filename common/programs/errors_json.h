@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Errors as JSON, with units in the names. */
+/* Errors as JSON. */
 
 #include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
@@ -13,7 +13,6 @@
 
 namespace cbvh {
 
-/* Members that all errors have. */
 inline nlohmann::json summaryJson(const ErrorSummary& e)
 {
   return {{"rmse_pixels", e.rmse},
@@ -28,7 +27,7 @@ inline nlohmann::json summaryJson(const ErrorSummary& e)
           {"other_patch", e.otherPatch}};
 }
 
-/* Errors against a mesh. If the mesh has the same level, these are errors of compression alone. */
+/* Errors against a mesh. At the mesh's level: of compression alone. */
 inline nlohmann::json errorsJson(const HitErrors& e)
 {
   nlohmann::json json = summaryJson(e);
@@ -56,7 +55,6 @@ inline nlohmann::json errorsJson(const TrueErrors& e)
   return json;
 }
 
-/* The best possible accuracy of 4-bit heights. */
 inline nlohmann::json heightBinsJson(const HeightBins& b)
 {
   return {{"hits", b.hits},

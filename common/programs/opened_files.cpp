@@ -16,11 +16,11 @@ bool hasExtension(const char* extension, const std::string& path)
   return lowerCase(std::filesystem::path(path).extension().string()) == extension;
 }
 
-/* Pipes have no extension. They are cages, because maps cannot be read from pipes. */
+/* Pipes are cages, because maps cannot be read from pipes. */
 bool isCage(const std::string& path) { return hasExtension(".obj", path) || isPipe(path); }
 bool isSavedScene(const std::string& path) { return hasExtension(".cbvh", path); }
 
-/* Resets the settings of a map, and the strength of a generated scene. */
+/* Resets the map's settings and the amplitude. */
 void resetMap(SceneSettings& settings)
 {
   const SceneSettings fresh;
@@ -76,7 +76,7 @@ SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettin
 void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene)
 {
   SceneSettings named;
-  named.cagePath = scene.cagePath; // a height map alone is for this cage
+  named.cagePath = scene.cagePath; // a height map alone belongs to this cage
   if (!files.empty())
     named = openFiles(files, named);
   const bool hasModel =
@@ -85,9 +85,9 @@ void applyFileArguments(const std::vector<std::string>& files, SceneSettings& sc
     throw Error(named.savedPath + ": a file of compressed surfaces must be opened alone: expected no model options");
   scene.savedPath = named.savedPath;
   if (named.cagePath != scene.cagePath && !(scene.scene.empty() && scene.cagePath.empty()))
-    throw Error(named.cagePath + ": expected only one model, but there is a --scene or a --cage, too");
+    throw Error(named.cagePath + ": --scene or --cage names another model: expected only one");
   if (!named.heightPath.empty() && !scene.heightPath.empty())
-    throw Error(named.heightPath + ": expected only one height map, but there is a --height, too");
+    throw Error(named.heightPath + ": --height names another height map: expected only one");
   if (named.savedPath.empty())
     scene.cagePath = named.cagePath;
   if (!named.heightPath.empty())

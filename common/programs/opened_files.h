@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Files that are named on the command line or dropped onto a window. */
+/* Files named on the command line or dropped onto a window. */
 
 #include "scenes/catalogue.h"
 
@@ -12,14 +12,14 @@
 
 namespace cbvh {
 
-/* Returns the settings for opening files: one file of compressed surfaces (.cbvh), or one cage (OBJ), one height map
- * (any other file), or a cage and a map in any order. A cage resets the current map; a map alone is for the current
- * cage. `current` describes the loaded model; its names may be empty.
- * Throws Error for more than one file of a kind, a map without a cage, and compressed surfaces with other files. */
+/* Returns the settings for one file of compressed surfaces (.cbvh), or for a cage (OBJ) and a height map (any other
+ * file) in any order. A cage resets the current map; a map alone belongs to the current cage. `current` describes
+ * the loaded model; its names may be empty. Throws Error for two files of a kind, a map without a cage, and
+ * compressed surfaces with other files. */
 SceneSettings openFiles(const std::vector<std::string>& paths, const SceneSettings& current);
 
-/* Adds files without an option from the command line to the settings from its options. Throws Error as openFiles, and
- * if both name a model or a map. */
+/* Adds file arguments without an option to the settings. Throws Error as openFiles, and if both name a model or a
+ * map. */
 void applyFileArguments(const std::vector<std::string>& files, SceneSettings& scene);
 
 } // namespace cbvh

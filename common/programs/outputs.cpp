@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/* Returns a path that two outputs must not share; empty for devices and pipes, which they may. */
+/* Path that two outputs must not share; empty for devices and pipes. */
 std::string placeOf(const std::string& path)
 {
   std::error_code code;

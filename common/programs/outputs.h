@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Checks the output files of a command line before any work is done. */
+/* Checks output files before any work is done. */
 
 #include "scenes/catalogue.h"
 
@@ -14,11 +14,11 @@ namespace cbvh {
 
 struct Output
 {
-  std::string option, path; // an empty path is not checked
+  std::string option, path; // not checked if empty
 };
 
-/* Throws Error that names the option if an output would replace an input file of the model, or the file of another
- * option. Paths are compared by the files that they lead to. */
+/* Throws Error with the option if an output would replace an input file of the model or another output. Compares the
+ * files to which paths lead. */
 void validateOutputs(const SceneSettings& model, const std::vector<Output>& outputs);
 
 } // namespace cbvh

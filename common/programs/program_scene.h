@@ -3,14 +3,12 @@
 
 #pragma once
 
-/* Loads the scene that a program's options name. */
-
 #include "programs/warnings.h"
 #include "scenes/catalogue.h"
 
 namespace cbvh {
 
-/* Calls loadScene and prints its warnings on stderr, prefixed with the program's name. */
+/* Prints warnings on stderr. */
 inline Model loadProgramScene(const std::string& program, const SceneSettings& settings)
 {
   std::string warnings;

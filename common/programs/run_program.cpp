@@ -14,16 +14,16 @@ namespace cbvh {
 
 int runProgram(const char* name, const std::function<int()>& run)
 {
-  std::signal(SIGXFSZ, SIG_IGN); // writes beyond a file size limit then return an error
+  std::signal(SIGXFSZ, SIG_IGN); // writes beyond a file size limit then fail
   try
   {
     const int status = run();
-    writeStandardOutput(""); // reports errors of earlier output that was not checked
+    writeStandardOutput(""); // reports errors of unchecked output
     return status;
   }
   catch (const Cancelled&)
   {
-    std::fprintf(stderr, "%s: cancelled\n", name);
+    std::fprintf(stderr, "%s: canceled\n", name);
     return 130;
   }
   catch (const std::bad_alloc&)

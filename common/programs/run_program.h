@@ -3,14 +3,12 @@
 
 #pragma once
 
-/* Catches the exceptions of a program. */
-
 #include <functional>
 
 namespace cbvh {
 
-/* Runs a program. Returns the exit status: the result of `run`, 130 if the user cancelled it, or 1 after an error. An
- * error prints one line on stderr that starts with the program's name. Failing to write standard output is an error. */
+/* Returns the result of `run`, 130 after a cancellation, or 1 after an error, which prints one line on stderr that
+ * starts with `name`. A failure to write standard output is an error. */
 int runProgram(const char* name, const std::function<int()>& run);
 
 } // namespace cbvh

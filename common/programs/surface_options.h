@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Options for surfaces that all programs share: cages, maps, and settings of generated scenes. */
+/* Options for cages, maps and generated scenes. */
 
 #include "basics/error.h"
 #include "scenes/catalogue.h"
@@ -77,8 +77,7 @@ inline void addMapOptions(CLI::App& app, SceneSettings& settings)
     ->check(CLI::IsMember({"object", "tangent"}));
 }
 
-/* Adds file arguments without an option, for applyFileArguments (opened_files.h). `saved` is true if the program also
- * shows files of compressed surfaces. */
+/* Adds arguments for applyFileArguments. `saved` is true if the program also shows files of compressed surfaces. */
 inline void addFileArguments(CLI::App& app, std::vector<std::string>& files, bool saved = false)
 {
   app.add_option("files", files,
@@ -87,7 +86,7 @@ inline void addFileArguments(CLI::App& app, std::vector<std::string>& files, boo
     ->type_name("FILE");
 }
 
-/* Throws Error if options of a model are given together with a file of compressed surfaces. */
+/* Throws Error if a model option accompanies the file of compressed surfaces at `path`. */
 inline void rejectModelOptions(const CLI::App& app, const std::string& path)
 {
   for (const char* name :
@@ -110,7 +109,7 @@ inline void addMeshOption(CLI::App& app, SceneSettings& settings)
     ->type_name("FILE");
 }
 
-/* Adds --shutter, whose value parseShutter reads. */
+/* The value is for parseShutter. */
 inline void addShutterOption(CLI::App& app, std::string& shutter)
 {
   app.add_option("--shutter", shutter,
@@ -119,7 +118,7 @@ inline void addShutterOption(CLI::App& app, std::string& shutter)
     ->type_name("T0,T1")->capture_default_str();
 }
 
-/* Adds the options of a model, except --scene. */
+/* All options of a model except --scene. */
 inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--cage", settings.cagePath, "instead of a scene: control cage (OBJ), with OpenSubdiv's t tags")

@@ -15,8 +15,7 @@ namespace {
 
 constexpr float fieldOfView = 35.0f;
 
-/* The close view looks at the surface that the full view shows at a given place in the picture, or at the surface
- * nearest to it. */
+/* Looks at the surface that the full view shows at or nearest to a given place. */
 Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints& hints, unsigned threads)
 {
   const ImageSize size = full.size();
@@ -41,10 +40,10 @@ Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints
   return Camera(target - distance * rays[pixel].direction, target, hints.up, full.fov(), size);
 }
 
-/* False for the box of an empty scene, which is infinite. */
+/* The box of an empty scene is infinite. */
 bool hasSurface(const Box3f& bounds) { return isFinite(bounds.lower) && isFinite(bounds.upper); }
 
-/* True if the text is n finite numbers, separated by commas. */
+/* True for n finite numbers, separated by commas. */
 bool parseNumbers(const std::string& text, float* x, int n)
 {
   const char* p = text.data();
@@ -141,7 +140,7 @@ Camera chooseCamera(const std::string& view, const Model& model, const TracedSce
 {
   const Box3f bounds = scene.bounds();
   if (!hasSurface(bounds))
-    throw Error(model.name + ": Embree makes no surface of this cage: expected faces that are neither holes nor "
+    throw Error(model.name + ": Embree tessellates no face of this cage: expected faces that are neither holes nor "
                 "invalid");
   if (view != "full" && view != "close")
     return parseView(view, model.view.up, size);

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Views on command lines: full, close, or numbers. */
-
 #include "building/traced_scene.h"
 #include "surface/model.h"
 #include "tracing/camera.h"
@@ -15,33 +13,32 @@
 
 namespace cbvh {
 
-/* Parses "WIDTHxHEIGHT". Throws Error. */
+/* "WIDTHxHEIGHT". Throws Error. */
 ImageSize parseImageSize(const std::string& text);
 
-/* Parses "x0,y0,x1,y1"; empty is the whole picture. Throws Error unless it is a part of a picture of size `whole`. */
+/* "x0,y0,x1,y1", or empty for the whole picture. Throws Error unless it is a part of a picture of size `whole`. */
 Crop parseCrop(const std::string& text, ImageSize whole);
 
-/* Parses "0,1": two times from 0 to 1 in ascending order. Throws Error. */
+/* "0,1": two times from 0 to 1 in ascending order. Throws Error. */
 Shutter parseShutter(const std::string& text);
 
-/* Parses "x,y,z". Throws Error. */
+/* "x,y,z". Throws Error. */
 Vec3f parsePosition(const std::string& text);
 
-/* Parses "ex,ey,ez,lx,ly,lz,fov". Throws Error. */
+/* "ex,ey,ez,lx,ly,lz,fov": eye, target, degrees. Throws Error. */
 Camera parseView(const std::string& text, Vec3f up, ImageSize size);
 
-/* Returns a camera that shows the whole model in the direction of the hints. `surface` holds the bounds of the
- * displaced model, `fov` is the vertical field of view in degrees. */
+/* Shows the whole model in the direction of the hints. `surface` holds the bounds of the displaced model; `fov` is
+ * the vertical field of view in degrees. */
 Camera fitCamera(const Model& model, const Box3f& surface, const ViewHints& hints, float fov, ImageSize size);
 
-/* Returns the camera of a view: "full" shows the whole model, "close" shows the place in the model's hints, and
- * parseView reads other values. `scene` is the model as GRID or from a file; it is traced on `threads` threads.
- * Throws Error, also if there is no surface. Throws Cancelled. */
+/* "full" shows the whole model, "close" the place in its hints; other values are for parseView. `scene` is the model
+ * as GRID or from a file, and is traced on `threads` threads. Throws Error, also if there is no surface. */
 Camera chooseCamera(const std::string& view, const Model& model, const TracedScene& scene, ImageSize size,
                     unsigned threads);
 
-/* Returns a stand-in for a scene without a model, so that cameras can be fitted: a name and the corners of its box.
- * `up` is one of upAxes(); empty or "auto" means y. Throws Error if the box is empty. */
+/* Stand-in for a scene without a model, to fit cameras to its box. `up` is one of upAxes(); empty or "auto" means y.
+ * Throws Error if the box is empty. */
 Model boxModel(const std::string& name, const Box3f& bounds, const std::string& up = "");
 
 } // namespace cbvh

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Prints the warnings of loadScene, one per line. */
+/* Warnings of loadScene, one per line. */
 
 #include <cstdio>
 #include <sstream>
@@ -11,7 +11,6 @@
 
 namespace cbvh {
 
-/* Adds a prefix to each line. */
 inline std::string prefixLines(const std::string& prefix, const std::string& warnings)
 {
   std::istringstream lines(warnings);
@@ -21,7 +20,6 @@ inline std::string prefixLines(const std::string& prefix, const std::string& war
   return all;
 }
 
-/* Prints warnings on stderr, prefixed with the program's name. */
 inline void printWarnings(const std::string& program, const std::string& warnings)
 {
   std::fputs(prefixLines(program + ": warning: ", warnings).c_str(), stderr);

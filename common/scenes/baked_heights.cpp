@@ -15,7 +15,7 @@ namespace {
 
 constexpr int rim = 4; // texels around each chart
 
-/* Evaluates heights at points (u,v), the same for every face, and calls store(face, index of the point, height). */
+/* Evaluates heights at points (u,v) of every face. store(face, index of the point, height) must be thread-safe. */
 template<typename Store>
 void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, const Bake& bake, const Store& store)
 {
@@ -55,10 +55,10 @@ void evaluate(const Cage& cage, std::vector<float> u, std::vector<float> v, cons
   device.check("evaluating the limit surface");
 }
 
-/* True for texels of a map that have a height, in rows. */
+/* In rows; true for texels with a height. */
 using Coverage = std::vector<char>;
 
-/* Extends covered areas by one texel per step; a new texel gets the mean of its covered neighbors. */
+/* Extends covered areas by one texel per step, with the mean of the covered neighbors. */
 void growCovered(HeightMap& map, Coverage& covered, int steps, unsigned threads)
 {
   const int width = map.width(), height = map.height();
@@ -112,7 +112,7 @@ HeightMap bakeTiles(const Cage& cage, const FaceAtlas& atlas, const Bake& bake)
   return map;
 }
 
-/* The rim extends the outermost texels, so that filters at a seam find heights similar to those inside. */
+/* The rim continues the outermost texels, for filters at a seam. */
 HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
 {
   const Charts charts = unfoldCharts(cage, texels, rim);
@@ -124,7 +124,7 @@ HeightMap bakeCharts(Cage& cage, int texels, const Bake& bake)
     u.push_back((float(i % texels) + 0.5f) / float(texels));
     v.push_back((float(i / texels) + 0.5f) / float(texels));
   }
-  /* Returns the texel of a face at (i,j); rows of the map run downwards. */
+  /* Texel (i,j) of a face; the map's rows run downwards. */
   const auto texel = [&](size_t face, int i, int j) -> float& {
     const ChartCell& c = charts.cells[face];
     const int last = texels - 1;

@@ -16,7 +16,7 @@ void addQuad(Cage& cage, unsigned a, unsigned b, unsigned c, unsigned d)
   cage.faceSizes.push_back(4);
 }
 
-/* Closes a tube. Four sides need one quad; eight need four quads around a vertex in the middle. */
+/* Four sides need one quad; eight need four quads around a middle vertex. */
 void addCap(Cage& cage, unsigned ring, int sides, Vec3f center, bool first)
 {
   const auto at = [&](int i) { return ring + unsigned(((first ? sides - i : i) + sides) % sides); };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Closed pieces of all-quad cages: balls, and tubes along a curve for limbs, horns, teeth and blades. */
+/* Closed pieces of all-quad cages: balls, and tubes for limbs, horns, teeth and blades. */
 
 #include "surface/cage.h"
 
@@ -11,20 +11,18 @@
 
 namespace cbvh {
 
-/* A cross-section of a tube: an ellipse with half axes a and b. Seen from the next station, a to b runs
- * counterclockwise. */
+/* Cross-section of a tube: an ellipse with half axes a and b, counterclockwise as seen from the next station. */
 struct Station
 {
   Vec3f center, a, b;
 };
 
-/* Appends a closed tube through at least two stations, with 4 or 8 vertices around it (`sides`). Control points lie on
- * the ellipses, so the limit surface is slightly inside them. */
+/* Appends a closed tube of at least two stations. `sides` is 4 or 8. The limit surface is slightly inside the
+ * ellipses. */
 void appendTube(Cage& cage, const std::vector<Station>& stations, int sides);
 
-/* A horn from a base circle along a direction, which bends towards another direction and tapers to a point.
- * `bend` is the distance of the tip from the straight line, in lengths; `flatness` is the ratio of the width across the
- * plane of the bend to the width in it. */
+/* Tapers to a point and bends towards a direction. `bend` is the tip's distance from the straight line, in lengths;
+ * `flatness` is the width across the plane of the bend divided by the width in it. */
 struct Horn
 {
   Vec3f base, direction, bendTowards;
@@ -34,7 +32,7 @@ struct Horn
 };
 void appendHorn(Cage& cage, const Horn& horn);
 
-/* Appends a ball made from a cube with steps x steps quads per side. */
+/* A cube with steps x steps quads per side, made round. */
 void appendBall(Cage& cage, Vec3f center, float radius, int steps);
 
 } // namespace cbvh

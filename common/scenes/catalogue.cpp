@@ -55,7 +55,7 @@ void chooseUp(Model& model, const SceneSettings& settings, const std::string& pa
   model.view = turnedFromY(model.view, model.up);
 }
 
-/* Reads a cage or a mesh, and records the file as an input of the run. */
+/* Records the file as an input of the run. */
 Cage readInput(const std::string& path, std::string& warnings)
 {
   Cage cage = readObj(path, warnings);
@@ -63,7 +63,7 @@ Cage readInput(const std::string& path, std::string& warnings)
   return cage;
 }
 
-/* Reads the positions of the cage's vertices from another file. */
+/* Positions of the cage's vertices in another file. */
 std::vector<Vec3f> readPose(const std::string& path, const Cage& cage, const std::string& cagePath,
                             std::string& warnings)
 {
@@ -127,7 +127,7 @@ struct SceneEntry
 {
   const char* name;
   float amplitude;                     // default
-  Model (*make)(const SceneSettings&); // requires settings with an amplitude
+  Model (*make)(const SceneSettings&); // requires an amplitude
 };
 
 const SceneEntry scenes[] = {

@@ -6,7 +6,7 @@
 namespace cbvh {
 namespace {
 
-/* 3 x 3 spikes. Height and slope are zero on the borders of a face, so that faces meet. */
+/* 3 x 3 spikes, flat at the borders of a face. */
 class Spikes : public Displacement
 {
 public:
@@ -41,7 +41,7 @@ Model makeCube(float amplitude)
   for (int i = 0; i < 8; i++)
     model.cage.positions.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
   model.cage.faceSizes.assign(6, 4);
-  /* Counterclockwise from outside, in the order -x, +x, -y, +y, -z, +z. */
+  /* Counterclockwise from outside; -x, +x, -y, +y, -z, +z. */
   model.cage.faceIndices = {0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6};
   model.displacement = std::make_shared<Spikes>(amplitude * model.cage.bounds().diagonal());
   model.view.direction = {-0.55f, -0.45f, -0.8f};

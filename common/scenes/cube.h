@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* The paper's figure 1: a cube of 8 control points and 6 faces with 9 spikes each, a smooth displacement function. */
+/* The paper's figure 1: a cube of 6 faces with 9 smooth spikes each. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* `amplitude` is the height of the spikes as a fraction of the cage's diagonal. */
+/* Height of the spikes as a fraction of the cage's diagonal. */
 constexpr float cubeAmplitude = 0.09f;
 Model makeCube(float amplitude = cubeAmplitude);
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* x points to the head, y up; the left side is +z. */
+/* x points to the head, y up, +z to the left. */
 
 #include "scenes/frog.h"
 #include "basics/parallel.h"
@@ -55,7 +55,7 @@ Model makeFrog(float amplitude, int threads)
   model.cage = makeImplicitCage(frogBody(), [](int, float) { return voxel; });
   model.cage.name = "frog";
 
-  /* Spikes are longest along the back. There are none below, on feet and on eyes. */
+  /* Spikes are longest along the back. Below, on feet and on eyes there are none. */
   std::vector<float> lengths;
   const Cage& cage = model.cage;
   for (unsigned face = 0; face < cage.numFaces(); face++)

@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* A squat toad of some hundred large smooth faces, many of which have a single sharp spike, as in the paper's figure
- * 13. */
+/* A squat toad of some hundred large smooth faces, many with a single sharp spike, as in the paper's figure 13. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* `amplitude` is the height of the longest spikes as a fraction of the cage's diagonal. */
+/* Height of the longest spikes as a fraction of the cage's diagonal. */
 constexpr float frogAmplitude = 0.07f;
 Model makeFrog(float amplitude = frogAmplitude, int threads = 0);
 

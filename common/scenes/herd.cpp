@@ -7,8 +7,8 @@
 
 namespace cbvh {
 
-/* The copies stand on a plane in offset rows with some disorder. All walk in about the same direction, each in its own
- * pose; the first is in front. A copy is about 11 long and 4 wide. */
+/* Offset rows with some disorder; all walk in about the same direction, each in its own pose. A copy is about 11
+ * long and 4 wide. */
 Model makeHerd(const TrexSettings& settings, int count)
 {
   constexpr float spacingX = 10.5f, spacingZ = 6.0f;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Many copies of `trex`, each a geometry with its own pose instead of an instance, to measure scaling. */
+/* Copies of `trex`, each a geometry with its own pose, to measure scaling. */
 
 #include "scenes/trex.h"
 
@@ -12,7 +12,7 @@ namespace cbvh {
 constexpr int herdCount = 12;
 constexpr int herdMostCount = 100000;
 
-/* Creates `count` copies, which share heights and topology. */
+/* The copies share heights and topology. */
 Model makeHerd(const TrexSettings& settings, int count = herdCount);
 
 } // namespace cbvh

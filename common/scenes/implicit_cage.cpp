@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Round cone distance based on: Inigo Quilez, "Distance functions" (round cone);
- * smooth minimum: the same author, "Smooth minimum" (quadratic polynomial). */
+/* Based on: Inigo Quilez, "Distance functions" (round cone) and "Smooth minimum" (quadratic polynomial). */
 
 #include "scenes/implicit_cage.h"
 
@@ -49,7 +48,7 @@ public:
     const float lower[3] = {box.lower.x, box.lower.y, box.lower.z}, upper[3] = {box.upper.x, box.upper.y, box.upper.z};
     for (int axis = 0; axis < 3; axis++)
     {
-      /* Two empty layers on each side, so that filling never reaches the border. */
+      /* Two empty layers, so that filling never reaches the border. */
       float x = lower[axis] - 2.0f * voxelSize(axis, lower[axis]);
       for (; x < upper[axis] + 2.0f * voxelSize(axis, upper[axis]); x += voxelSize(axis, x))
         lines[axis].push_back(x);
@@ -68,8 +67,7 @@ public:
   uint8_t& at(int x, int y, int z) { return inside[(size_t(z) * ny + y) * nx + x]; }
   Vec3f corner(int x, int y, int z) const { return {lines[0][size_t(x)], lines[1][size_t(y)], lines[2][size_t(z)]}; }
 
-  /* Fills one voxel of each pair that shares only an edge or a corner, until there is no such pair. Terminates, because
-   * voxels are only added. */
+  /* Fills one voxel of each pair that shares only an edge or a corner. Terminates, because voxels are only added. */
   void makeManifold()
   {
     for (bool changed = true; changed;)
@@ -87,7 +85,7 @@ public:
 private:
   bool repair(int x, int y, int z)
   {
-    /* The 2 x 2 squares of this corner in the three planes. */
+    /* The corner's 2 x 2 squares in the three planes. */
     auto diagonal = [&](int ax, int ay, int az, int bx, int by, int bz) {
       uint8_t &p = at(x, y, z), &q = at(x + ax + bx, y + ay + by, z + az + bz);
       uint8_t &r = at(x + ax, y + ay, z + az), &s = at(x + bx, y + by, z + bz);
@@ -99,7 +97,7 @@ private:
     };
     if (diagonal(1, 0, 0, 0, 1, 0) || diagonal(1, 0, 0, 0, 0, 1) || diagonal(0, 1, 0, 0, 0, 1))
       return true;
-    /* Two opposite voxels of the 2 x 2 x 2 cube share only the corner if the other six are of the other kind. */
+    /* Opposite voxels of the 2 x 2 x 2 cube share only the corner if the other six are of the other kind. */
     int full = 0;
     for (int i = 0; i < 8; i++)
       full += at(x + (i & 1), y + ((i >> 1) & 1), z + (i >> 2));
@@ -128,8 +126,7 @@ Cage voxelSurface(VoxelGrid& grid)
       cage.positions.push_back(grid.corner(x, y, z));
     return found->second;
   };
-  /* Adds a quad between a voxel and its next neighbor on each axis if only one of them is full. Vertices run
-   * counterclockwise as seen from the empty side. */
+  /* A quad between a full and an empty voxel, counterclockwise as seen from the empty one. */
   for (int z = 0; z + 1 < grid.nz; z++)
     for (int y = 0; y + 1 < grid.ny; y++)
       for (int x = 0; x + 1 < grid.nx; x++)
@@ -140,7 +137,7 @@ Cage voxelSurface(VoxelGrid& grid)
           if (here == ahead)
             continue;
           const int bx = x + dx, by = y + dy, bz = z + dz;
-          /* Unit steps of the two other axes, in cyclic order. */
+          /* Unit steps of the other axes, in cyclic order. */
           const int ux = axis == 2, uy = axis == 0, uz = axis == 1;
           const int vx = axis == 1, vy = axis == 2, vz = axis == 0;
           unsigned q[4] = {vertex(bx, by, bz), vertex(bx + ux, by + uy, bz + uz),
@@ -153,7 +150,6 @@ Cage voxelSurface(VoxelGrid& grid)
   return cage;
 }
 
-/* Alternates between smoothing and projecting onto the surface. */
 void relax(Cage& cage, const std::vector<Capsule>& capsules, const VoxelSize& voxelSize)
 {
   constexpr int iterations = 10;

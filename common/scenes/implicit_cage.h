@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* A closed all-quad cage from a smooth union of capsules: the surface of the voxels inside, projected onto the union.
- * Voxel surfaces have extraordinary vertices of valence 3, 5 and 6 wherever the surface is not parallel to an axis,
- * which is the purpose of this method. */
+/* A closed all-quad cage from a smooth union of capsules: the surface of the voxels inside, projected onto the
+ * union. It has many extraordinary vertices, of valence 3, 5 and 6, which is the purpose. */
 
 #include "surface/cage.h"
 
@@ -14,8 +13,8 @@
 
 namespace cbvh {
 
-/* The hull of two balls. `smooth` is the radius, in world units, of the blend with earlier capsules; 0 makes a crease.
- * If `carve` is set, the capsule is subtracted. */
+/* The hull of two balls. `smooth` is the radius of the blend with earlier capsules in world units, 0 for a crease.
+ * `carve` subtracts. */
 struct Capsule
 {
   Vec3f a, b;
@@ -24,13 +23,13 @@ struct Capsule
   bool carve = false;
 };
 
-/* Returns the edge length of voxels along an axis (0 to 2) at a coordinate on it. */
+/* Edge length of voxels along an axis (0 to 2) at a coordinate. */
 using VoxelSize = std::function<float(int axis, float coordinate)>;
 
-/* Returns the signed distance, negative inside. Capsules are combined in order. */
+/* Signed distance, negative inside. Capsules are combined in order. */
 float distanceToCapsules(const std::vector<Capsule>& capsules, Vec3f p);
 
-/* Returns the cage. It is manifold: voxels that share only an edge or a corner are joined by filling. */
+/* The cage is manifold. */
 Cage makeImplicitCage(const std::vector<Capsule>& capsules, const VoxelSize& voxelSize);
 
 } // namespace cbvh

@@ -14,10 +14,10 @@ namespace {
 
 struct Section
 {
-  float x, y, front, back, side; // center; half axes towards +x and -x of the section, and along z
+  float x, y, front, back, side; // center; half axes to the front, the back and along z
 };
 
-/* From the hip to the foot, with few sections at the bend. */
+/* From hip to foot, with few sections at the bend. */
 constexpr Section sections[] = {
   {-3.0f, 1.45f, 0.75f, 0.7f, 0.8f},   {-2.5f, 1.25f, 0.95f, 0.8f, 0.95f}, {-1.6f, 0.9f, 0.95f, 0.68f, 0.9f},
   {-0.75f, 0.55f, 0.72f, 0.45f, 0.68f}, {-0.15f, 0.28f, 0.55f, 0.32f, 0.56f}, {0.12f, -0.1f, 0.55f, 0.3f, 0.56f},
@@ -31,7 +31,7 @@ float smoothstep(float a, float b, float x)
   return t * t * (3.0f - 2.0f * t);
 }
 
-/* A kneecap with plates, wrinkles around the bend, muscles and skin elsewhere. */
+/* A kneecap with plates, wrinkles at the bend, elsewhere muscles and skin. */
 float kneeHeight(Vec3f p)
 {
   const float near = std::exp(-dot(p - Vec3f{0.45f, 0.1f, 0}, p - Vec3f{0.45f, 0.1f, 0}) / 0.3f);
@@ -43,7 +43,7 @@ float kneeHeight(Vec3f p)
   const CellNoise cell = cellNoise(9.0f * warped, 5);
   const float scales =
     smoothstep(0.0f, 0.35f, cell.second - cell.nearest) * (1.0f - 0.5f * cell.nearest * cell.nearest);
-  /* Rings around the inside of the bend. */
+  /* Around the inside of the bend. */
   const float angle = std::atan2(p.y + 0.5f, p.x + 1.0f);
   const float bend = std::exp(-(p.x * p.x + p.y * p.y) / 0.9f);
   const float rings = std::abs(std::sin(11.0f * angle + 1.5f * gradientNoise(1.5f * p, 6)));

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* A bent limb of few faces: high curvature at the knee, moderate displacement, as in the paper's figure 15. */
+/* A bent limb of few faces, as in the paper's figure 15. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* `amplitude` is the displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
+/* Displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
 constexpr float kneeAmplitude = 0.02f;
 Model makeKnee(float amplitude = kneeAmplitude, int threads = 0);
 

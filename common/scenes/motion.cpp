@@ -11,7 +11,6 @@
 namespace cbvh {
 namespace {
 
-/* Rotates p about an axis through a center. */
 Vec3f turned(Vec3f p, Vec3f center, Vec3f axis, float angle)
 {
   const Vec3f d = p - center;
@@ -29,7 +28,7 @@ Vec3f pose(const std::string& name, Vec3f p, const Box3f& bounds, float angle)
     return turned(p, middle, {0, 1, 0}, angle * height);
   if (name == "bend")
     return turned(p, {middle.x, bounds.lower.y, middle.z}, {0, 0, 1}, angle * height * height);
-  /* Legs swing about the hip, in the direction of the longer horizontal axis. */
+  /* Legs swing about the hip, along the longer horizontal axis. */
   const bool isLong = size.x > size.z;
   const float side = isLong ? (p.z - middle.z) / size.z : (p.x - middle.x) / size.x; // -0.5 to 0.5
   const float below = std::clamp((0.5f - height) / 0.3f, 0.0f, 1.0f);

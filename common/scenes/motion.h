@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Motion for static models: poses of the cage at later time steps. */
+/* Poses of the cage at later time steps, for static models. */
 
 #include "surface/model.h"
 
@@ -15,21 +15,21 @@ namespace cbvh {
 struct MotionSettings
 {
   std::string name;    // one of motionNames()
-  int steps = 2;      // time steps, at least 2
+  int steps = 2;      // at least 2
   float degrees = 30; // from the first step to the last
 };
 
-/* "turn" rotates the whole model about the up axis; "bend" bends it to one side and "twist" twists it, increasing with
- * height; "walk" swings the parts below the middle, forwards on one side and backwards on the other. */
+/* "turn" rotates about the up axis; "bend" and "twist" increase with height; "walk" swings the parts below the
+ * middle, forwards on one side and backwards on the other. */
 const std::vector<std::string>& motionNames();
 
-/* Throws Error for an unknown name or an invalid number of steps. */
+/* Throws Error. */
 void validateMotion(const MotionSettings& settings);
 
-/* Returns the positions of a cage's vertices after `degrees` of a named motion. */
+/* Positions of a cage's vertices after `degrees` of a named motion. */
 std::vector<Vec3f> poseVertices(const std::string& name, const std::vector<Vec3f>& positions, float degrees);
 
-/* Sets the poses of a model. Throws Error as validateMotion. */
+/* Throws Error as validateMotion. */
 void addMotion(Model& model, const MotionSettings& settings);
 
 } // namespace cbvh

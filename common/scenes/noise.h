@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Noise for generated surfaces: identical bits on every machine, without tables.
+/* Noise that is the same on every machine, without tables.
  *
- * Based on: Worley, "A Cellular Texture Basis Function", 1996; Perlin, "An Image
- * Synthesizer", 1985 (gradient noise). */
+ * Based on: Worley, "A Cellular Texture Basis Function", 1996; Perlin, "An Image Synthesizer", 1985 (gradient
+ * noise). */
 
 #include "basics/vec.h"
 
@@ -14,7 +14,6 @@
 
 namespace cbvh {
 
-/* Mixes three lattice coordinates and a seed into 32 bits. */
 inline uint32_t hashCell(int x, int y, int z, uint32_t seed)
 {
   uint32_t h = uint32_t(x) * 0x8da6b343u ^ uint32_t(y) * 0xd8163841u ^ uint32_t(z) * 0xcb1ab31fu ^ seed * 0x9e3779b9u;
@@ -33,7 +32,7 @@ inline int floorToInt(float x)
   return i - (float(i) > x);
 }
 
-/* Gradient noise, about -1 to 1, with one feature per unit. */
+/* About -1 to 1, with one feature per unit. */
 inline float gradientNoise(Vec3f p, uint32_t seed)
 {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
@@ -54,8 +53,7 @@ inline float gradientNoise(Vec3f p, uint32_t seed)
              mix(mix(corner[4], corner[5], wx), mix(corner[6], corner[7], wx), wy), wz);
 }
 
-/* Distances to the nearest and second nearest of scattered points, one point per unit cell, and the hash of the cell of
- * the nearest point. */
+/* Distances to the nearest two scattered points, one point per unit cell, and the hash of the nearest point's cell. */
 struct CellNoise
 {
   float nearest, second;
@@ -66,8 +64,8 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 {
   const int ix = floorToInt(p.x), iy = floorToInt(p.y), iz = floorToInt(p.z);
   const float fx = float(ix), fy = float(iy), fz = float(iz);
-  /* Squared distance along one axis to the range of points in the cells at -1, 0 and 1. */
-  constexpr float margin = 0.1f; // of points to the walls of their cell, for cells of more equal size
+  /* Squared distances along one axis to the points in cells -1, 0 and 1. */
+  constexpr float margin = 0.1f; // between points and the walls of their cell, to make cells more equal
   auto axisDistances = [](float f, float out[3]) {
     const float below = f + margin, above = 1.0f + margin - f;
     const float inside = std::max(0.0f, std::max(margin - f, f - 1.0f + margin));
@@ -82,7 +80,7 @@ inline CellNoise cellNoise(Vec3f p, uint32_t seed)
 
   float first = 9.0f, second = 9.0f;
   uint32_t id = 0;
-  constexpr int order[3] = {0, -1, 1}; // the middle first, so that most other cells are skipped
+  constexpr int order[3] = {0, -1, 1}; // the middle first, to skip most other cells
   for (int dz : order)
     for (int dy : order)
     {

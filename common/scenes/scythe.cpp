@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The blade lies in the plane z = 0 with its cutting edge on the inside of the bend; the shaft is parallel to y. */
+/* The blade is in the plane z = 0 with its cutting edge inside the bend; the shaft is parallel to y. */
 
 #include "scenes/scythe.h"
 #include "basics/parallel.h"
@@ -15,7 +15,7 @@ namespace {
 constexpr int bladeStations = 9;
 constexpr float bladeRadius = 3.0f, bladeAngle = 1.75f;
 
-/* From the shaft, t = 0, to the tip, t = 1. */
+/* Shaft: t = 0, tip: t = 1. */
 Vec3f bladeMiddle(float t)
 {
   const float angle = 0.5f * float(M_PI) + 0.25f - bladeAngle * t;
@@ -32,7 +32,7 @@ float bladeWidth(float t)
   return 0.52f * std::pow(1.0f - t, 0.6f) * (0.75f + 0.5f * std::min(1.0f, 3.0f * t)) + 0.012f;
 }
 
-/* Returns the nearest t on the middle line. */
+/* Nearest t on the middle line. */
 float alongBlade(Vec3f p)
 {
   float best = 0.0f, distance = INFINITY;
@@ -53,7 +53,7 @@ float alongBlade(Vec3f p)
   return std::min(std::max(best, 0.0f), 1.0f);
 }
 
-/* Notches of a hammered edge, and ribs along the spine, decreasing towards the tip. */
+/* Notches of a hammered edge and ribs along the spine, decreasing towards the tip. */
 float bladeHeight(Vec3f p)
 {
   const float t = alongBlade(p);

@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* A scythe: a blade of few large, strongly displaced patches that end in a thin tip, on a shaft, as in the paper's
- * figure 14. */
+/* A blade of few large, strongly displaced patches that end in a thin tip, on a shaft, as in the paper's figure 14. */
 
 #include "surface/model.h"
 
 namespace cbvh {
 
-/* `amplitude` is the displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
+/* Displacement between heights 0 and 1 as a fraction of the cage's diagonal. */
 constexpr float scytheAmplitude = 0.045f;
 Model makeScythe(float amplitude = scytheAmplitude, int threads = 0);
 

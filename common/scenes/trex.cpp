@@ -14,11 +14,10 @@
 namespace cbvh {
 namespace {
 
-/* Texels per side of a face: one per vertex at level 6. Fewer in the atlas, more than half of which lies between
- * charts. */
+/* Texels per side of a face: one per vertex at level 6. Fewer in the atlas, because more than half of it is empty. */
 constexpr int tileTexels = 64, chartTexels = 48;
 
-/* Returns a text that changes with everything on which the texels depend. */
+/* Changes with everything on which the texels depend. */
 std::string recipe(const Cage& cage, const char* mapping, int texels)
 {
   return "trex skin " + std::to_string(trexSkinVersion) + ", " + mapping + " of " + std::to_string(texels) +
@@ -42,7 +41,7 @@ Model makeTrex(const TrexSettings& settings)
   const float scale = settings.amplitude * trex.cage.bounds().diagonal();
   const bool cached = HeightMap::recipeOf(path) == made;
   if (!cached)
-    prepareOutputFolder(settings.mapFolder.empty() ? "." : settings.mapFolder); // fails before the work, not after
+    prepareOutputFolder(settings.mapFolder.empty() ? "." : settings.mapFolder); // fails before the work, not after it
   if (faces)
   {
     const FaceAtlas atlas = FaceAtlas::forFaces(trex.cage.numFaces(), tileTexels);

@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* A creature similar to a Tyrannosaurus: a closed organic cage of about 7,000 quads with thousands of extraordinary
- * vertices, teeth, claws and eyes, and a skin of layered scales and wrinkles from a float EXR map of more than
- * 4096 x 4096 texels.
+/* Similar to a Tyrannosaurus: a closed cage of about 7,000 quads with thousands of extraordinary vertices, teeth,
+ * claws and eyes, and a skin of scales and wrinkles from a float EXR map of more than 4096 x 4096 texels.
  *
- * The map is generated, written, and read like any other map. An existing map is reused if it was made for this cage.
- * Heights are a function of the limit position, so faces agree on their common edges. */
+ * The map is generated, written and read like any other map, and reused if it was made for this cage. Heights depend
+ * on the limit position only, so faces agree on common edges. */
 
 #include "surface/model.h"
 
@@ -18,7 +17,7 @@ namespace cbvh {
 
 enum class TrexMapping
 {
-  Faces, // as in Ptex: one tile per face, no texture coordinates
+  Faces, // as in Ptex, without texture coordinates
   Atlas, // charts of many faces, through texture coordinates
 };
 
@@ -28,14 +27,14 @@ struct TrexSettings
 {
   float amplitude = trexAmplitude; // displacement between heights 0 and 1 as a fraction of the cage's diagonal
   TrexMapping mapping = TrexMapping::Faces;
-  std::string mapFolder; // folder of the height map, an EXR
-  int threads = 0;       // for generating the map, 0 for all
+  std::string mapFolder; // of the height map, an EXR
+  int threads = 0;       // 0 for all
 };
 
-/* Factor of the amplitude of the rough variant. */
+/* Factor of the amplitude. */
 constexpr float trexRoughFactor = 5.0f;
 
-/* Shows progress. Throws Error if the map cannot be written or read. Throws Cancelled. */
+/* Shows progress. Throws Error if the map cannot be written or read. */
 Model makeTrex(const TrexSettings& settings);
 
 } // namespace cbvh

@@ -9,7 +9,6 @@
 namespace cbvh {
 namespace {
 
-/* Voxels are smaller at the head. */
 float voxelSize(int axis, float coordinate)
 {
   switch (axis)
@@ -61,7 +60,7 @@ public:
     for (float side : {-1.0f, 1.0f})
       appendBall(result.cage, onSide(trexEye, side), trexEyeRadius, 2);
     mark(TrexPart::Eye);
-    for (float side : {-1.0f, 1.0f}) // lids: larger balls that leave a slit
+    for (float side : {-1.0f, 1.0f}) // larger balls that leave a slit
     {
       appendBall(result.cage, onSide(trexEye + Vec3f{-0.01f, 0.075f, -0.012f}, side), 1.13f * trexEyeRadius, 3);
       appendBall(result.cage, onSide(trexEye + Vec3f{-0.005f, -0.085f, -0.025f}, side), 1.13f * trexEyeRadius, 3);
@@ -149,7 +148,7 @@ private:
     }
   }
 
-  /* Returns the point where a ray from inside leaves the body. */
+  /* Point where a ray from inside leaves the body. */
   Vec3f surfaceFrom(Vec3f p, Vec3f direction) const
   {
     for (int i = 0; i < 40; i++)
@@ -157,8 +156,7 @@ private:
     return p;
   }
 
-  /* Adds a row of teeth from the corner of the mouth to the middle of the snout. `up` is the direction in which they
-   * grow, 1 or -1. */
+  /* Adds a row of teeth from the corner of the mouth to the middle of the snout. They grow up (1) or down (-1). */
   void addTeeth(const Jaw& jaw, float side, float up)
   {
     constexpr int count = 15;

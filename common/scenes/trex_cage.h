@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The control cage of `trex`: a body from an implicit surface, and teeth, claws, eyes, lids and tongue as closed pieces
- * that intersect it. One unit is about a meter; x points from tail to head, y up; the left side is +z. */
+/* The control cage of `trex`: a body from an implicit surface, and closed pieces that intersect it. One unit is
+ * about a meter; x points from tail to head, y up, +z to the left. */
 
 #include "surface/cage.h"
 
@@ -23,7 +23,7 @@ struct TrexCage
 
 TrexCage makeTrexCage();
 
-/* Center of the left eyeball. The right eyeball is its mirror image in z. */
+/* The left eye; the right one is its mirror image in z. */
 constexpr Vec3f trexEye{3.95f, 5.15f, 0.4f};
 constexpr float trexEyeRadius = 0.12f;
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Lengths are in meters. Heights are in units of the amplitude, 0.056 m in the smooth variant. */
+/* Lengths are in meters, heights in units of the amplitude (0.056 m in the smooth variant). */
 
 #include "scenes/trex_skin.h"
 #include "scenes/noise.h"
@@ -20,14 +20,14 @@ float bell(float x, float width)
   return std::exp(-(x * x) / (width * width));
 }
 
-/* One scale per cell: a dome of height 1 with a groove of a given width around it. */
+/* One scale per cell: a dome of height 1 surrounded by a groove of the given width. */
 float scale(const CellNoise& cell, float groove)
 {
   const float dome = std::max(0.0f, 1.0f - 0.75f * cell.nearest * cell.nearest);
   return dome * smoothstep(0.0f, groove, cell.second - cell.nearest);
 }
 
-/* Grooves where noise is near 0: 0 in a groove, 1 between grooves. */
+/* 0 in a groove, 1 between grooves. Grooves are where noise is near 0. */
 float creases(Vec3f p, float width, uint32_t seed)
 {
   return smoothstep(0.0f, width, std::abs(gradientNoise(p, seed)));
@@ -51,7 +51,7 @@ Regions regionsAt(Vec3f p)
   return r;
 }
 
-/* Folds run across the axis of parts that bend: around the neck, up and down on trunk and tail, across the limbs. */
+/* Folds cross the axis of parts that bend: neck, trunk, tail and limbs. */
 float folds(Vec3f p, const Regions& r, float wobble)
 {
   const Vec3f q = p + 0.12f * Vec3f{wobble, -wobble, wobble};
@@ -68,19 +68,18 @@ float folds(Vec3f p, const Regions& r, float wobble)
   return 1.0f - weight * (1.0f - mixed);
 }
 
-/* Height above the lines of the lips, which are straight in x and y. */
+/* Height above the lips, which are straight lines in x and y. */
 float aboveUpperLip(Vec3f p) { return p.y - (4.55f - 0.01f * (p.x - 3.6f)); }
 float aboveLowerLip(Vec3f p) { return p.y - (4.5f - 0.36f * (p.x - 3.35f)); }
 
-/* Returns 1 in the mouth, where the skin is smooth. */
+/* 1 in the mouth. */
 float inMouth(Vec3f p)
 {
   return smoothstep(3.5f, 3.7f, p.x) * smoothstep(0.02f, 0.07f, aboveLowerLip(p)) *
          smoothstep(-0.02f, -0.07f, aboveUpperLip(p));
 }
 
-/* Features of the head: creases around the eye, the nostril, and grooves along the lips. Added to the height; about
- * zero elsewhere. */
+/* Creases around the eye, the nostril, and grooves along the lips, as an offset to the height. */
 float headFeatures(Vec3f p)
 {
   const Vec3f m{p.x, p.y, std::abs(p.z)};
@@ -95,13 +94,12 @@ float headFeatures(Vec3f p)
   return eye + nostril + lips;
 }
 
-/* Ridges across the palate, and noise. */
 float gums(Vec3f p)
 {
   return 0.06f * gradientNoise({16.0f * p.x, 5.0f * p.y, 5.0f * p.z}, 41) + 0.03f * gradientNoise(35.0f * p, 42);
 }
 
-/* Rings along the rim, and small scales. */
+/* Rings along the rim and small scales. */
 float lid(Vec3f p)
 {
   const Vec3f d = {p.x - trexEye.x, p.y - trexEye.y, std::abs(p.z) - trexEye.z};
@@ -120,12 +118,12 @@ float skin(Vec3f p)
   if (mouth == 1.0f)
     return 0.42f + gums(p);
 
-  /* Scales of 3 cm, and patches of 2 cm on the head and where skin must stretch. */
+  /* Scales of 3 cm, and of 2 cm on the head and where skin stretches. */
   const float share2 = smoothstep(0.35f, 0.5f, 0.45f * r.head + 0.35f * r.neck + 0.5f * coarse.y);
   const float fine = (share2 < 1.0f ? (1.0f - share2) * scale(cellNoise(30.0f * warped, 5), 0.34f) : 0.0f) +
                      (share2 > 0.0f ? share2 * scale(cellNoise(47.0f * warped, 9), 0.34f) : 0.0f);
 
-  /* Patches of larger scales of 9 cm, mostly on back and snout. */
+  /* Scales of 9 cm, mostly on back and snout. */
   const CellNoise cell = cellNoise(11.0f * warped, 4);
   const float rank = float(cell.id >> 22) / 1023.0f;
   const float share = 0.12f + 0.4f * r.back + 0.62f * r.snout + 0.2f * r.head * (1.0f - r.snout) + 0.12f * coarse.x;

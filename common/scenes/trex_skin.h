@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* The skin of `trex` as heights from 0 to 1. */
+/* Heights from 0 to 1. */
 
 #include "scenes/trex_cage.h"
 
 namespace cbvh {
 
-/* Must be incremented when trexHeight changes, because it is a part of the cached map's recipe. */
+/* Increment when trexHeight changes: the cached map's recipe contains it. */
 constexpr int trexSkinVersion = 2;
 
-/* Returns the height of a part at a point of the limit surface. */
+/* `p` is on the limit surface. */
 float trexHeight(TrexPart part, Vec3f p);
 
 } // namespace cbvh

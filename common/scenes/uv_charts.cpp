@@ -21,9 +21,8 @@ struct Chart
   int height() const { return y1 - y0 + 1; }
 };
 
-/* Grows charts breadth first. A face is added if its cell is free and every lattice point of the cell that the chart
- * already uses is the same vertex. Then the chart is a piece of the surface without overlaps, and adjacent texels are
- * adjacent on the surface. */
+/* Grows charts breadth first. A face is added if its cell is free and the chart uses every lattice point of the cell
+ * for the same vertex or not yet. So charts do not overlap, and adjacent texels are adjacent on the surface. */
 class Unfolding
 {
 public:
@@ -89,8 +88,8 @@ private:
         const FaceBorders::Side other = borders.opposite(face, unsigned(edge));
         if (other.face == ~0u || done[other.face])
           continue;
-        /* Side s of a square is below, right of, above or left of it. The common edge is on the opposite side of the
-         * other face's square. */
+        /* Side s of a square is below, right of, above or left of it; the neighbor's square has the common edge on
+         * the opposite side. */
         const ChartCell& here = cells[face];
         const int side = (edge + here.turn) & 3;
         static constexpr int dx[4] = {0, 1, 0, -1}, dy[4] = {-1, 0, 1, 0};
@@ -118,7 +117,7 @@ Charts unfoldCharts(const Cage& cage, int texels, int rim)
   charts.count = pieces.size();
   charts.cells = unfolding.takeCells();
 
-  /* Packs charts into rows, the tallest charts first. */
+  /* Packs charts into rows, tallest first. */
   std::sort(pieces.begin(), pieces.end(), [](const Chart& a, const Chart& b) {
     return std::make_pair(a.height(), a.width()) > std::make_pair(b.height(), b.width());
   });

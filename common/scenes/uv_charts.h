@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Texture coordinates for a closed cage of quads. Faces are unfolded onto a square lattice, so every face is a square
- * of its own in the map. Charts are as large as possible while they stay compact. */
+/* Texture coordinates for a closed cage of quads: each face becomes a square of the map. Charts are as large as
+ * possible while they stay compact. */
 
 #include "surface/cage.h"
 
@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* The place of a face in the map, in texels with y up: corner i of the face is corner (i + turn) mod 4 of the square,
+/* Place of a face in the map, in texels with y up: corner i of the face is corner (i + turn) mod 4 of the square,
  * counterclockwise from the lower left. */
 struct ChartCell
 {
@@ -27,10 +27,9 @@ struct Charts
   size_t count = 0;             // of charts
 };
 
-/* Unfolds a cage. `rim` is the width in texels of the space around each chart. */
+/* `rim` is the width in texels of the space around each chart. */
 Charts unfoldCharts(const Cage& cage, int texels, int rim);
 
-/* Sets the texture coordinates of a cage from charts. */
 void setChartUVs(Cage& cage, const Charts& charts);
 
 } // namespace cbvh

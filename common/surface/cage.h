@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Control cage of a Catmull-Clark subdivision surface, and the patches that Embree makes of it. A quad face is one
- * patch. A face of N != 4 vertices is N patches, one per corner, each with half the edge rate, because Embree
- * subdivides the face once first. Level L means an edge rate of 2^L. */
+/* Control cage of a Catmull-Clark surface, and Embree's patches. A quad face is one patch. A face of N != 4 vertices
+ * is N patches, one per corner, with half the edge rate, because Embree subdivides the face once first. Level L
+ * means an edge rate of 2^L. */
 
 #include "basics/vec.h"
 
@@ -16,7 +16,7 @@
 
 namespace cbvh {
 
-/* The shape of the surface at boundary edges. Names and numbers are those of OpenSubdiv's tag interpolateboundary. */
+/* Shape at boundary edges, with the names and numbers of OpenSubdiv's tag interpolateboundary. */
 enum class BoundaryRule
 {
   None = 0,          // faces that touch the boundary have no surface
@@ -24,63 +24,62 @@ enum class BoundaryRule
   EdgeOnly = 2,      // smooth boundary curve
 };
 
-/* The rule that reduces the sharpness of creases in each subdivision step. */
+/* How each subdivision step reduces the sharpness of creases. */
 enum class CreaseRule
 {
   Uniform, // by 1
-  Chaikin, // by 1, after averaging with the neighboring creases
+  Chaikin, // by 1 after averaging with neighboring creases
 };
 
 struct Cage
 {
   std::string name;
-  std::string comments; // from the beginning of its file, one per line
+  std::string comments; // at the beginning of its file, one per line
   std::vector<Vec3f> positions;
   std::vector<unsigned> faceSizes;   // vertices per face, at least 3
-  std::vector<unsigned> faceIndices; // into positions, faces one after the other
+  std::vector<unsigned> faceIndices; // into positions
 
-  /* Face-varying texture coordinates. uvIndices is parallel to faceIndices, and noUV at all corners of a face without
-   * coordinates. Both are empty if no face has coordinates. */
+  /* Face-varying texture coordinates. uvIndices is parallel to faceIndices and noUV at all corners of a face without
+   * coordinates. Both are empty if no face has any. */
   std::vector<Vec2f> uvs;
   std::vector<unsigned> uvIndices;
-  size_t lineWithoutUVs = 0; // of the first face without coordinates; 0 if there is none, or no file
+  size_t lineWithoutUVs = 0; // of the first face without coordinates, or 0
   static constexpr unsigned noUV = ~0u;
 
   std::vector<std::pair<unsigned, unsigned>> creaseEdges; // vertex pairs
   std::vector<float> creaseSharpness;                     // infinity for a hard edge
   std::vector<unsigned> cornerVertices;
   std::vector<float> cornerSharpness;
-  std::vector<unsigned> holes;                            // faces without surface
-  BoundaryRule boundary = BoundaryRule::EdgeOnly;         // OpenSubdiv's and Embree's default
-  CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; crease_rules.h describes Embree's
+  std::vector<unsigned> holes;
+  BoundaryRule boundary = BoundaryRule::EdgeOnly;         // the default of OpenSubdiv and Embree
+  CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; for Embree see crease_rules.h
 
   size_t numFaces() const { return faceSizes.size(); }
-  bool hasUVs() const { return !uvIndices.empty(); } // true if at least one face has coordinates
+  bool hasUVs() const { return !uvIndices.empty(); } // at least one face
   size_t numFacesWithoutUVs() const;
   Box3f bounds() const;
 };
 
-/* A face or a corner of an n-gon: resolution x resolution quads, vertices in rows of resolution + 1, u fastest. */
+/* resolution x resolution quads; vertices in rows of resolution + 1, u fastest. */
 struct Patch
 {
   unsigned face;
   unsigned subPatch;   // corner of the n-gon, 0 for a quad face
   unsigned resolution;
-  size_t firstVertex;  // index of vertex (0,0) if the vertices of all patches are concatenated
+  size_t firstVertex;  // of vertex (0,0), if the vertices of all patches are concatenated
   size_t firstQuad;    // the same for quads
 };
 
-/* All patches of a cage at one level, in order of faces. Holes have no patches. The faces of further copies of the
- * cage are numbered consecutively. */
+/* Patches in order of faces; holes have none. Faces are numbered consecutively over the copies. */
 class PatchLayout
 {
 public:
   PatchLayout(const Cage& cage, int level, size_t copies = 1);
 
-  /* Returns the patch at (u,v) of a face; (u,v) are as Embree reports them. */
+  /* (u,v) are as Embree reports them. */
   const Patch& find(unsigned face, float u, float v) const;
 
-  /* True if the face is one patch with (u,v) in [0,1]. */
+  /* True if the face is a single patch with (u,v) in [0,1]. */
   bool isQuadFace(unsigned face) const { return size(face) == 4; }
 
   const std::vector<Patch>& patches() const { return all; }
@@ -96,11 +95,11 @@ private:
   size_t quads = 0, vertices = 0;
 };
 
-/* Embree's (u,v) of an n-gon encode the sub-patch: sub-patch i covers [0.5,1.5] + 2 (i mod 4, i div 4).
- * Returns the sub-patch and replaces u and v by local ones in [0,1]. */
+/* Embree's (u,v) of an n-gon encode the sub-patch i: it covers [0.5,1.5] + 2 (i mod 4, i div 4). Returns i and
+ * replaces u and v by local ones in [0,1]. */
 unsigned decodeSubPatch(float& u, float& v);
 
-/* The inverse of decodeSubPatch. */
+/* Inverse of decodeSubPatch. */
 Vec2f encodeSubPatch(unsigned subPatch, float u, float v);
 
 } // namespace cbvh

@@ -18,11 +18,11 @@ namespace {
 
 namespace Far = OpenSubdiv::Far;
 
-/* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE of Embree's kernels/subdiv. */
+/* MAX_PATCH_VALENCE and MAX_RING_FACE_VALENCE in Embree's kernels/subdiv. */
 constexpr unsigned maxFaceVertices = 16;
 constexpr int maxVertexFaces = 64;
 
-/* OpenSubdiv reports errors through a plain function, which stores the first one here. */
+/* The first error, which OpenSubdiv reports through a plain function. */
 thread_local std::string lastReport;
 
 void keepReport(Far::ErrorType, const char* message)
@@ -52,7 +52,7 @@ std::string faces(size_t n)
   return std::to_string(n) + (n == 1 ? " face" : " faces");
 }
 
-/* Checks that need no topology. Their messages name the face, unlike OpenSubdiv's. */
+/* These messages name the face, unlike OpenSubdiv's. */
 void checkFaces(const Cage& cage)
 {
   size_t offset = 0;
@@ -102,7 +102,7 @@ void warnOfEdges(const Cage& cage, const Far::TopologyLevel& level, std::string&
               ", or two faces of opposite orientation; Embree does not smooth such edges\n";
 }
 
-/* Warns of vertices that are not manifold although their edges are. */
+/* Vertices that are not manifold although their edges are. */
 void warnOfVertices(const Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<int> vertices;
@@ -129,7 +129,7 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
                 "the true surface include the difference\n";
 }
 
-/* Splits the faces at a vertex into rings that are connected by manifold edges, as Embree does. */
+/* Groups the faces at a vertex by connection over manifold edges, as Embree does. */
 std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
 {
   std::vector<std::vector<unsigned>> rings;
@@ -156,8 +156,8 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
   return rings;
 }
 
-/* Turns faces beyond Embree's limits into holes. Embree would leave out these faces, and also all faces that share a
- * vertex with a face of too many vertices. */
+/* Turns faces beyond Embree's limits into holes. Embree would also leave out all faces that share a vertex
+ * with a face of too many vertices. */
 void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<char> isHole(cage.numFaces(), 0);

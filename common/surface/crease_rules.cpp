@@ -15,7 +15,7 @@ bool isFraction(float sharpness)
   return std::isfinite(sharpness) && sharpness != std::floor(sharpness);
 }
 
-/* `sharpness` holds the sharpness of each sharp edge at a vertex. */
+/* `sharpness` holds the vertex's sharp edges. */
 bool differs(std::vector<float> sharpness, float corner, CreaseRule rule)
 {
   if (sharpness.size() < 2 || corner == INFINITY)

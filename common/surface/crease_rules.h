@@ -5,13 +5,12 @@
 
 /* Finds vertices at which Embree and OpenSubdiv subdivide creases differently:
  *
- *   - Three or more creases meet, and one has a fractional sharpness. OpenSubdiv blends the corner with what remains
- *     after that crease ends, by the fraction. Embree keeps the corner for the whole step: a third crease of 0.0001
- *     makes a spike, no third crease makes a curve. OpenSubdiv's rule is continuous in the sharpness; it is the rule
- *     of DeRose, Kass and Truong 1998, and of Pixar's older library Hbr.
- *   - Two creases of different sharpness meet. Embree averages their sharpness in each step, as Chaikin's rule does.
- *     OpenSubdiv does so only if a tag selects Chaikin's rule.
- *   - A semi-sharp corner lies on creases. OpenSubdiv blends it with the crease, Embree with the smooth surface. */
+ * - Three or more creases meet, and one has a fractional sharpness. OpenSubdiv blends the corner with what remains
+ *   after that crease ends, by the fraction (DeRose, Kass and Truong 1998; Pixar's Hbr). Embree keeps the corner for
+ *   the whole step: a third crease of 0.0001 makes a spike, no third crease makes a curve.
+ * - Two creases of different sharpness meet. Embree averages their sharpness in each step; OpenSubdiv does so only
+ *   if a tag selects Chaikin's rule.
+ * - A semi-sharp corner lies on creases. OpenSubdiv blends it with the crease, Embree with the smooth surface. */
 
 #include "surface/cage.h"
 
@@ -19,8 +18,8 @@
 
 namespace cbvh {
 
-/* Returns the indices of such vertices. The cage must be valid. Under Chaikin's rule, includes every vertex at which
- * three or more creases of different sharpness meet. */
+/* The cage must be valid. Under Chaikin's rule, includes every vertex at which three or more creases of different
+ * sharpness meet. */
 std::vector<unsigned> findVerticesWithOtherCreaseRules(const Cage& cage);
 
 } // namespace cbvh

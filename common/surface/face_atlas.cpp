@@ -9,8 +9,7 @@
 namespace cbvh {
 namespace {
 
-/* Halves each tile: every other texel, filtered with a quarter of its two neighbors on each axis. On the border of a
- * tile the filter runs along the border only. */
+/* Keeps every other texel, filtered with a quarter of its neighbors; on a border only along the border. */
 HeightMap halved(const HeightMap& map, const FaceAtlas& atlas, const FaceAtlas& half, size_t numFaces)
 {
   HeightMap result(half.columns(), half.rows(numFaces));
@@ -98,7 +97,7 @@ private:
     }
   };
 
-  /* Returns the coarsest mip level whose texels are not wider than the spacing. */
+  /* The coarsest mip level whose texels are not wider than the spacing. */
   size_t levelFor(int level) const
   {
     size_t k = 0;
@@ -107,7 +106,7 @@ private:
     return k;
   }
 
-  /* Sets each border texel to the mean of its sides. All means are computed before the first texel changes. */
+  /* Sets each border texel to the mean of its sides, once all means are computed. */
   static void closeBorders(Level& level, const FaceBorders& borders)
   {
     const int n = level.atlas.tileSize;
@@ -117,7 +116,7 @@ private:
       size_t next = 0;
       for (unsigned face = 0; face < borders.numFaces(); face++)
         for (unsigned edge = 0; edge < 4; edge++)
-          for (int i = 0; i < n; i++) // the last texel of the edge is the first of the next edge
+          for (int i = 0; i < n; i++) // the last texel belongs to the next edge
           {
             const float t = float(i) / float(n);
             float& texel = level.texel(borders.point(face, edge, t));

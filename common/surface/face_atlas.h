@@ -3,17 +3,15 @@
 
 #pragma once
 
-/* A map in memory that consists of square tiles in rows, one per face, like a Ptex file in one picture. All faces must
- * be quads. */
+/* A map in memory of one square tile per face, like a Ptex file. All faces must be quads. */
 
 #include "surface/displacement.h"
 #include "surface/height_map.h"
 
 namespace cbvh {
 
-/* A tile has tileSize + 1 texels per side; the first and the last lie on the borders of the face. If tileSize is a
- * power of two, (u,v) of levels up to 8 fall on exact fractions of a texel, and faces with the same texels on a common
- * edge meet exactly. */
+/* A tile has tileSize + 1 texels per side; the outer ones lie on the face's borders. If tileSize is a power of two,
+ * (u,v) of levels up to 8 are exact fractions of a texel, and faces with equal texels on an edge meet exactly. */
 struct FaceAtlas
 {
   int tileSize = 64;
@@ -24,9 +22,8 @@ struct FaceAtlas
   int rows(size_t numFaces) const { return int((numFaces + tilesPerRow - 1) / tilesPerRow) * (tileSize + 1); }
 };
 
-/* Creates mip levels: a tent filter halves each tile on its own, then border texels become the mean of all sides.
- * Level L of the surface reads the mip level whose texels are 2^-L of a face wide, without filtering, up to
- * 2^L = tileSize. */
+/* Creates mip levels: a tent filter halves each tile, then border texels become the mean of all sides. Level L
+ * reads, without filtering, the mip level whose texels are 2^-L of a face wide, up to 2^L = tileSize. */
 std::unique_ptr<Displacement> displaceByAtlas(const Cage& cage, const FaceAtlas& atlas, HeightMap map, float scale);
 
 } // namespace cbvh

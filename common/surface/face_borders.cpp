@@ -13,7 +13,7 @@ FaceBorders::FaceBorders(const Cage& cage)
   : sizes(cage.faceSizes), vertexOf(cage.faceIndices), sides(cage.faceIndices.size()), corners(cage.positions.size())
 {
   size_t offset = 0;
-  std::unordered_map<uint64_t, unsigned> edges; // by their vertices, the smaller in the upper half
+  std::unordered_map<uint64_t, unsigned> edges; // by both vertices, the smaller one in the upper half
   edges.reserve(cage.faceIndices.size());
   std::vector<size_t> sidesOfEdge;
   for (unsigned face = 0; face < sizes.size(); face++)
@@ -50,8 +50,8 @@ FaceBorders::Side FaceBorders::opposite(unsigned face, unsigned edge) const
   return other.reversed == isReversed(face, edge) ? Side() : other;
 }
 
-/* Edges 0 to 3 of a quad are v = 0, u = 1, v = 1, u = 0. A corner quad of an n-gon has the first half of its corner's
- * edge at v = 0, and the second half of the previous edge at u = 0. */
+/* Edges 0 to 3 of a quad are v = 0, u = 1, v = 1, u = 0. Corner quads of n-gons have half of an edge each at v = 0
+ * and, of the previous edge, at u = 0. */
 FaceBorders::Place FaceBorders::place(const FacePoint& p) const
 {
   float u = p.u, v = p.v;

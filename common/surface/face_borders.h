@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Finds the faces that share a point of a border. Heights that are stored per face, or through texture coordinates
- * with seams, differ between the sides of a border. The mean over all sides is the same for each and closes the
- * surface. */
+/* Finds the faces that share a border point. If heights per face or per chart differ there, the mean over all sides
+ * closes the surface. */
 
 #include "surface/cage.h"
 #include "surface/patch_point.h"
@@ -20,8 +19,7 @@ class FaceBorders
 public:
   explicit FaceBorders(const Cage& cage);
 
-  /* A place on the border of a face: on the edge from corner `edge` to the next, at t in [0,1] along it. `edge` is -1
-   * inside the face. */
+  /* Position t in [0,1] on the edge from corner `edge` to the next; `edge` is -1 inside the face. */
   struct Place
   {
     int edge = -1;
@@ -29,17 +27,16 @@ public:
   };
   Place place(const FacePoint& p) const;
 
-  /* Returns a point of an edge; t = 0 is the corner. */
+  /* t = 0 is the corner. */
   FacePoint point(unsigned face, unsigned edge, float t) const;
 
   struct Side
   {
     unsigned face = ~0u, edge = 0;
-    bool reversed = false; // the edge runs from the greater to the smaller vertex index
+    bool reversed = false; // runs from the greater to the smaller vertex index
   };
 
-  /* All sides of an edge: one at a boundary, usually two, more if the cage is not manifold. Each side gets the same
-   * list in the same order. */
+  /* Sides of an edge, the same list for each side: one at a boundary, usually two, more if the cage is not manifold. */
   struct Sides
   {
     const Side *first, *last;
@@ -53,17 +50,17 @@ public:
     return {&sides[firstSide[e]], &sides[firstSide[e]] + (firstSide[e + 1] - firstSide[e])};
   }
 
-  /* Returns the other side of an edge with two faces of the same orientation; otherwise face is ~0u. */
+  /* The other side of an edge between two faces of the same orientation; otherwise face is ~0u. */
   Side opposite(unsigned face, unsigned edge) const;
 
-  /* Returns all corners at the vertex of a corner. Each corner gets the same list in the same order. */
+  /* All corners at a vertex, the same list for each corner. */
   const std::vector<Side>& around(unsigned face, unsigned corner) const
   {
     return corners[vertexOf[firstCorner[face] + corner]];
   }
 
-  /* Returns the mean of value(FacePoint) over all sides of a point. `own` is the value of the calling side. The result
-   * is identical to the bit for every side, because values are added in the order of the list. */
+  /* Returns the mean of value(FacePoint) over all sides of a point; `own` is the value of the calling side. Equal to
+   * the bit on all sides, because values are added in the order of the list. */
   template<typename T, typename Value>
   T mean(unsigned face, Place at, T own, const Value& value) const
   {
@@ -100,8 +97,8 @@ private:
 
   std::vector<unsigned> sizes, vertexOf;
   std::vector<size_t> firstCorner;
-  std::vector<unsigned> edgeOf;  // of each corner: the edge from it to the next corner
-  std::vector<size_t> firstSide; // of each edge, followed by the end
+  std::vector<unsigned> edgeOf;  // from each corner to the next
+  std::vector<size_t> firstSide; // per edge, followed by the end
   std::vector<Side> sides;
   std::vector<std::vector<Side>> corners;
 };

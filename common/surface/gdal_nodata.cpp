@@ -13,7 +13,7 @@ namespace cbvh {
 namespace {
 
 constexpr unsigned nodataTag = 42113, asciiType = 2;
-constexpr uint64_t longestText = 64; // bytes that a number may need
+constexpr uint64_t longestText = 64; // bytes of a number
 
 class TiffReader
 {
@@ -23,7 +23,7 @@ public:
   std::vector<std::string> run()
   {
     std::vector<std::string> pages;
-    std::set<uint64_t> known; // ends the loop if a malformed file refers to a page twice
+    std::set<uint64_t> known; // ends the loop if a malformed file repeats a page
     uint64_t directory = readHeader();
     while (directory != 0 && known.insert(directory).second)
     {
@@ -53,7 +53,7 @@ private:
     return value;
   }
 
-  /* Returns the offset of the first directory, 0 if there is none. */
+  /* Offset of the first directory, or 0. */
   uint64_t readHeader()
   {
     const std::string order = readBytes(2);
@@ -65,12 +65,12 @@ private:
       return 0;
     offsetBytes = version == 43 ? 8 : 4;
     if (version == 43)
-      readNumber(4); // skip the size of offsets, and a zero
+      readNumber(4); // size of offsets, and a zero
     const uint64_t first = readNumber(offsetBytes);
     return file ? first : 0;
   }
 
-  /* Returns the offset of the next directory. */
+  /* Returns the next directory's offset. */
   uint64_t readDirectory(uint64_t offset, std::string& text)
   {
     file.seekg(std::streamoff(offset));

@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* The value that marks missing samples in a TIFF: tag 42113 of GDAL, which OpenImageIO does not report. */
+/* GDAL's TIFF tag 42113 marks missing samples; OpenImageIO does not report it. */
 
 #include <string>
 #include <vector>
 
 namespace cbvh {
 
-/* Returns the text of the tag for each page of a TIFF or BigTIFF, empty for a page without the tag. Stops at the first
- * malformed page. Returns nothing for other files: OpenImageIO reports what is wrong with them. */
+/* Returns the tag's text for each page of a TIFF or BigTIFF, or empty. Stops at the first malformed page. Returns
+ * nothing for other files, whose errors OpenImageIO reports. */
 std::vector<std::string> readGdalNodata(const std::string& path);
 
 } // namespace cbvh

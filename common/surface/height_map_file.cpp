@@ -22,8 +22,7 @@
 namespace cbvh {
 namespace {
 
-/* Redirects stderr to /dev/null while it exists, because libpng prints errors that OpenImageIO reports anyway. Affects
- * all threads; programs read maps while they do nothing else. */
+/* Redirects stderr of all threads to /dev/null, because libpng prints errors that OpenImageIO reports anyway. */
 class QuietStderr
 {
 public:
@@ -61,7 +60,7 @@ Error unreadable(const std::string& path, std::string reason)
   return Error(path + ": cannot read this height map: " + (reason.empty() ? "unknown reason" : reason));
 }
 
-/* Opening a pipe without a writer blocks, and OpenImageIO opens a file several times. */
+/* Pipes without a writer would block, and OpenImageIO opens a file several times. */
 void requireFile(const std::string& path)
 {
   std::error_code ignored;
@@ -70,7 +69,7 @@ void requireFile(const std::string& path)
     throw Error(path + ": no such height map" +
                 (path.find('<') == std::string::npos ? "" : "; expected <UDIM>, %(UDIM)d or <UVTILE> for tiles"));
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))
-    throw Error(path + ": height maps are read more than once, but this is a pipe or a device; expected a file");
+    throw Error(path + ": this is a pipe or a device, which cannot be read more than once: expected a file");
 }
 
 std::unique_ptr<MapImage> openImage(const std::string& path)
@@ -79,7 +78,8 @@ std::unique_ptr<MapImage> openImage(const std::string& path)
   const std::string extension = std::filesystem::path(path).extension().string();
   const std::string formats = "," + std::string(OIIO::get_string_attribute("input_format_list")) + ",";
   if ((extension == ".ptx" || extension == ".ptex") && formats.find(",ptex,") == std::string::npos)
-    throw Error(path + ": this OpenImageIO was built without its Ptex reader; a TIFF with one page per face works too");
+    throw Error(path + ": this OpenImageIO has no Ptex reader: expected another format, such as a TIFF "
+                "with one page per face");
   auto input = std::make_unique<MapImage>();
   OIIO::ImageSpec spec;
   if (!input->open(path, spec, MapImage::configuration({})))
@@ -87,7 +87,6 @@ std::unique_ptr<MapImage> openImage(const std::string& path)
   return input;
 }
 
-/* Some channels of an image. */
 struct Texels
 {
   int width, height, channels;
@@ -95,7 +94,7 @@ struct Texels
 
   const float* at(int x, int y) const { return &values[(size_t(y) * size_t(width) + size_t(x)) * size_t(channels)]; }
 
-  /* True if all border texels are equal, so that adjacent copies of the map meet without a step. */
+  /* True if adjacent copies of the map meet without a step. */
   bool hasConstantBorder() const
   {
     const auto same = [&](int x, int y) { return std::equal(at(x, y), at(x, y) + channels, at(0, 0)); };
@@ -114,7 +113,6 @@ bool isCancelled(void*, float)
   return cancelRequested();
 }
 
-/* Reads channels of the current image. */
 Texels readImage(MapImage& input, int image, int first, int count, const std::string& path)
 {
   const OIIO::ImageSpec& spec = input.spec();
@@ -131,10 +129,10 @@ Texels readImage(MapImage& input, int image, int first, int count, const std::st
   const size_t texel = size_t(bad - texels.values.begin()) / size_t(count), width = size_t(spec.width);
   throw Error(path + ": the " + (count == 1 ? "height" : "vector") + " at texel " + std::to_string(texel % width) +
               "," + std::to_string(texel / width) + (image ? " of image " + std::to_string(image) : "") +
-              " is not finite");
+              " is not finite: expected a finite number");
 }
 
-/* Returns the index of a channel of the current image. Throws Error unless `count` channels follow from there on. */
+/* Returns the channel's index. Throws Error unless `count` channels start there. */
 int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int count, const std::string& path)
 {
   int first = 0;
@@ -155,8 +153,8 @@ int findChannel(const OIIO::ImageSpec& spec, const std::string& channel, int cou
     names += (names.empty() ? "" : ", ") + name;
   if (count > 1)
     throw Error(path + ": a map of vectors needs " + std::to_string(count) + " channels" +
-                (channel.empty() ? "" : " from '" + channel + "' on") + ", but the file has " + names);
-  throw Error(path + ": unknown channel '" + channel + "': the file has " + names);
+                (channel.empty() ? "" : " from '" + channel + "' on") + ": expected them among " + names);
+  throw Error(path + ": unknown channel '" + channel + "': expected one of " + names);
 }
 
 } // namespace
@@ -165,7 +163,7 @@ HeightMap HeightMap::read(const std::string& path)
 {
   const QuietStderr quiet;
   const auto input = openImage(path);
-  input->setReading({0, 1, NAN}); // so that a missing height is an error
+  input->setReading({0, 1, NAN}); // a missing height is an error
   Texels texels = readImage(*input, 0, 0, 1, path);
   HeightMap map;
   map.w = texels.width;
@@ -197,7 +195,7 @@ HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::strin
   if (!input->refusal().empty())
     throw unreadable(path, "image " + std::to_string(input->current_subimage()) + ": " + input->refusal());
   if (info.images == 0)
-    throw unreadable(path, "it contains only copies of reduced resolution or masks");
+    throw unreadable(path, "it contains only smaller copies or masks: expected at least one other image");
   info.missing = input->numMissing();
   info.isPlain &= info.missing == 0;
   return info;
@@ -212,7 +210,7 @@ std::string HeightMap::recipeOf(const std::string& path)
   const auto input = OIIO::ImageInput::open(path);
   if (input)
     return std::string(input->spec().get_string_attribute(recipeAttribute));
-  OIIO::geterror(); // otherwise OpenImageIO prints the error later
+  OIIO::geterror(); // otherwise OpenImageIO prints it later
   return "";
 }
 
@@ -220,7 +218,7 @@ void HeightMap::write(const std::string& path, const std::string& recipe) const
 {
   OIIO::ImageSpec spec(w, h, 1, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"Y"};
-  spec.attribute("compression", "none"); // noise hardly compresses and compressing it takes long
+  spec.attribute("compression", "none"); // noise hardly compresses
   if (!recipe.empty())
     spec.attribute(recipeAttribute, recipe);
   writeImageFile(path, spec, OIIO::TypeDesc::FLOAT, texels.data());

@@ -43,7 +43,7 @@ struct HeightTexture::Implementation
       OIIO::ImageCache::destroy(cache);
   }
 
-  /* `count` is the number of images of the file that belong to the texture. */
+  /* `count` images of the file belong to the texture. */
   void open(const std::string& path, size_t count, const HeightMap::FileInfo& info, const TextureChannels& read)
   {
     if (!info.isPlain)
@@ -71,13 +71,13 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
                              std::string& warnings)
   : implementation(std::make_unique<Implementation>())
 {
-  /* A private system frees its cache with it. Texels keep the file's type, so mip levels are rounded to it: with
-   * "forcefloat", OpenImageIO 2.4.7 fails an assertion. */
+  /* Private, so that the cache is freed. Mip levels are rounded to the file's type, because "forcefloat" fails an
+   * assertion in OpenImageIO 2.4.7. */
   implementation->cache = OIIO::ImageCache::create(false);
   OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false, implementation->cache);
-  system->attribute("automip", 1);           // create mip levels for files without them
+  system->attribute("automip", 1);           // mip levels for files without them
   system->attribute("autotile", tileSize);   // and tiles
-  system->attribute("unassociatedalpha", 1); // do not multiply colors by alpha
+  system->attribute("unassociatedalpha", 1); // keep colors unmultiplied
   system->attribute("max_memory_MB", 4096.0f);
   for (const std::string& path : paths)
   {
@@ -105,7 +105,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
   fillCache();
 }
 
-/* Reads every tile of every mip level, so that file access does not count towards the time of the first build. */
+/* Reads every tile of every mip level, to exclude file access from the time of the first build. */
 void HeightTexture::fillCache() const
 {
   float values[4];
@@ -140,7 +140,7 @@ Vec2f HeightTexture::size(unsigned image) const
 bool HeightTexture::looksLikeNormals() const
 {
   constexpr int places = 64;        // samples along each axis
-  constexpr float tolerance = 0.1f; // of a unit length; the map has 8 bits and is filtered
+  constexpr float tolerance = 0.1f; // of a unit vector's length; the map has 8 bits and is filtered
   if (implementation->channelsOfFile < 3)
     return false;
   OIIO::TextureOpt options = implementation->options;

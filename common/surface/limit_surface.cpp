@@ -29,7 +29,7 @@ Factory::Options factoryOptions()
   return options;
 }
 
-/* Returns the cage without its holes; numberOf maps faces to those that remain. */
+/* numberOf maps faces to those that remain. */
 Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
 {
   Cage rest;
@@ -50,7 +50,7 @@ Cage withoutHoles(const Cage& cage, const std::vector<int>& numberOf)
   return rest;
 }
 
-/* Returns the new number of each face, -1 for holes. */
+/* New number per face, -1 for holes. */
 std::vector<int> numbersWithoutHoles(const Cage& cage)
 {
   std::vector<int> numbers(cage.numFaces(), 0);
@@ -118,7 +118,7 @@ LimitSample LimitSurface::evaluate(const PatchPoint& p) const
   const Bfr::Parameterization parameters = face.surface.GetParameterization();
   if (parameters.HasSubFaces())
   {
-    /* Bfr's coordinates of a sub-face are half as wide. */
+    /* Bfr's sub-faces are half as wide. */
     const double local[2] = {p.u, p.v};
     parameters.ConvertNormalizedSubFaceToCoord(int(p.subPatch), local, uv);
     scale = 0.5;

@@ -3,16 +3,14 @@
 
 #pragma once
 
-/* The limit surface, evaluated by OpenSubdiv's Bfr in double precision, independently of Embree. Regular patches are
- * exact. Around extraordinary vertices and creases, Bfr refines ten times and approximates the remaining 2^-10 of a
- * face.
+/* The limit surface by OpenSubdiv's Bfr in double precision, independent of Embree. Regular patches are exact;
+ * around extraordinary vertices and creases, 2^-10 of a face are approximated.
  *
- * Holes are cut out as in Embree: their borders are boundaries of the surface. (OpenSubdiv only does not draw them.)
- * Elsewhere this is OpenSubdiv's surface. Embree's surface differs, and errors against the true surface include the
- * difference,
- *   - where creases of unequal or fractional sharpness meet, see crease_rules.h;
- *   - where creases or corners of a sharpness below 1 touch n-gons;
- *   - on the corner faces of open surfaces under BoundaryRule::EdgeOnly. */
+ * Borders of holes are boundaries, as in Embree. (OpenSubdiv only does not draw holes.) Embree's surface differs
+ * from OpenSubdiv's, and errors against the true surface include the difference,
+ * - where creases of unequal or fractional sharpness meet, see crease_rules.h;
+ * - where creases or corners of a sharpness below 1 touch n-gons;
+ * - on the corner faces of open surfaces under BoundaryRule::EdgeOnly. */
 
 #include "basics/vec.h"
 #include "surface/cage.h"
@@ -22,7 +20,7 @@
 
 namespace cbvh {
 
-/* Position and derivatives with respect to (u,v) of a patch. */
+/* Derivatives are with respect to (u,v) of a patch. */
 struct LimitSample
 {
   Vec3d p, du, dv, duu, duv, dvv;
@@ -36,10 +34,10 @@ public:
   LimitSurface(const LimitSurface&) = delete;
   LimitSurface& operator=(const LimitSurface&) = delete;
 
-  /* False for holes, and for faces at a boundary under BoundaryRule::None. */
+  /* False for holes, and at boundaries under BoundaryRule::None. */
   bool has(unsigned face) const;
 
-  /* Requires has(p.face). Thread-safe; the first call for a face prepares it. */
+  /* Requires has(p.face). Thread-safe. */
   LimitSample evaluate(const PatchPoint& p) const;
 
 private:

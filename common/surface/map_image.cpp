@@ -23,13 +23,13 @@ constexpr const char* firstAttribute = "cbvh:first";
 constexpr const char* countAttribute = "cbvh:count";
 constexpr const char* neutralAttribute = "cbvh:neutral";
 
-/* Values of TIFF's PhotometricInterpretation. */
+/* TIFF's PhotometricInterpretation. */
 enum Photometric { WhiteIsZero = 0, BlackIsZero = 1, Rgb = 2 };
 
-/* Bits of TIFF's NewSubfileType. */
+/* TIFF's NewSubfileType. */
 enum SubfileType { ReducedResolution = 1, Mask = 4 };
 
-/* Programs store the lowest float for "no value"; some round it. */
+/* "No value" is the lowest float, which some programs round. */
 constexpr float lowestHeight = -3.4e38f;
 
 bool isMissing(float height)
@@ -37,7 +37,7 @@ bool isMissing(float height)
   return std::isnan(height) || (height <= lowestHeight && std::isfinite(height));
 }
 
-/* True for types that the texture system samples without conversion. */
+/* True if the texture system needs no conversion. */
 bool isSampledNatively(OIIO::TypeDesc type)
 {
   return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::HALF ||
@@ -49,8 +49,8 @@ bool isUnsigned(OIIO::TypeDesc type)
   return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::UINT32;
 }
 
-/* Returns the visible part of the image. Only OpenEXR has true display windows: in other formats, a window of the same
- * size as the data at another position describes a place on a page. */
+/* The visible part of the image. Only OpenEXR has true display windows; elsewhere, a window as large as the data but
+ * at another position is a place on a page. */
 OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
 {
   const OIIO::ROI data = spec.roi(), full = spec.roi_full();
@@ -58,19 +58,19 @@ OIIO::ROI displayWindow(const OIIO::ImageSpec& spec, const std::string& format)
   return isOnPage || full.width() < 1 || full.height() < 1 ? data : full;
 }
 
-/* Returns why the image cannot be read, or an empty string. */
+/* Reason not to read the image, or empty. */
 std::string refusalOf(const OIIO::ImageSpec& spec, const std::string& format, bool isInverted)
 {
   if (spec.deep)
-    return "it is a deep image, with many values per texel";
+    return "it is a deep image: expected one value per texel and channel";
   if (spec.width < 1 || spec.height < 1)
-    return "it is empty";
+    return "it is empty: expected at least one texel";
   if (spec.depth > 1)
-    return "it is a volume of " + std::to_string(spec.depth) + " slices";
+    return "it is a volume of " + std::to_string(spec.depth) + " slices: expected one";
   if (isInverted && !isUnsigned(spec.format))
     return "white is zero in it, which is undefined for samples of type " + std::string(spec.format.c_str()) +
            ": expected black as zero";
-  /* OpenImageIO 2.4 reports success but does not fill the buffer. */
+  /* OpenImageIO 2.4 reports success without filling the buffer. */
   if (format == "tiff" && spec.format == OIIO::TypeDesc::DOUBLE && spec.tile_width)
     return "it has tiles of type double, which OpenImageIO does not read: expected strips, or type float";
   return "";
@@ -84,7 +84,7 @@ void compare(const void* samples, double value, std::vector<char>& equals)
     equals[i] = all[i] == T(value);
 }
 
-/* Finds the samples that equal a value, before any conversion. The type can represent the value exactly. */
+/* Finds samples that equal a value, before any conversion. The type can represent it exactly. */
 void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std::vector<char>& equals)
 {
   switch (type.basetype)
@@ -107,7 +107,7 @@ void compareSamples(OIIO::TypeDesc type, const void* samples, double value, std:
 OIIO::ImageSpec MapImage::configuration(const MapReading& reading)
 {
   OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1); // do not multiply colors by alpha
+  config.attribute("oiio:UnassociatedAlpha", 1); // keep colors unmultiplied
   config.attribute(firstAttribute, reading.first);
   config.attribute(countAttribute, reading.count);
   config.attribute(neutralAttribute, reading.neutral);
@@ -153,14 +153,13 @@ bool MapImage::seek_subimage(int subimage, int miplevel)
     return refused.empty();
   if (!source->seek_subimage(subimage, 0))
   {
-    source->geterror(); // clear "no more images"
+    source->geterror(); // clears "no more images"
     return false;
   }
   image = subimage;
   return describe();
 }
 
-/* Sets the description of the source's current image. */
 bool MapImage::describe()
 {
   const OIIO::ImageSpec& from = source->spec();
@@ -185,12 +184,12 @@ bool MapImage::describe()
   return true;
 }
 
-/* Returns the value of GDAL's tag as OpenImageIO delivers it, in the type of the samples. */
+/* The value of GDAL's tag as OpenImageIO returns it, in the type of the samples. */
 std::optional<double> MapImage::nodataOf(const OIIO::ImageSpec& from) const
 {
   const int photometric = from.get_int_attribute("tiff:PhotometricInterpretation", -1);
   if (size_t(image) >= nodataTexts.size() || !from.channelformats.empty() || photometric < WhiteIsZero ||
-      photometric > Rgb) // OpenImageIO converts palettes and other color spaces
+      photometric > Rgb) // OpenImageIO converts other color spaces
     return {};
   std::string_view text = nodataTexts[size_t(image)];
   text.remove_prefix(std::min(text.find_first_not_of(" +"), text.size()));
@@ -234,7 +233,7 @@ bool MapImage::read_native_scanlines(int subimage, int miplevel, int yBegin, int
   return true;
 }
 
-/* Reads rows of the source's data window, all channels. */
+/* All channels of rows of the source's data window. */
 bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
 {
   const OIIO::ImageSpec& from = source->spec();
@@ -252,7 +251,7 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
                         ? source->read_tiles(image, 0, from.x, from.x + from.width, begin, end, from.z, from.z + 1, 0,
                                              from.nchannels, type, samples.data())
                         : source->read_scanlines(image, 0, begin, end, from.z, 0, from.nchannels, type, samples.data());
-  /* Some readers fill in the missing part of a truncated file and only leave a message. */
+  /* For truncated files, some readers fill in the rest and only leave a message. */
   if (!isRead || source->has_error())
   {
     errorfmt("{}", source->geterror());
@@ -274,7 +273,7 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
   return true;
 }
 
-/* Replaces all channels of the map in texels where one of them is missing. */
+/* Replaces all of the map's channels in texels where one is missing. */
 void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata)
 {
   const size_t channels = size_t(m_spec.nchannels), first = size_t(reading.first);

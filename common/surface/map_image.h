@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* A height or vector map as the texture system expects it: images of floats that fill their display windows.
+/* A map as the texture system expects it: images of floats that fill their display windows.
  *
- * OpenImageIO 2.4 reads the files. This class corrects what its readers or its texture system do not handle:
- * - Integers of other types than uint8 and uint16, and doubles, become floats, because the texture system asserts on
- *   them. This is OpenImageIO's own conversion: integers are divided by the greatest value of their type, so unsigned
- *   integers become 0..1 and signed integers -1..1.
+ * OpenImageIO 2.4 reads the files. This class corrects what its readers or texture system do not handle:
+ * - Integers other than uint8 and uint16, and doubles, become floats, because the texture system asserts on them. As
+ *   in OpenImageIO, unsigned integers become 0..1 and signed integers -1..1.
  * - The texture system wraps at the data window. Here an image is its display window, and texels outside of the data
  *   window are neutral.
  * - TIFF with white as zero is inverted for all unsigned types; OpenImageIO does so for 8 bits only.
- * - Missing texels become neutral: NaN, -3.4e38 and below, and the value of GDAL's tag in a TIFF. */
+ * - Missing texels become neutral: NaN, -3.4e38 and below, and the value of GDAL's tag. */
 
 #include <OpenImageIO/imageio.h>
 
@@ -23,7 +22,7 @@
 
 namespace cbvh {
 
-/* The channels in which missing texels are replaced, and the replacement. */
+/* Where missing texels are replaced, and by what. */
 struct MapReading
 {
   int first = 0;
@@ -34,21 +33,21 @@ struct MapReading
 class MapImage final : public OIIO::ImageInput
 {
 public:
-  /* Returns the configuration that passes `reading` to open(). */
+  /* Passes `reading` to open(). */
   static OIIO::ImageSpec configuration(const MapReading& reading);
 
   void setReading(const MapReading& r) { reading = r; }
 
-  /* True if the texture system can read the current image directly from the file, provided that no texel is missing. */
+  /* True if the texture system can read the current image itself, unless texels are missing. */
   bool isPlain() const { return plain; }
 
-  /* True if the current image is a smaller copy of another one, or a mask, as GDAL stores them in a TIFF. */
+  /* True if the current image is a smaller copy or a mask, as in GDAL's TIFFs. */
   bool isCopyOrMask() const { return copyOrMask; }
 
   /* Number of missing texels read so far. */
   size_t numMissing() const { return missing; }
 
-  /* Why the current image cannot be read; empty if it can. */
+  /* Reason not to read the current image, or empty. */
   const std::string& refusal() const { return refused; }
 
   const char* format_name() const override { return "map"; }
@@ -70,14 +69,14 @@ private:
   void replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata);
 
   std::unique_ptr<OIIO::ImageInput> source;
-  std::vector<std::string> nodataTexts; // one per page of a TIFF
+  std::vector<std::string> nodataTexts; // per page of a TIFF
   MapReading reading;
   std::string refused;
   size_t missing = 0;
 
-  /* Of the current image: */
+  /* About the current image: */
   int image = -1;
-  OIIO::ROI window; // the visible part, in coordinates of the source
+  OIIO::ROI window; // the visible part, in the source's coordinates
   std::optional<double> nodata;
   bool plain = false, copyOrMask = false, isInverted = false, isFloating = false;
 };

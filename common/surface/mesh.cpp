@@ -39,7 +39,7 @@ void makeQuads(Cage& cage, const std::string& path)
     const unsigned size = cage.faceSizes[face], *v = &cage.faceIndices[first];
     if (size > 4)
       throw Error(path + ": face " + std::to_string(face) + " has " + std::to_string(size) +
-                  " vertices, but a mesh consists of quads and triangles; " + settingName("cage") +
+                  " vertices: expected a mesh of quads and triangles; " + settingName("cage") +
                   " reads the file as a subdivision surface");
     if (!isHole[face])
       indices.insert(indices.end(), {v[0], v[1], v[2], v[size - 1]});
@@ -54,7 +54,7 @@ void makeQuads(Cage& cage, const std::string& path)
 
 float latticeSpacing(const std::vector<Vec3f>& positions)
 {
-  int lowest = 1000, highest = -1000; // exponents: of the common divisor, and of the largest coordinate
+  int lowest = 1000, highest = -1000; // exponents of the common divisor and the largest coordinate
   for (const Vec3f& p : positions)
     for (float x : {p.x, p.y, p.z})
     {

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Meshes of quads and triangles that are traced without subdivision. */
-
 #include "surface/cage.h"
 
 #include <array>
@@ -13,23 +11,21 @@
 
 namespace cbvh {
 
-/* Converts all faces to 4 vertices; a triangle repeats its last vertex. Removes holes. Throws Error for a face with
- * more vertices. */
+/* Converts faces to 4 vertices, triangles by repeating the last one. Removes holes. Throws Error for larger faces. */
 void makeQuads(Cage& cage, const std::string& path);
 
-/* True if a face of such a mesh is a triangle. */
+/* Requires a mesh of makeQuads. */
 inline bool isTriangle(const Cage& mesh, size_t face)
 {
   const unsigned* const v = &mesh.faceIndices[4 * face];
   return v[2] == v[3];
 }
 
-/* Returns the spacing, a power of two, of the coarsest lattice that contains all positions, as after storing a mesh as
- * cVERT. Returns 0 if that lattice is as fine as the resolution of the floats. */
+/* Spacing, a power of two, of the coarsest lattice that contains all positions, as after cVERT; 0 if it is as fine
+ * as the floats. */
 float latticeSpacing(const std::vector<Vec3f>& positions);
 
-/* Writes quads and their vertices as OBJ, merging vertices with equal coordinates. Leaves out quads with a vertex that
- * is not finite. Throws Error, Cancelled. */
+/* Writes OBJ. Merges vertices with equal coordinates; omits quads with a vertex that is not finite. Throws Error. */
 void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
               const std::vector<std::array<unsigned, 4>>& quads);
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A displaced subdivision surface, many copies of one, or a mesh without subdivision, with a suitable view. */
+/* A displaced subdivision surface, copies of one, or a mesh without subdivision. */
 
 #include "surface/cage.h"
 #include "surface/displacement.h"
@@ -15,7 +15,7 @@
 
 namespace cbvh {
 
-/* Placement of a copy of the cage: scaled, rotated about the y axis, then moved. */
+/* The copy is scaled, rotated about the y axis, then moved. */
 struct Placement
 {
   Vec3f origin;
@@ -28,7 +28,7 @@ struct Placement
     return origin + scale * Vec3f{c * p.x + s * p.z, p.y, c * p.z - s * p.x};
   }
 
-  /* Displacements scale with the copy; normals keep their length. */
+  /* Displacements scale with the copy; normals do not. */
   Vec3f vectorFromCage(Vec3f v) const { return Placement{{}, angle, scale}.apply(v); }
   Vec3f normalToCage(Vec3f n) const
   {
@@ -36,7 +36,7 @@ struct Placement
     return {c * n.x - s * n.z, n.y, s * n.x + c * n.z};
   }
 
-  /* The inverse for points, and for directions, which keep their length. */
+  /* Inverses; directions keep their length. */
   Vec3d pointToCage(Vec3d p) const { return directionToCage(p - toDouble(origin)) * (1.0 / scale); }
   Vec3d directionToCage(Vec3d d) const
   {
@@ -48,21 +48,21 @@ struct Placement
 struct Model
 {
   std::string name;
-  Cage cage; // of a mesh: its faces with 4 vertices each, triangles repeating the last one
+  Cage cage; // of a mesh: faces of 4 vertices, triangles repeat the last one
 
-  /* Positions of the cage's vertices at the time steps after the first, at equal intervals. Empty if it is static. */
+  /* Vertices at the time steps after the first, at equal intervals. */
   std::vector<std::vector<Vec3f>> poses;
 
   bool isMesh = false;
-  float spacing = 0; // of a lattice that contains all vertices of a mesh, 0 if there is none
-  std::shared_ptr<const Displacement> displacement; // null: the limit surface itself
-  std::vector<Placement> copies{Placement()};       // each is a geometry of its own, not an instance
+  float spacing = 0; // of a lattice that contains a mesh's vertices, or 0
+  std::shared_ptr<const Displacement> displacement; // null: none
+  std::vector<Placement> copies{Placement()};       // geometries, not instances
 
-  /* Vertices of each copy before it is placed. Empty if all copies have the cage's vertices. */
+  /* Vertices of each copy before it is placed; empty if all have the cage's. */
   std::vector<std::vector<Vec3f>> shapes;
 
   ViewHints view;
-  std::string up = "y"; // the up axis that view assumes, see up_axis.h
+  std::string up = "y"; // assumed by view, see up_axis.h
   bool isUpGuessed = false;
 
   size_t numFaces() const { return cage.numFaces() * copies.size(); }
@@ -72,13 +72,13 @@ struct Model
   /* Null if the copy has the cage's vertices. */
   const std::vector<Vec3f>* shapeOf(size_t copy) const { return shapes.empty() ? nullptr : &shapes[copy]; }
 
-  /* Returns a vertex of a copy with its own shape. It moves as the cage's vertex, which is at p in this pose. */
+  /* A vertex of a copy with its own shape moves as the cage's vertex, which is at p in this pose. */
   static Vec3f inShape(Vec3f p, const std::vector<Vec3f>* shape, const Cage& cage, size_t vertex)
   {
     return shape ? (*shape)[vertex] + (p - cage.positions[vertex]) : p;
   }
 
-  /* Returns the control points of all copies at all time steps. */
+  /* Control points of all copies at all time steps. */
   std::vector<Vec3f> positions() const
   {
     std::vector<Vec3f> all;

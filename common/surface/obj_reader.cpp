@@ -1,14 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* See obj_reader.h. Tags are as in OpenSubdiv's regression shapes: `t name ints/floats/strings`, followed by that many
- * values. Vertices and faces in tags are numbered from 0.
+/* Tags are as in OpenSubdiv's regression shapes: `t name ints/floats/strings`, followed by that many values.
+ * Vertices and faces in tags are numbered from 0.
  *
- * Reason for not using tinyobjloader: version 2.0.0rc10 of Debian 12 reads the tags, but misreads some files without
- * an error. It drops the first vertex after a byte order mark, reads `v 1 x 2` and NaN as vertices, skips unknown
- * statements, and keeps only 8 bits of the number of corners of a face. For an index out of range it only warns,
- * without naming the index. It rejects faces that a backslash continues on the next line. This reader is also
- * faster. */
+ * tinyobjloader (2.0.0rc10 of Debian 12) reads the tags, but misreads some files without an error: it drops the
+ * first vertex after a byte order mark, reads `v 1 x 2` and NaN as vertices, skips unknown statements, keeps 8 bits
+ * of the number of corners, and rejects faces that continue on the next line. This reader is also faster. */
 
 #include "surface/obj_reader.h"
 #include "basics/error.h"
@@ -43,7 +41,7 @@ public:
     for (std::string line; readLine(line);)
     {
       if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0)
-        line.erase(0, 3); // a byte order mark, written by Windows programs
+        line.erase(0, 3); // byte order mark of Windows programs
       while (continues(line))
       {
         line.back() = ' ';
@@ -59,8 +57,7 @@ public:
   }
 
 private:
-  /* Reads a line that ends in LF, CR LF or CR. Removes the line end and blanks before it. Returns false at the end of
-   * the file. */
+  /* Reads a line that ends in LF, CR LF or CR, without trailing blanks. Returns false at the end of the file. */
   bool readLine(std::string& line)
   {
     line.clear();
@@ -85,8 +82,8 @@ private:
     return true;
   }
 
-  /* True if the statement continues on the next line. Comments and statements with names never do: a name may be a
-   * Windows path that ends in a backslash. */
+  /* True if the statement continues on the next line. Comments and names never do: a Windows path may end in a
+   * backslash. */
   static bool continues(std::string_view line)
   {
     if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
@@ -118,7 +115,7 @@ private:
     return words;
   }
 
-  /* Makes a word of a file that may be binary printable in messages. */
+  /* For words of files that may be binary. */
   static std::string printable(std::string_view word)
   {
     constexpr size_t longest = 32;
@@ -147,7 +144,7 @@ private:
     return value;
   }
 
-  /* Tiny coordinates, written by programs that compute in doubles, become 0. */
+  /* Tiny coordinates of programs that compute in doubles become 0. */
   template<typename T>
   T outOfRange(std::string_view word) const
   {
@@ -161,7 +158,7 @@ private:
   {
     const float value = number<float>(word);
     if (!std::isfinite(value))
-      fail(quoted(word) + " is not finite");
+      fail(quoted(word) + " is not finite: expected a finite number");
     return value;
   }
 
@@ -205,11 +202,12 @@ private:
                                                          "p",  "usemtl", "mtllib", "usemap", "maplib", "mg", "lod",
                                                          "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
       if (!skipped.count(kind))
-        fail("unknown statement " + quoted(kind) + (lineNumber == 1 ? "; expected an OBJ file" : ""));
+        fail("unknown statement " + quoted(kind) +
+             (lineNumber == 1 ? ": expected an OBJ file" : ": expected a statement of OBJ"));
     }
   }
 
-  /* Keeps the comments before the first statement, in which programs describe themselves. */
+  /* Programs describe themselves in comments before the first statement. */
   void comment(std::string_view line)
   {
     constexpr size_t longest = 4096;
@@ -242,7 +240,7 @@ private:
     addTextureCoordinates(uvs, corners);
   }
 
-  /* uvIndices stays empty up to the first face with texture coordinates. */
+  /* uvIndices stays empty until the first face with texture coordinates. */
   void addTextureCoordinates(const std::vector<unsigned>& uvs, size_t corners)
   {
     if (!uvs.empty() && uvs.size() != corners)
@@ -256,7 +254,7 @@ private:
     cage.uvIndices.insert(cage.uvIndices.end(), uvs.begin(), uvs.end());
   }
 
-  /* t NAME INTS/FLOATS/STRINGS, followed by the values. */
+  /* t NAME INTS/FLOATS/STRINGS VALUES */
   struct Tag
   {
     std::string name;
@@ -294,13 +292,13 @@ private:
       const float sharpness = number<float>(words[3 + counts[0] + i]);
       if (!(sharpness >= 0.0f))
         fail("sharpness " + printable(words[3 + counts[0] + i]) + " is negative; expected 0 or more");
-      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // 10 is infinitely sharp, as in OpenSubdiv
+      tag.floats.push_back(sharpness >= 10.0f ? INFINITY : sharpness); // infinitely sharp, as in OpenSubdiv
     }
     tag.strings.assign(words.end() - ptrdiff_t(counts[2]), words.end());
     return tag;
   }
 
-  /* Returns the sharpness of the i-th of n edges or vertices of a tag. */
+  /* Sharpness of the i-th of n edges or vertices. */
   float sharpness(const Tag& tag, size_t i, size_t n) const
   {
     if (tag.floats.size() != 1 && tag.floats.size() != n)
@@ -358,11 +356,11 @@ private:
         warnings += name + ":" + std::to_string(lineNumber) + ": tag 'smoothtriangles " + printable(rule(tag)) +
                     "' is ignored: Embree supports only the normal rule\n";
     }
-    else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which are not smoothed here
-      fail("unknown tag " + quoted(tag.name));
+    else if (tag.name.substr(0, 11) != "facevarying") // smoothing of texture coordinates, which stay linear here
+      fail("unknown tag " + quoted(tag.name) + ": expected crease, corner, hole, interpolateboundary or creasemethod");
   }
 
-  /* Checks ranges at the end, because tags may precede the faces and vertices that they refer to. */
+  /* At the end, because tags may precede the faces and vertices that they refer to. */
   void finish()
   {
     if (cage.faceSizes.empty())
@@ -413,10 +411,10 @@ Cage readObj(const std::string& path, std::string& warnings)
   }
   std::ifstream stream(path);
   if (!stream)
-    throw Error(path + ": cannot be opened");
+    throw Error(path + ": cannot be opened: expected a readable file");
   stream.peek(); // opening a directory succeeds, reading it fails
   if (stream.bad())
-    throw Error(path + ": cannot be read");
+    throw Error(path + ": cannot be read: expected a file, not a folder");
   return readObj(stream, path, warnings);
 }
 

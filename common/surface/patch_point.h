@@ -3,18 +3,18 @@
 
 #pragma once
 
-/* Points of the surface in Embree's parameters and in those of patches. PatchWalk converts between them. */
+/* Points in Embree's parameters and in those of patches, converted by PatchWalk. */
 
 namespace cbvh {
 
-/* A point of a face with Embree's (u,v). */
+/* (u,v) as Embree reports them. */
 struct FacePoint
 {
   unsigned face;
   float u, v;
 };
 
-/* A point of a patch, (u,v) in [0,1]. */
+/* (u,v) are in [0,1]. */
 struct PatchPoint
 {
   unsigned face, subPatch;

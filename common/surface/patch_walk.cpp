@@ -6,8 +6,7 @@
 namespace cbvh {
 namespace {
 
-/* Directions of the edges, counterclockwise: v = 0, u = 1, v = 1, u = 0. The inward normal of an edge is the direction
- * of the next one. */
+/* Edges counterclockwise: v = 0, u = 1, v = 1, u = 0. The inward normal of an edge is the direction of the next. */
 constexpr double along[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
 
 void pointOfEdge(unsigned edge, double t, PatchPoint& p)
@@ -16,7 +15,7 @@ void pointOfEdge(unsigned edge, double t, PatchPoint& p)
   p.v = edge == 0 ? 0.0 : edge == 1 ? t : edge == 2 ? 1.0 : 1.0 - t;
 }
 
-/* Returns the fraction of a step from x by dx that stays within [0,1]. */
+/* Fraction of a step from x by dx that stays within [0,1]. */
 double partInside(double x, double dx)
 {
   if (x + dx > 1.0)
@@ -36,8 +35,8 @@ PatchWalk::PatchWalk(const Cage& cage, const std::function<bool(unsigned)>& hasS
 
 PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
 {
-  /* Near a corner a straight line may cross many borders. This limit exceeds the number of faces around a vertex; the
-   * rest of the step is dropped. */
+  /* More than the faces around a vertex. Near a corner a line may cross many borders; the rest of the step is
+   * dropped. */
   constexpr int mostBorders = 80;
   for (int i = 0; i < mostBorders; i++)
   {
@@ -70,8 +69,8 @@ PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
   return p;
 }
 
-/* Corner quad i of an n-gon: its edge 0 is the first half of edge i, its edge 3 the second half of the edge before
- * corner i, and its edge 1 is edge 2 of the next corner quad. */
+/* Corner quad i of an n-gon: edge 0 is the first half of edge i, edge 3 the second half of the edge before corner i,
+ * edge 1 is edge 2 of the next corner quad. */
 bool PatchWalk::cross(unsigned face, unsigned subPatch, unsigned edge, double t, Crossing& out) const
 {
   const unsigned n = borders.size(face);

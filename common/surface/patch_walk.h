@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Moves points in parameter space across the borders of patches: quad faces and corner quads of n-gons. */
+/* Moves points in parameters across borders of patches. */
 
 #include "surface/face_borders.h"
 
@@ -14,19 +14,18 @@ namespace cbvh {
 class PatchWalk
 {
 public:
-  /* exists(face) is true if the face has a surface; walks do not enter other faces. */
+  /* Walks do not enter faces for which exists() is false. */
   PatchWalk(const Cage& cage, const std::function<bool(unsigned face)>& exists);
 
-  /* Moves a point by (du,dv), in parameters of its patch. Behaves at a border as if both patches lay side by side in a
-   * plane; parameters double or halve between a quad face and a corner quad. Slides along boundaries. */
+  /* Moves a point by (du,dv) in parameters of its patch. At a border both patches lie side by side in a plane;
+   * parameters double or halve between a quad face and a corner quad. Slides along boundaries. */
   PatchPoint go(PatchPoint from, double du, double dv) const;
 
-  /* Converts from and to Embree's parameters. */
   PatchPoint fromEmbree(const FacePoint& p) const;
   FacePoint toEmbree(const PatchPoint& p) const;
 
 private:
-  /* A point of a border, in parameters of the patch on the other side. */
+  /* A place in parameters of the patch beyond the border. */
   struct Crossing
   {
     unsigned face, subPatch, edge;

@@ -33,7 +33,7 @@ void warnOfNormals(const HeightTexture& texture, const DisplacementMap& map, std
     warn(warnings, map.path + " looks like a normal map; its first channel is read as heights, expected a height map");
 }
 
-/* A texture coordinate and its rate of change, both per unit of (u,v). */
+/* A texture coordinate and its rate of change per unit of (u,v). */
 struct Coordinate
 {
   Vec2f uv, width;
@@ -42,8 +42,8 @@ struct Coordinate
 Coordinate operator+(const Coordinate& a, const Coordinate& b) { return {a.uv + b.uv, a.width + b.width}; }
 Coordinate operator*(const Coordinate& a, float s) { return {a.uv * s, a.width * s}; }
 
-/* The filter width is interpolated from corners. At a corner it is the mean over all faces with the same coordinate at
- * the same vertex. So, like the coordinates, it depends on an edge alone if both sides agree. */
+/* The filter width is interpolated from corners, where it is the mean over all faces with the same vertex and
+ * coordinate. So on an edge without a seam it depends on the edge alone. */
 class MapByCoordinates : public PlacedMap
 {
 public:
@@ -124,7 +124,7 @@ private:
     }
   }
 
-  /* Marks edges and corners at which the sides have different coordinates or tiles. */
+  /* At seams the sides have different coordinates or tiles. */
   void findSeams(const Cage& cage)
   {
     const auto same = [&](unsigned faceA, size_t a, unsigned faceB, size_t b) {
@@ -142,7 +142,7 @@ private:
           size_t first = faceBorders.corner(s.face, s.edge);
           size_t last = faceBorders.corner(s.face, (s.edge + 1) % faceBorders.size(s.face));
           if (cage.faceIndices[first] != cage.faceIndices[c])
-            std::swap(first, last); // this side runs in the opposite direction
+            std::swap(first, last); // reversed
           const size_t end = faceBorders.corner(face, (i + 1) % n);
           edgeDiffers[c] |= !same(face, c, s.face, first) || !same(face, end, s.face, last);
         }
@@ -151,7 +151,7 @@ private:
 
   UdimTiles tiles;
   HeightTexture texture;
-  std::vector<Coordinate> corners; // of faces, in the cage's order
+  std::vector<Coordinate> corners; // per face index
   std::vector<char> edgeDiffers, cornerDiffers;
 };
 
@@ -172,7 +172,7 @@ public:
     }
     if (texture.numImages() > 1 && texture.numImages() < images)
       throw Error(map.path + ": the file has " + std::to_string(texture.numImages()) + " images, but " + cage.name +
-                  " needs " + std::to_string(images) + " (one per quad and n per n-gon), or one for all faces");
+                  " expects " + std::to_string(images) + " (one per quad and n per n-gon), or one for all faces");
     if (texture.numImages() == 1 && !texture.hasConstantBorder())
       warn(warnings, cage.name + " has no texture coordinates: each face gets the whole of " + map.path +
                        "; the heights on the border of the map differ, so borders of faces use the mean of both sides");
@@ -209,7 +209,7 @@ private:
   std::vector<unsigned> firstImage;
 };
 
-/* Throws Error if some faces have texture coordinates and others have none. */
+/* Throws Error if only some faces have texture coordinates. */
 void requireAllUVs(const Cage& cage, const DisplacementMap& map)
 {
   const size_t without = cage.numFacesWithoutUVs();

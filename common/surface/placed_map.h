@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A map on the faces of a cage, and its values at a point as seen from one side of a border. */
+/* A map on the faces of a cage, as seen from one side of a border. */
 
 #include "surface/displacement.h"
 #include "surface/face_borders.h"
@@ -22,14 +22,14 @@ public:
   /* Parameters and errors as displaceByMap. */
   static std::unique_ptr<PlacedMap> create(const Cage& cage, const DisplacementMap& map, std::string& warnings);
 
-  /* Writes one value, or three for vectors. Writes nothing where there is no map. The map is filtered to the spacing of
-   * the tessellation level `level`. Thread-safe. */
+  /* Writes one value, or three for vectors, filtered to the spacing of `level`; nothing where there is no map.
+   * Thread-safe. */
   virtual void sample(const FacePoint& p, float level, float* values) const = 0;
 
-  /* Returns the number of texels along an edge of a face, from corner `edge` to the next. */
+  /* Along the edge from corner `edge` to the next. */
   virtual float texelsAlong(unsigned face, unsigned edge) const = 0;
 
-  /* True if the sides of a border read different values at this place. */
+  /* True if the sides of a border read different values here. */
   virtual bool isSeam(unsigned face, FaceBorders::Place at) const = 0;
 
   const FaceBorders& borders() const { return faceBorders; }
@@ -40,25 +40,24 @@ protected:
   FaceBorders faceBorders;
 };
 
-/* Interpolates four values at the corners of a quad. */
 template<typename T>
 T bilinear(const T q[4], float x, float y)
 {
-  /* Symmetric in the two ends of an edge: the weights of the opposite edge are exact zeros, and 1-x is exact because x
-   * is a multiple of 2^-k. */
+  /* Exactly symmetric in the ends of an edge: the opposite edge's weights are zero, and 1-x is exact for multiples
+   * of 2^-k. */
   const T lower = q[0] * (1.0f - x) + q[1] * x;
   const T upper = q[3] * (1.0f - x) + q[2] * x;
   return lower * (1.0f - y) + upper * y;
 }
 
-/* Interpolates values at the n corners of a face: over the face itself, or over the corner quads of an n-gon. */
+/* Interpolates values at the n corners of a face, or over the corner quads of an n-gon. */
 template<typename T>
 T interpolate(const T* c, unsigned n, const FacePoint& p)
 {
   float x = p.u, y = p.v;
   if (n == 4)
     return bilinear(c, x, y);
-  /* One linear subdivision step: corner, middle of the next edge, center, middle of the previous edge. */
+  /* Corner, middle of the next edge, center, middle of the previous edge. */
   const unsigned corner = std::min(decodeSubPatch(x, y), n - 1);
   T center{};
   for (unsigned i = 0; i < n; i++)

@@ -55,7 +55,7 @@ std::unique_ptr<Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool
   descriptor.numHoles = int(holes.size());
   descriptor.holeIndices = holes.data();
   Far::TopologyDescriptor::FVarChannel channel;
-  if (cage.numFacesWithoutUVs() == 0) // OpenSubdiv does not support corners without values
+  if (cage.numFacesWithoutUVs() == 0) // OpenSubdiv needs values at all corners
   {
     channel.numValues = int(cage.uvs.size());
     channel.valueIndices = uvIndices.data();

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Converts a cage to OpenSubdiv. Only for sources of common/, which have OpenSubdiv's headers. */
+/* Only for sources of common/, which have OpenSubdiv's headers. */
 
 #include "surface/cage.h"
 
@@ -13,8 +13,7 @@
 
 namespace cbvh {
 
-/* Returns the unrefined cage. If `validate` is set, reports invalid topology through Far's callbacks and returns null
- * for it. */
+/* Converts an unrefined cage. If `validate`, reports invalid topology through Far's callbacks and returns null. */
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> makeTopologyRefiner(const Cage& cage, bool validate);
 
 } // namespace cbvh

@@ -9,12 +9,12 @@
 namespace cbvh {
 namespace {
 
-/* Step for derivatives of displacement, in parameters: less than a texel in all scenes. A smaller step would amplify
- * the rounding of heights, which are floats. */
+/* Step for finite differences in parameters: less than a texel in all scenes, and not smaller, because heights are
+ * floats. */
 constexpr double difference = 0x1p-12;
 
-/* Heights are read at least this far inside a patch, because displacements return the mean of the sides on the border.
- * Larger than the rounding of encoded (u,v). */
+/* Heights are read inside a patch, because displacements return the mean of the sides on the border. Exceeds the
+ * rounding of encoded (u,v). */
 constexpr double inset = 0x1p-20;
 
 double inside(double x)
@@ -24,7 +24,7 @@ double inside(double x)
 
 double square(double x) { return x * x; }
 
-/* A step in parameter space. */
+/* A step in parameters. */
 struct Step
 {
   double u, v;
@@ -36,7 +36,7 @@ struct Step
   }
 };
 
-/* Longest step, in cells. Derivatives do not describe the surface farther away. */
+/* Longest step, in cells. Farther away, derivatives do not describe the surface. */
 constexpr double longestStep = 4.0;
 
 Cage cageOf(const Model& model, size_t copy)
@@ -94,8 +94,7 @@ TruePoint TrueSurface::evaluateAlongNormal(const PatchPoint& p) const
   const double slopeU = (double(offsets[2]) - offsets[1]) / (double(us[2]) - us[1]);
   const double slopeV = (double(offsets[4]) - offsets[3]) / (double(vs[4]) - vs[3]);
 
-  /* Derivative of the unit normal n = m / |m|, m = du x dv: the derivative of m, divided by |m|, without its part
-   * along n. */
+  /* Derivative of the unit normal n = m / |m|, m = du x dv: that of m, divided by |m|, minus its part along n. */
   const Vec3d m = cross(s.du, s.dv), n = normalize(m);
   const double size = length(m);
   const auto slopeOfNormal = [&](Vec3d slopeOfM) {
@@ -109,7 +108,7 @@ TruePoint TrueSurface::evaluateAlongNormal(const PatchPoint& p) const
   return result;
 }
 
-/* The derivatives are the limit surface's plus finite differences of the vectors. */
+/* Derivatives: the limit surface's plus finite differences of the vectors. */
 TruePoint TrueSurface::evaluateByVectors(const PatchPoint& p) const
 {
   const LimitSample s = limit.evaluate(p);
@@ -126,7 +125,7 @@ TruePoint TrueSurface::evaluateByVectors(const PatchPoint& p) const
   return result;
 }
 
-/* `s` is the limit surface at p. */
+/* `s` is the limit sample at p. */
 Vec3d TrueSurface::vectorAt(const PatchPoint& p, const LimitSample& s) const
 {
   const FacePoint q = walk.toEmbree({p.face, p.subPatch, inside(p.u), inside(p.v)});
@@ -167,8 +166,8 @@ TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) con
       break;
     const Step full{(b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant};
     const Step step = full.shortened(longestStep * cell);
-    /* An error of s in the foot point makes an error of s^2 / 2d in the distance d. Where the radius of curvature is
-     * close to the distance, many short steps remain. */
+    /* An error of s in the foot point makes an error of s^2 / 2d in the distance d. If the radius of curvature is
+     * close to d, many short steps remain. */
     const double moved = length(best.du * step.u + best.dv * step.v);
     if (moved <= 1e-6 * length(r) + 1e-7 * cell * length(best.du))
       break;
@@ -184,24 +183,24 @@ TruePoint TrueSurface::descend(Vec3d x, const TruePoint& start, double cell) con
   return best;
 }
 
-/* A rectangle of parameters around a point, sampled at (2 nu + 1) x (2 nv + 1) places. */
+/* Parameters around a point, sampled at (2 nu + 1) x (2 nv + 1) places. */
 struct TrueSurface::Window
 {
   PatchPoint middle;
-  double width, height; // from the middle to each side, in parameters
-  int nu, nv;           // samples from the middle to each side
+  double width, height; // from the middle to a side, in parameters
+  int nu, nv;           // samples from the middle to a side
 
   int columns() const { return 2 * nu + 1; }
   int rows() const { return 2 * nv + 1; }
 };
 
-/* Returns the parameters that can hold a nearer point. Such a point is less than two distances away from this one. So
- * is the limit surface's point below it, except for curvature and changes of height. Returns nothing if the limit
- * surface has no tangents, or if the window is so small that the surface is assumed to be smooth. */
+/* Parameters that can hold a nearer point: it is less than two distances away, and so is the limit surface below it,
+ * except for curvature and changes of height. Empty without tangents, and for windows so small that the surface is
+ * assumed to be smooth. */
 std::optional<TrueSurface::Window> TrueSurface::nearerWindow(const TruePoint& p, double distance, double cell) const
 {
   constexpr double widest = 8.0, narrowest = 1.0 / 16; // cells
-  constexpr int fewest = 2, most = 8; // samples from the middle to each side
+  constexpr int fewest = 2, most = 8; // samples from the middle to a side
   const LimitSample s = limit.evaluate(p.at);
   const double uu = dot(s.du, s.du), uv = dot(s.du, s.dv), vv = dot(s.dv, s.dv);
   const double determinant = uu * vv - square(uv);
@@ -218,7 +217,7 @@ std::optional<TrueSurface::Window> TrueSurface::nearerWindow(const TruePoint& p,
   return Window{p.at, width, height, samplesOf(width), samplesOf(height)};
 }
 
-/* Returns local minima of the distance to x among the samples, except the middle one, nearest first. */
+/* Local minima of the distance to x among the samples except the middle one, nearest first. */
 std::vector<PatchPoint> TrueSurface::localMinima(const Window& window, Vec3d x) const
 {
   struct Sample

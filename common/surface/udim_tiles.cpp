@@ -15,10 +15,10 @@
 namespace cbvh {
 namespace {
 
-constexpr const char* placeholder = "<UDIM>"; // for messages
+constexpr const char* placeholder = "<UDIM>";
 constexpr int columns = 10;
 
-/* Placeholders of various programs, with OpenImageIO's meaning. */
+/* Placeholders, with OpenImageIO's meaning. */
 struct Placeholder
 {
   const char* spelling;
@@ -39,11 +39,10 @@ const Placeholder placeholders[] = {
   {"<v>", [](int, int y) { return "v" + std::to_string(y); }},
 };
 
-/* The position of a face in texture coordinates. */
 struct FaceExtent
 {
-  Vec2f tile;           // column and row of the tile at the middle of the face
-  bool isWithin = true; // all corners lie on that tile or its border
+  Vec2f tile;           // at the middle of the face
+  bool isWithin = true; // no corner is outside of that tile
 };
 
 std::vector<FaceExtent> extentsOf(const Cage& cage)
@@ -61,7 +60,7 @@ std::vector<FaceExtent> extentsOf(const Cage& cage)
       upper = {std::max(upper.x, uv.x), std::max(upper.y, uv.y)};
     }
     const Vec2f middle = sum * (1.0f / float(size));
-    constexpr float rim = 1e-4f; // in tiles: tolerance for rounded coordinates
+    constexpr float rim = 1e-4f; // in tiles, for rounded coordinates
     FaceExtent extent;
     extent.tile = {std::floor(middle.x), std::floor(middle.y)};
     extent.isWithin = lower.x >= extent.tile.x - rim && lower.y >= extent.tile.y - rim &&
@@ -83,7 +82,7 @@ std::string pathOfTile(std::string path, int number)
   return path;
 }
 
-/* Returns the UDIM number of a tile, or 0 if it has none. */
+/* UDIM number, or 0. */
 int numberOf(Vec2f tile)
 {
   constexpr float mostRows = 900; // numbers have four digits
@@ -92,7 +91,7 @@ int numberOf(Vec2f tile)
   return 1001 + int(tile.x) + columns * int(tile.y);
 }
 
-/* Warns if each face of the cage lies on one tile and the faces use several tiles, but the map is a single file. */
+/* Warns if faces lie on several tiles, one each, but the map is a single file. */
 void warnOfTiles(const Cage& cage, const std::vector<FaceExtent>& extents, const std::string& path,
                  std::string& warnings)
 {

@@ -15,7 +15,7 @@ namespace {
 
 /* --- evidence in comments ---------------------------------------------------------------- */
 
-/* Splits a text into words in lower case. Punctuation becomes a word, so "forward -Z, up Y" does not contain "z up". */
+/* Lower-case words. Punctuation becomes a word, so "forward -Z, up Y" does not contain "z up". */
 std::vector<std::string> wordsOf(const std::string& text)
 {
   std::vector<std::string> words{""};
@@ -33,7 +33,7 @@ std::vector<std::string> wordsOf(const std::string& text)
   return words;
 }
 
-/* Finds "z up", "z axis up", "up: z", "up axis: z" or "upaxis z". */
+/* Any of "z up", "z axis up", "up: z", "up axis: z", "upaxis z". */
 bool namesUpAxis(const std::vector<std::string>& words, const std::string& axis)
 {
   const std::vector<std::vector<std::string>> phrases = {
@@ -43,8 +43,7 @@ bool namesUpAxis(const std::vector<std::string>& words, const std::string& axis)
   });
 }
 
-/* Programs that name themselves in files and always export z up. Blender and 3ds Max do not belong to them: by default
- * they convert to y up. */
+/* Name themselves in files and always export z up, unlike Blender and 3ds Max, which convert to y up by default. */
 constexpr std::array<const char*, 2> zUpPrograms = {"FreeCAD", "OpenSCAD"};
 
 /* --- evidence in the shape --------------------------------------------------------------- */
@@ -54,7 +53,7 @@ using Point = std::array<float, 3>;
 class Shape
 {
 public:
-  /* Uses only vertices of faces. */
+  /* Ignores vertices without faces. */
   explicit Shape(const Cage& cage) : cage(cage)
   {
     std::vector<char> used(cage.positions.size());
@@ -81,14 +80,14 @@ public:
 
   bool isFlat() const { return !(std::min({extent(0), extent(1), extent(2)}) > 0.0f); }
 
-  /* True if the lowest point along the axis is at 0, where modelers place the ground. */
+  /* True if the lowest point is at 0, where modelers place the ground. */
   bool startsAtZero(size_t axis) const { return std::abs(lower[axis]) <= 0.01f * extent(axis); }
 
-  /* True if the shape extends to both sides of 0, so that there is no ground at 0. */
+  /* True if the shape extends to both sides of 0: no ground there. */
   bool isAboutZero(size_t axis) const { return std::min(-lower[axis], upper[axis]) >= 0.2f * extent(axis); }
 
-  /* True if the shape would stand if the axis pointed upwards: its center is above its lowest points, and these spread
-   * over at least 15% of its width and depth. (Arms that are held out are five times as wide as the feet below.) */
+  /* True if the shape would stand with this axis upwards: its center is above its lowest points, which spread over
+   * at least 15% of its width and depth. (Arms that are held out are five times as wide as the feet.) */
   bool standsOn(size_t axis) const
   {
     const std::vector<Point> base = lowest(axis);
@@ -103,7 +102,7 @@ public:
     return true;
   }
 
-  /* True if the lowest points are left and right of the middle, with no points or faces between them: feet, not the
+  /* True if the lowest points are left and right of the middle without points or faces between them: feet, not the
    * open rim of a mask or the butt of a gun. */
   bool hasFeet(size_t axis, size_t sideways) const
   {
@@ -132,7 +131,7 @@ public:
     return true;
   }
 
-  /* True if the shape is its own mirror image along an axis, except for 2% of the vertices. */
+  /* True if 98% of the vertices have a mirror image. */
   bool isMirrored(size_t axis) const
   {
     const float cell = 0.005f * std::max({extent(0), extent(1), extent(2)});
@@ -158,7 +157,7 @@ public:
   }
 
 private:
-  /* Within 2% of the height, because soles of feet are not flat. */
+  /* 2% of the height, because soles are not flat. */
   bool isLowest(const Point& p, size_t axis) const { return p[axis] <= lower[axis] + 0.02f * extent(axis); }
 
   std::vector<Point> lowest(size_t axis) const
@@ -174,22 +173,22 @@ private:
   Point lower, upper, mean;
 };
 
-/* Returns why the shape is z up, or an empty string if there is no clear evidence. */
+/* Reason for z up, or empty. */
 std::string evidenceInShape(const Cage& cage)
 {
   constexpr size_t x = 0, y = 1, z = 2;
   const Shape shape(cage);
   if (shape.isFlat() || !shape.startsAtZero(z) || !shape.isAboutZero(y) || !shape.standsOn(z) || shape.isMirrored(z))
     return "";
-  /* Standing objects are rarely the same upside down. An object that is thin along z may hang on a wall with its back
-   * at 0; an object that is thin along y may lie on the ground. */
+  /* Standing objects rarely look the same upside down. Objects that are thin along z may hang on a wall; objects
+   * that are thin along y may lie on the ground. */
   if (shape.isMirrored(y))
   {
     const bool isThin = shape.extent(z) < 0.4f * std::max(shape.extent(x), shape.extent(y)) ||
                         shape.extent(y) < 0.25f * std::max(shape.extent(x), shape.extent(z));
     return isThin ? "" : "it stands on the plane z = 0 and is its own mirror image along y";
   }
-  /* Figures and furniture have symmetric left and right sides. */
+  /* Figures and furniture are symmetric. */
   if (shape.isMirrored(x) && shape.hasFeet(z, x) && !shape.standsOn(y) && shape.extent(z) >= 0.5f * shape.extent(y))
     return "it stands on feet on the plane z = 0";
   return "";
@@ -240,7 +239,7 @@ ViewHints turnedFromY(ViewHints hints, const std::string& up)
   return hints;
 }
 
-/* The inverse of a quarter turn about x or z is the opposite turn; a half turn is its own inverse. */
+/* The inverse of a quarter turn is the opposite one; a half turn is its own inverse. */
 ViewHints turnedToY(ViewHints hints, const std::string& up)
 {
   const bool isQuarter = up.back() != 'y';

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Guesses the up axis of a cage. OBJ files do not store it: most are y up; files of CAD programs, and of programs whose
- * ground is the plane of x and y, are z up.
+/* OBJ files do not store the up axis: most are y up; files of CAD programs, and of programs whose ground is the
+ * plane of x and y, are z up.
  *
- * Axes have the names of the command line: "x", "y", "z", "-x", "-y" and "-z". */
+ * Axes are named "x", "y", "z", "-x", "-y" and "-z". */
 
 #include "surface/cage.h"
 #include "surface/view_hints.h"
@@ -16,21 +16,21 @@
 
 namespace cbvh {
 
-/* All six axes, the most likely first. */
+/* The most likely first. */
 const std::vector<std::string>& upAxes();
 
 struct UpGuess
 {
   std::string axis = "y";
-  std::string reason; // why the axis is not y; ends the sentence "z is the up axis, because ..."
+  std::string reason; // for an axis other than y; completes "z is the up axis, because ..."
 };
 
-/* Returns y, or z if there is clear evidence for it: a comment at the beginning of the file, or a shape that is
- * implausible as y up. Other axes are never guessed, and doubtful cases are y, so that files that are y up are never
- * turned. The cage must have at least one face and valid indices. */
+/* Returns y, or z given clear evidence: a comment at the beginning of the file, or a shape that is implausible as y
+ * up. Files that are y up must never be turned, so doubtful cases are y. The cage must have a face and valid
+ * indices. */
 UpGuess guessUp(const Cage& cage);
 
-/* Rotate hints for an upward y axis to the up axis `up`, one of upAxes(), and back. */
+/* Convert hints between an upward y axis and `up`, one of upAxes(). */
 ViewHints turnedFromY(ViewHints hints, const std::string& up);
 ViewHints turnedToY(ViewHints hints, const std::string& up);
 

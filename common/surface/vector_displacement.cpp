@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tangents as in MikkTSpace: one per corner of a face, the mean over all faces with the same texture coordinate at the
- * same vertex, interpolated over the face and made perpendicular to the normal. So on an edge they depend on the edge
- * alone, unlike derivatives of the limit surface with respect to texture coordinates. */
+/* Tangents as in MikkTSpace: one per face corner, the mean over all faces with the same vertex and texture
+ * coordinate, interpolated over the face and made perpendicular to the normal. So on an edge they depend on the edge
+ * alone, unlike derivatives of the limit surface. */
 
 #include "surface/vector_displacement.h"
 #include "basics/error.h"
@@ -15,12 +15,11 @@
 namespace cbvh {
 namespace {
 
-/* The second axis of the texture is to the left of the first one, seen from outside, or to the right if the texture is
- * mirrored. */
+/* The texture's second axis is to the left of the first one, seen from outside, or to the right if mirrored. */
 struct Tangents
 {
-  std::vector<Vec3f> corners; // along the first axis, per corner of each face, in the cage's order
-  std::vector<float> sides;   // per face: 1 for left, -1 for right
+  std::vector<Vec3f> corners; // first axis, per face index
+  std::vector<float> sides;   // per face: left 1, right -1
 };
 
 Tangents findTangents(const Cage& cage, const FaceBorders& borders)
@@ -36,7 +35,7 @@ Tangents findTangents(const Cage& cage, const FaceBorders& borders)
   for (unsigned face = 0; face < cage.numFaces(); face++)
   {
     const unsigned n = cage.faceSizes[face];
-    float area = 0; // twice the area of the face in texture coordinates
+    float area = 0; // twice the face's area in texture coordinates
     for (unsigned i = 0; i < n; i++)
     {
       const Vec2f a = uv(borders.corner(face, i)), b = uv(borders.corner(face, (i + 1) % n));
@@ -112,7 +111,7 @@ private:
 
   std::unique_ptr<PlacedMap> map;
   float scale, midLevel;
-  Tangents tangents; // empty for vectors along the axes of the cage
+  Tangents tangents; // empty for vectors along the cage's axes
 };
 
 } // namespace

@@ -12,7 +12,7 @@ Camera::Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size)
 {
   forward = normalize(lookAt - eye);
   right = cross(forward, up);
-  if (length(right) < 1e-6f) // looking along the up vector
+  if (length(right) < 1e-6f) // the view is along the up vector
     right = cross(forward, Vec3f{up.y, up.z, up.x});
   right = normalize(right);
   down = cross(forward, right);
@@ -21,10 +21,10 @@ Camera::Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size)
 
 Camera Camera::fit(const std::vector<Vec3f>& points, float radius, const ViewHints& hints, float fov, ImageSize size)
 {
-  /* In axes of the camera, a ball at (x,y,z) is left of the right border plane of an eye at (ex,ey,ez) if
-   * x - z t + radius / cos <= ex - ez t, where t is the tangent of half the field of view; the same holds for the other
-   * three planes. The maxima of the left sides for two opposite planes give the nearest eye. From this eye, the
-   * narrowest pair of planes that contains all balls is centered in the picture. */
+  /* In axes of the camera, a ball at (x,y,z) is left of the right border plane of an eye at (ex,ey,ez) if x - z t +
+   * radius / cos <= ex - ez t, where t is the tangent of half the field of view; likewise for the other planes. The
+   * maxima of the left sides for two opposite planes give the nearest eye. From there, the narrowest pair of planes
+   * that contains all balls is centered in the picture. */
   constexpr float rim = 0.96f;
   const Vec3f direction = normalize(hints.direction);
   const Camera probe(-direction, {}, hints.up, fov, size);

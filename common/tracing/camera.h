@@ -19,24 +19,24 @@ public:
   /* `fov` is the vertical field of view in degrees. */
   Camera(Vec3f eye, Vec3f lookAt, Vec3f up, float fov, ImageSize size);
 
-  /* Returns the camera in the direction of the hints that shows all points, each a ball of radius `radius`, as large as
+  /* The camera in the direction of the hints that shows all points, each a ball of radius `radius`, as large as
    * possible with a narrow rim. */
   static Camera fit(const std::vector<Vec3f>& points, float radius, const ViewHints& hints, float fov, ImageSize size);
 
-  /* Returns the unit direction through the center of a pixel. */
+  /* Unit direction; integers are centers of pixels. */
   Vec3f direction(float pixelX, float pixelY) const;
 
-  Vec3f viewDirection() const { return forward; } // unit direction through the middle of the picture
-  Vec3f upDirection() const { return -down; }     // unit up direction of the picture
+  Vec3f viewDirection() const { return forward; } // unit direction
+  Vec3f upDirection() const { return -down; }     // unit direction
 
-  /* Width of a pixel at a distance of 1. At a distance of t it is t times this. */
+  /* Width of a pixel at a distance of 1. */
   float footprint() const { return pixel; }
 
   Vec3f eye() const { return origin; }
   Vec3f lookAt() const { return target; }
   float fov() const { return fieldOfView; }
   ImageSize size() const { return image; }
-  std::string description() const; // in the syntax of --view
+  std::string description() const; // as for --view
 
 private:
   Vec3f origin, target, right, down, forward;

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* A part of a picture. It is rendered as in the whole picture: rays, times and colors depend only on a pixel's place in
- * the whole picture. */
+/* A part of a picture, rendered exactly as in the whole picture. */
 
 #include "tracing/image_size.h"
 
@@ -19,7 +18,7 @@ struct Crop
 
   Crop() = default;
   Crop(int x0, int y0, int x1, int y1) : x0(x0), y0(y0), x1(x1), y1(y1) {}
-  Crop(ImageSize whole) : x1(whole.width), y1(whole.height) {} // the whole picture
+  Crop(ImageSize whole) : x1(whole.width), y1(whole.height) {}
 
   ImageSize size() const { return {x1 - x0, y1 - y0}; }
   size_t numPixels() const { return size_t(x1 - x0) * size_t(y1 - y0); }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Whether the calling thread's arithmetic takes denormal numbers for 0. */
+/* Controls denormal numbers of the calling thread. */
 
 #include <cstdint>
 
@@ -13,7 +13,7 @@
 
 namespace cbvh {
 
-/* From construction to destruction, on the thread that constructs it. */
+/* Acts during its lifetime, on the thread that constructs it. */
 class Denormals
 {
 public:
@@ -43,7 +43,7 @@ private:
   const Control saved;
 };
 
-/* Denormals off while tracing, as Embree's manual asks for. */
+/* As Embree's manual asks for tracing. */
 struct FastDenormals : Denormals
 {
   FastDenormals() : Denormals(true) {}

@@ -10,7 +10,7 @@
 namespace cbvh {
 namespace {
 
-/* A sink that keeps hits. Embree does not write to rays that miss. */
+/* Embree does not write to rays that miss. */
 struct HitStore
 {
   KeptHit* hits;

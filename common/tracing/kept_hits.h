@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Hits exactly as Embree reports them, to compare two builds to the last bit. */
+/* Hits exactly as Embree reports them. */
 
 #include "building/traced_scene.h"
 #include "tracing/trace_timing.h"
@@ -14,21 +14,20 @@ namespace cbvh {
 
 struct KeptHit
 {
-  bool hit = false; // the only valid member for misses and for any-hit queries
+  bool hit = false; // the only valid member for misses and any-hit queries
   unsigned geometry = 0, primitive = 0, instance = 0;
   float t = 0, u = 0, v = 0;
   Vec3f normal;
 };
 
-/* Traces the rays once, otherwise as timeTrace does with the same settings. Not for Vulkan devices. Throws
- * Cancelled. */
+/* Traces the rays once, otherwise as timeTrace. Not for Vulkan devices. Throws Canceled. */
 std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
-/* Numbers of rays for which two libraries report different hits. A ray is counted under the first difference. */
+/* Rays with different hits in two libraries, each counted under its first difference. */
 struct HitDifferences
 {
-  size_t rays = 0; // compared rays
-  size_t hits = 0; // only one library reports a hit
+  size_t rays = 0; // compared
+  size_t hits = 0; // only one library hits
   size_t ids = 0;  // geometry, primitive or instance
   size_t distances = 0;
   size_t surfaces = 0; // u, v or the normal
@@ -36,7 +35,7 @@ struct HitDifferences
   size_t all() const { return hits + ids + distances + surfaces; }
 };
 
-/* `a` and `b` belong to the same rays. */
+/* Both arguments belong to the same rays. */
 HitDifferences compareKeptHits(const std::vector<KeptHit>& a, const std::vector<KeptHit>& b);
 
 } // namespace cbvh

@@ -11,7 +11,7 @@ struct Ray
 {
   Vec3f origin;
   float tnear = 0.0f;
-  Vec3f direction; // of unit length unless documented otherwise, so t is a distance
+  Vec3f direction; // unit length unless documented otherwise, so that t is a distance
   float tfar = INFINITY;
   float time = 0.0f; // in [0,1]
 };

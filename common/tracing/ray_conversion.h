@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Converts rays to Embree's structs. */
-
 #include "tracing/denormals.h"
 #include "tracing/ray.h"
 
@@ -28,7 +26,7 @@ inline void load(const Ray& ray, RTCRay& out)
   out.flags = 0;
 }
 
-/* Also sets the hit to a miss. */
+/* Sets the hit to a miss. */
 inline void load(const Ray& ray, RTCRayHit& out)
 {
   load(ray, out.ray);
@@ -36,7 +34,7 @@ inline void load(const Ray& ray, RTCRayHit& out)
   out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Sets lane i of a packet. */
+/* Lane i of a packet. */
 template<typename RTCRayN>
 inline void load(const Ray& ray, RTCRayN& out, size_t i)
 {

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Times of the rays of a picture while a shutter is open. */
-
 #include "tracing/crop.h"
 #include "tracing/ray.h"
 
@@ -15,11 +13,11 @@ namespace cbvh {
 
 struct Shutter
 {
-  float begin = 0, end = 1; // time of the model's motion: 0 is the first time step, 1 the last
+  float begin = 0, end = 1; // 0 is the model's first time step, 1 the last
 };
 
-/* Sets the time of sample i of each pixel. Times of one pixel are spread evenly over the shutter; neighboring pixels
- * have different times. `rays` holds one ray per pixel of a part of a picture that is `width` pixels wide. */
+/* Sets the time of sample i of each pixel. A pixel's times are spread evenly over the shutter; neighboring pixels
+ * differ. `rays` holds one ray per pixel of a part of a picture that is `width` pixels wide. */
 inline void setTimes(std::vector<Ray>& rays, const Shutter& shutter, int sample, const Crop& part, int width)
 {
   for (size_t i = 0; i < rays.size(); i++)
@@ -27,7 +25,7 @@ inline void setTimes(std::vector<Ray>& rays, const Shutter& shutter, int sample,
     uint32_t h = (uint32_t(part.row(i)) * uint32_t(width) + uint32_t(part.column(i))) * 0x9E3779B1u;
     h = (h ^ (h >> 15)) * 0x85EBCA77u;
     h = (h ^ (h >> 13)) * 0xC2B2AE3Du;
-    const uint32_t place = (h ^ (h >> 16)) + uint32_t(sample) * 0x9E3779B9u; // steps of the golden ratio
+    const uint32_t place = (h ^ (h >> 16)) + uint32_t(sample) * 0x9E3779B9u; // golden ratio
     rays[i].time = shutter.begin + (shutter.end - shutter.begin) * float(place >> 8) * 0x1p-24f;
   }
 }

@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-/* Rays per call. A Vulkan device needs many, because it has threads of its own. */
+/* Rays per call; Vulkan devices need many. */
 constexpr size_t embreeChunk = 4096, vulkanChunk = size_t(1) << 20;
 
 size_t chunkOf(const TracedScene& scene) { return scene.vulkan() ? vulkanChunk : embreeChunk; }

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Traces ray sets for their hits. */
-
 #include "building/traced_scene.h"
 #include "tracing/ray_sets.h"
 
@@ -12,13 +10,13 @@
 
 namespace cbvh {
 
-/* Writes the closest hits of n rays to hits[0] to hits[n-1]. Runs on the calling thread. */
+/* Traces n rays on the calling thread. */
 void traceClosest(const TracedScene& scene, size_t n, const Ray* rays, SurfaceHit* hits);
 
-/* Returns the closest hit of each ray. Throws Cancelled. */
+/* Throws Canceled. */
 std::vector<SurfaceHit> traceClosest(const TracedScene& scene, const std::vector<Ray>& rays, unsigned threads);
 
-/* Returns the number of rays for which an any-hit query and the given closest hits disagree. Throws Cancelled. */
+/* Number of rays whose any-hit query disagrees with `closest`. Throws Canceled. */
 size_t countAnyHitDisagreements(const TracedScene& scene, const std::vector<Ray>& rays,
                                 const std::vector<SurfaceHit>& closest, unsigned threads);
 

@@ -17,11 +17,11 @@
 
 namespace cbvh {
 
-/* Rays per task of a thread: whole packets and streams, and 64 tiles of 8 x 8 pixels. */
+/* Rays per task: whole packets and streams, and 64 tiles of 8 x 8 pixels. */
 constexpr size_t traceChunk = 4096;
 static_assert(traceChunk % streamSize == 0, "only the last call of a set is not full");
 
-/* `coherent` selects the flag that Embree receives with the rays. */
+/* `coherent` is the flag that Embree receives. */
 inline RTCIntersectContext traceContext(bool coherent)
 {
   RTCIntersectContext context;
@@ -30,7 +30,7 @@ inline RTCIntersectContext traceContext(bool coherent)
   return context;
 }
 
-/* Traces rays [0,n) and returns the sink. It is passed by value so that a count stays in a register. */
+/* Traces rays [0,n). The sink is passed by value so that a count stays in a register. */
 template<typename Sink>
 using Kernel = Sink (*)(RTCScene, RTCIntersectContext&, const Ray*, size_t n, Sink);
 
@@ -100,7 +100,7 @@ struct Packet16
   static void any(const int* valid, RTCScene s, RTCIntersectContext* c, Ray* r) { rtcOccluded16(valid, s, c, r); }
 };
 
-/* Loads up to Packet::size rays. Lanes beyond n repeat the last ray and are inactive. */
+/* Lanes beyond n repeat the last ray and are inactive. */
 template<typename Packet, typename PacketRay>
 size_t loadPacket(const Ray* rays, size_t n, PacketRay& packet, int* valid)
 {

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* The queries of Embree's API. */
-
 #include <cstddef>
 #include <string>
 
@@ -12,16 +10,16 @@ namespace cbvh {
 
 enum Query { Closest, Any, numQueries };
 
-/* Rays per call. A packet consists of consecutive rays of the set; the last one may have inactive lanes. */
+/* Rays per call. Packets consist of consecutive rays; the last one may have inactive lanes. */
 enum class TraceMode { Single, Packet4, Packet8, Packet16, Stream };
 
 constexpr size_t streamSize = 1024;
 
-/* Return names such as "closest"; "single", "packet4", "stream". */
+/* "closest" or "any"; "single", "packet4", "stream" and so on. */
 const char* queryName(Query query);
 const char* traceModeName(TraceMode mode);
 
-/* The inverse functions. Throw Error. */
+/* Inverses. Throw Error. */
 Query parseQuery(const std::string& name);
 TraceMode parseTraceMode(const std::string& name);
 

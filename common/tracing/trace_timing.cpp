@@ -16,7 +16,6 @@
 namespace cbvh {
 namespace {
 
-/* The sink for measurements. */
 struct HitCount
 {
   size_t hits = 0;

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Measures the speed of tracing ray sets with every query of Embree's API. */
-
 #include "building/traced_scene.h"
 #include "tracing/ray_sets.h"
 #include "tracing/trace_modes.h"
@@ -17,21 +15,20 @@ struct TraceSettings
 {
   Query query = Closest;
   TraceMode mode = TraceMode::Single;
-  bool coherent = false; // the flag that Embree receives with the rays
-  unsigned threads = 1;  // 1: only the calling thread
-  unsigned passes = 1;   // over the rays, if one pass is too short to measure
+  bool coherent = false; // the flag that Embree receives
+  unsigned threads = 1;  // 1: the calling thread
+  unsigned passes = 1;   // over the rays, for short measurements
 };
 
 struct TraceTiming
 {
-  /* Seconds per pass, including filling Embree's ray structs but not starting threads. Processor time for one thread,
-   * because other programs disturb it less; wall-clock time for several threads. On a Vulkan device: time of the
-   * device's clock, without copies. */
+  /* Per pass, including filling Embree's ray structs but not starting threads. One thread: processor time, because
+   * other programs disturb it less. Several: wall-clock time. Vulkan: the device's clock, without copies. */
   double seconds = 0;
-  size_t hits = 0; // rays that hit something
+  size_t hits = 0;
 };
 
-/* Traces all rays. Ignores mode, coherence and threads for a Vulkan device. Throws Error, Cancelled. */
+/* Ignores mode, coherence and threads for a Vulkan device. Throws Error. */
 TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, const TraceSettings& settings);
 
 } // namespace cbvh

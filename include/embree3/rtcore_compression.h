@@ -159,7 +159,7 @@ struct RTCCompressionArguments
   unsigned int flags; /* bits of RTCCompressionFlags */
 
   /* Progress function for rtcCommitGeometry with RTC_COMPRESSION_FLAG_RELEASE_INPUT, or NULL. It is called on any
-   * thread with the completed fraction, 0 to 1. If it returns false, the commit is cancelled: rtcCommitGeometry reports
+   * thread with the completed fraction, 0 to 1. If it returns false, the commit is canceled: rtcCommitGeometry reports
    * RTC_ERROR_CANCELLED, and the geometry keeps its input. */
   RTCProgressMonitorFunction progress;
   void* progressUserPtr;

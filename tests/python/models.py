@@ -91,7 +91,7 @@ class Heights(unittest.TestCase):
                 (ValueError, r"height: has shape \(0, 4\)", (np.zeros((0, 4)),)),
                 (ValueError, "height: row 2, column 1 is not finite", (nan,)),
                 (TypeError, "height: is an array of complex", (np.zeros((4, 4), complex),)),
-                (ValueError, "amplitude: needs a height", (None, 1.0)),
+                (ValueError, "^amplitude: .*height", (None, 1.0)),
                 (ValueError, "amplitude: is not finite", (np.zeros((4, 4)), np.nan)),
                 (cbvh.Error, "/nowhere/skin.exr", ("/nowhere/skin.exr",))):
             with self.subTest(text), self.assertRaisesRegex(error, text):
@@ -155,7 +155,7 @@ class Meshes(unittest.TestCase):
         self.assertEqual(len(quads), 64 + 3 * 16)
         self.assertEqual(len(vertices), 81 + 3 * 25)
         self.assertEqual(quads.max(), len(vertices) - 1)
-        with self.assertRaisesRegex(cbvh.Error, "level 0 needs a cage of quads only"):
+        with self.assertRaisesRegex(cbvh.Error, "^level 0: face 1 .*quad"):
             model.tessellate(0)
         with self.assertRaisesRegex(cbvh.Error, "^level 9 is out of range"):
             model.tessellate(9)

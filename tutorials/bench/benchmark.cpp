@@ -29,7 +29,7 @@ void runBenchmark(const BenchOptions& options, const std::function<void(const Gr
     const Model model = loadModel(options, bench);
     const std::vector<ReferenceView> reference = traceReference(options, model);
     std::optional<TrueSurfaces> surfaces;
-    if (options.trueHits && model.poses.empty()) // the true surface is known only for the first time step
+    if (options.trueHits && model.poses.empty()) // unknown for later time steps
       surfaces.emplace(model);
     for (int level : options.levels)
       done(runGroup({options, bench.label, model, surfaces ? &*surfaces : nullptr, reference, level}));

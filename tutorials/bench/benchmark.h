@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Runs all combinations that a command line names. */
+/* Runs all combinations of a command line. */
 
 #include "options.h"
 #include "results.h"
@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* Calls done(group) after each group. Throws Error, Cancelled. */
+/* Calls done(group) after each group. Throws Error. */
 void runBenchmark(const BenchOptions& options, const std::function<void(const Group&)>& done);
 
 } // namespace cbvh

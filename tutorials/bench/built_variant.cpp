@@ -9,7 +9,7 @@ namespace cbvh {
 namespace {
 
 /* Sizes in Embree 3.13. */
-constexpr size_t gridQuads = 8;           // per side of the grids into which GRID cuts patches
+constexpr size_t gridQuads = 8;           // per side
 constexpr size_t gridVertexBytes = 16;    // x, y, z and (u,v)
 constexpr size_t vertexBytes = 12;        // of a triangle mesh
 constexpr size_t triangleBytes = 12 + 44; // three indices, and the share of a full Triangle4
@@ -19,7 +19,7 @@ size_t leafBytesOfTriangles(const PatchLayout& layout)
   return layout.numVertices() * vertexBytes + layout.numQuads() * 2 * triangleBytes;
 }
 
-/* Grids of a patch share no vertices: each grid stores its own borders. */
+/* Each grid stores its own borders. */
 size_t leafBytesOfGrids(const PatchLayout& layout)
 {
   size_t vertices = 0;
@@ -31,7 +31,7 @@ size_t leafBytesOfGrids(const PatchLayout& layout)
   return vertices * gridVertexBytes;
 }
 
-/* Returns the bytes of everything that holds vertices, including buffers for NAIVE. */
+/* Bytes of everything that holds vertices, including NAIVE's buffers. */
 size_t leafBytes(const BuiltScene& scene)
 {
   switch (scene.representation().kind)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A variant in memory, and the parts of its memory. */
+/* A variant in memory. */
 
 #include "library.h"
 #include "results.h"
@@ -18,12 +18,12 @@ namespace cbvh {
 class BuiltVariant
 {
 public:
-  /* Builds the variant, and appends its result to the group, where its address stays valid. The variant's ISA overrides
-   * the settings. The library must outlive the variant. Throws Error, Cancelled. */
+  /* Builds the variant and appends its result to the group, where its address must stay valid. The variant's ISA
+   * overrides the settings. The library must outlive the variant. Throws Error. */
   BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
                Group& group);
 
-  /* Makes the variant's library the current one, and returns the scene. */
+  /* Makes the variant's library current. */
   const BuiltScene& use() const
   {
     scene.get_deleter().library->use();
@@ -43,8 +43,7 @@ private:
   VariantResult* found;
 };
 
-/* Returns the index of the variant of the first library that corresponds to the i-th variant of a batch. Returns
- * nothing if there is none, or if it is the i-th variant itself. */
+/* Index of the first library's counterpart of variant i. Empty if there is none, or if it is i itself. */
 std::optional<size_t> findInFirstLibrary(const std::vector<BuiltVariant>& batch, size_t i);
 
 } // namespace cbvh

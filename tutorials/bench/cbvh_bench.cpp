@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures memory, build time, speed and error of representations in many combinations, and writes JSON. */
+/* Measures memory, build time, speed and error of representations and writes JSON. */
 
 #include "benchmark.h"
 #include "json.h"
@@ -25,7 +25,7 @@ void measure(const cbvh::BenchOptions& options, const cbvh::Machine& machine)
     cbvh::prepareOutputFolder(folder.string());
   cbvh::writeStandardOutput(cbvh::formatHead(options, machine));
 
-  /* Rewritten after each group, so that a run that is stopped keeps its results. */
+  /* Rewritten after each group, so that a stopped run keeps its results. */
   std::vector<cbvh::Group> groups;
   const size_t wanted = options.scenes.size() * options.levels.size();
   cbvh::runBenchmark(options, [&](const cbvh::Group& group) {

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A function that is missing in this list would be resolved to the program's own library, whichever is current.
- * tests/programs/bench_cli.sh detects missing functions. */
+/* A function missing here would be resolved to the program's own library. tests/programs/bench_cli.sh detects that. */
 
 #include "embree_calls.h"
 #include "basics/error.h"
@@ -12,7 +11,7 @@
 #include <iterator>
 #include <utility>
 
-/* Instructions that jump to the address in a slot and preserve the registers of arguments. */
+/* Jumps to the address in a slot and preserves argument registers. */
 #if defined(__x86_64__)
 #define CBVH_JUMP(slot) "jmp *" slot "(%rip)\n"
 #elif defined(__aarch64__)
@@ -35,7 +34,7 @@
   EACH(rtcIntersect1) EACH(rtcIntersect4) EACH(rtcIntersect8) EACH(rtcIntersect16) EACH(rtcIntersect1M) \
   EACH(rtcOccluded1) EACH(rtcOccluded4) EACH(rtcOccluded8) EACH(rtcOccluded16) EACH(rtcOccluded1M)
 
-/* A slot, and the function that jumps to its contents, with any arguments. */
+/* A slot, and the function that jumps to its contents with any arguments. */
 #define CVERT_FUNCTION(name)                     \
   extern "C" void* cbvh_slot_##name;            \
   void* cbvh_slot_##name = nullptr;             \
@@ -62,7 +61,7 @@ constexpr Slot slots[] = {CBVH_EMBREE_FUNCTIONS(CBVH_SLOT)};
 
 std::string currentLibrary;
 
-/* Stands for a function that the library does not have. */
+/* Called instead of a function that the library lacks. */
 template<size_t slot>
 [[noreturn]] void missingFunction()
 {

@@ -3,23 +3,23 @@
 
 #pragma once
 
-/* Embree's functions as this program, including common/, calls them. The program defines them itself: each is one jump
- * through a slot, like an entry of a linker's table for a shared library, and costs the same. Unlike that table, slots
- * can be refilled, so several builds of the library can be in one process, one of which is current. */
+/* The program defines Embree's functions itself: each jumps through a slot, at the cost of an entry of a linker's
+ * table for a shared library. Slots can be refilled, so a process may contain several builds of the library; one of
+ * them is current. */
 
 #include <map>
 #include <string>
 
 namespace cbvh {
 
-/* Addresses by name. Null if the library does not have the function. */
+/* Addresses by name; null if the library lacks the function. */
 using EmbreeFunctions = std::map<std::string, void*>;
 
-/* Finds the functions in a library that dlopen opened. */
+/* `opened` is a library opened by dlopen. */
 EmbreeFunctions embreeFunctionsOf(void* opened);
 
-/* Fills the slots. Calling a function that is null throws Error that names it and `library`. No other thread may call
- * Embree during this call. */
+/* Fills the slots. Calling a null function throws Error with its name and `library`. No other thread may call Embree
+ * during this call. */
 void useEmbreeFunctions(const EmbreeFunctions& functions, const std::string& library);
 
 } // namespace cbvh

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID of each ISA and library is always in memory; other variants are in batches that fit. Errors, pictures and checks
- * of a variant are computed right after its build, when nothing is measured. Only speed is measured alternately. */
+/* GRID of each ISA and library is always in memory; other variants are in batches that fit. Only speed is measured
+ * alternately; errors, pictures and checks follow a variant's build. */
 
 #include "group_run.h"
 
@@ -59,12 +59,12 @@ std::vector<int> frameLevels(const std::vector<Representation>& representations)
   return levels;
 }
 
-/* The reference of all variants of a group: GRID and its hits. */
+/* Compares the variants of a group with GRID and its hits. */
 class Comparisons
 {
 public:
-  /* `grid` is the first baseline. The settings must outlive this object. Adds descriptions of GRID and views to the
-   * group. */
+  /* `grid` is the first baseline. Adds descriptions of GRID and views to the group. The settings must outlive this
+   * object. */
   Comparisons(const GroupSettings& settings, const BuildSettings& build, const BuiltScene& grid, Group& group)
     : errors{settings.model, settings.surfaces, settings.level, threadCount(build.threads)},
       all(makeViews(settings.options, settings.model, grid, settings.reference)),
@@ -80,7 +80,7 @@ public:
 
   const std::vector<View>& views() const { return all; }
 
-  /* Computes errors, pictures and checks of a variant. `grid` must be of the same library. */
+  /* Computes errors, pictures and checks. `grid` must be of the same library. */
   void add(const BuiltVariant& built, const BuiltScene& grid) const
   {
     const BuiltScene& scene = built.use();
@@ -123,7 +123,7 @@ class GroupRun
 public:
   explicit GroupRun(const GroupSettings& settings)
     : settings(settings), build(buildSettings(settings)), group(newGroup(settings)),
-      available(availableMemory() / 10 * 9), // leaves memory for rays and hits
+      available(availableMemory() / 10 * 9), // the rest is for rays and hits
       size(settings.model, settings.level),
       plan(planBatches(settings.options.representations, settings.options.isas, size, available,
                        compresses(settings.options.libraries)))

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Builds the variants of a scene at a level batch by batch, compares and measures them. */
+/* Builds, compares and measures the variants of a scene at a level. */
 
 #include "options.h"
 #include "results.h"
@@ -15,14 +15,14 @@ namespace cbvh {
 struct GroupSettings
 {
   const BenchOptions& options;
-  std::string scene; // its label
+  std::string scene; // label
   const Model& model;
-  const TrueSurfaces* surfaces; // of the model; null to skip errors against the true surface
-  const std::vector<ReferenceView>& reference; // of the model
+  const TrueSurfaces* surfaces; // null to skip errors against the true surface
+  const std::vector<ReferenceView>& reference;
   int level;
 };
 
-/* Runs a group. Throws Error, Cancelled. */
+/* Throws Error. */
 Group runGroup(const GroupSettings& settings);
 
 } // namespace cbvh

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Compares the hits of libraries. If a library differs from another only by optimizations, every ray must have the same
- * hit. Compares every query of Embree's API that is measured, because each has its own code. */
+/* If libraries differ only by optimizations, every ray must have the same hit, for every query that is measured. */
 
 #include "built_variant.h"
 #include "options.h"
@@ -15,8 +14,8 @@
 
 namespace cbvh {
 
-/* Adds agreements to the results of all variants of other libraries than the first that have none yet. `title` names
- * the phase. Throws Cancelled. */
+/* Adds agreements with the first library to variants of other libraries that have none. `title` names the phase.
+ * Throws Canceled. */
 void compareLibraries(const BenchOptions& options, const std::vector<View>& views,
                       const std::vector<BuiltVariant>& batch, const std::string& title);
 

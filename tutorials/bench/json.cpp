@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/* Version of the format below; readers reject other versions. */
+/* Readers reject other versions. */
 constexpr int formatVersion = 2;
 
 json summary(const std::vector<double>& values)
@@ -241,7 +241,7 @@ json settingsJson(const BenchOptions& options)
           {"reference_level", options.referenceLevel >= 0 ? json(options.referenceLevel) : json()}};
 }
 
-/* Describes the run: command, machine, build and settings. */
+/* Command, machine, build and settings. */
 json runJson(const BenchOptions& options, const Machine& m)
 {
   json run = {{"command", options.command},

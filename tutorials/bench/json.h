@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Formats measurements as JSON. */
-
 #include "machine.h"
 #include "options.h"
 #include "results.h"
@@ -14,12 +12,11 @@
 
 namespace cbvh {
 
-/* Returns all results, with units in the names, and everything that is necessary to repeat the measurement. `complete`
- * is true if all groups are included. */
+/* All results, with everything that is necessary to repeat them. `complete` is true if all groups are included. */
 std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups,
                        bool complete);
 
-/* Returns the commit, the instruction sets that library and processor have, and the scenes. */
+/* Commit, usable instruction sets and scenes. */
 std::string formatAbout(const Machine& machine);
 
 } // namespace cbvh

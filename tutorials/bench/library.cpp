@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Libraries are opened by path: different files are different libraries, although they have the same soname. RTLD_LOCAL
- * separates them: each finds its own functions, because it exports only functions of the API and never calls these
- * itself. RTLD_DEEPBIND is not used, because the library would find a std::cout that is not this program's. */
+/* Libraries are opened by path, so equal sonames do not matter. RTLD_LOCAL separates them: each exports only API
+ * functions and never calls these itself. With RTLD_DEEPBIND, a library would use a std::cout of its own. */
 
 #include "library.h"
 #include "basics/error.h"
@@ -35,7 +34,7 @@ std::string fileAt(const std::string& given)
   throw Error("--library '" + given + "': the folder has no " + libraryFile + ": expected one");
 }
 
-/* Captures std::cout while it exists. */
+/* Captures std::cout for its lifetime. */
 class OutputCapture
 {
 public:
@@ -51,8 +50,8 @@ private:
   std::streambuf* before;
 };
 
-/* Returns the instruction sets, as --isa names them, from a device's verbose output, "SSE2 AVX2  (compile time
- * enabled)". No function of the API returns them. */
+/* Returns instruction sets from a device's verbose output, "SSE2 AVX2  (compile time enabled)", because no API
+ * function does. */
 std::vector<std::string> parseTargets(const std::string& output)
 {
   const size_t end = output.find("(compile time enabled)");

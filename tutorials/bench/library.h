@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A build of Embree's library. There may be several in this process. */
+/* A build of Embree's library; the process may hold several. */
 
 #include "embree_calls.h"
 
@@ -15,25 +15,25 @@ namespace cbvh {
 class Library
 {
 public:
-  /* The program's own library, where the loader finds it. It has no name. */
+  /* The program's own library, without a name. */
   Library();
 
-  /* `name` is for tables and records. `path` is a libembree3.so.3, or a folder that contains one. The library becomes
-   * the current one. Throws Error if the file is not Embree 3. */
+  /* `name` is for tables and records; `path` is a libembree3.so.3 or a folder that contains one. Makes the library
+   * current. Throws Error if the file is not Embree 3. */
   Library(const std::string& name, const std::string& path);
 
-  /* Makes this the current library, to which all calls of Embree go. Objects may only be passed to the library that
-   * made them. No other thread may call Embree during this call. */
+  /* Makes this library current: it receives all calls of Embree. Objects belong to the library that made them. No
+   * other thread may call Embree during this call. */
   void use() const;
 
   const std::string& name() const { return label; }
   const std::string& path() const { return file; }
   const std::string& version() const { return release; }           // "3.13.5"; empty without a name
-  const std::vector<std::string>& isas() const { return targets; } // that it was built for; empty if unknown
+  const std::vector<std::string>& isas() const { return targets; } // at build time; empty if unknown
   bool compresses() const { return functions.at("rtcSetGeometryCompression"); }
   bool isSameFile(const Library& other) const { return opened == other.opened; }
 
-  /* For messages: "library A (FILE)", or "libembree3.so.3". */
+  /* "library A (FILE)", or "libembree3.so.3". */
   std::string description() const;
 
 private:
@@ -46,11 +46,11 @@ private:
   EmbreeFunctions functions;
 };
 
-/* Opens libraries and names them A, B and so on. Throws Error, also if two paths are the same file. */
+/* Names libraries A, B and so on. Throws Error, also if two paths are the same file. */
 std::vector<Library> openLibraries(const std::vector<std::string>& paths);
 
-/* Returns the instruction sets that all libraries have, the narrowest first; libraries that report none have all.
- * Throws Error if there is none. */
+/* Instruction sets of all libraries, narrowest first; libraries that report none have all. Throws Error if there is
+ * none. */
 std::vector<std::string> commonIsas(const std::vector<Library>& libraries);
 
 } // namespace cbvh

@@ -96,7 +96,7 @@ std::string bestIsa(const Machine& machine)
   const std::vector<std::string> usable = usableIsas(machine);
   if (usable.empty())
     throw Error("--isa best: this processor has none of the instruction sets that the library, or all libraries of "
-                "--library, were built for");
+                "--library, were built for: expected a library for this processor");
   return usable.back();
 }
 
@@ -106,9 +106,10 @@ void requireIsa(const Machine& machine, const std::string& isa)
   if (std::find(known.begin(), known.end(), isa) == known.end())
     throw Error("unknown --isa '" + isa + "': expected best, sse2, sse4.2, avx, avx2 or avx512");
   if (std::find(machine.isas.begin(), machine.isas.end(), isa) == machine.isas.end())
-    throw Error("--isa '" + isa + "': the library, or one of --library, was not built for this instruction set");
+    throw Error("--isa '" + isa + "': the library, or one of --library, was not built for it: expected one that all "
+                "libraries have");
   if (!processorHas(isa))
-    throw Error("--isa '" + isa + "': this processor does not have this instruction set");
+    throw Error("--isa '" + isa + "': this processor does not have it: expected best, or one that --about lists");
 }
 
 } // namespace cbvh

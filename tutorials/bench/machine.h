@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* The machine and the build of a measurement. */
-
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -14,29 +12,28 @@ namespace cbvh {
 struct Machine
 {
   std::string cpu;
-  unsigned threads = 0;         // hardware threads
+  unsigned threads = 0;         // of the hardware
   size_t memoryBytes = 0;
-  double load = 0;               // mean number of runnable threads in the last minute, including other programs
-  std::string system;            // name and release of the kernel
-  std::string commit;            // of the build; "+changes" is appended for a modified working tree
+  double load = 0;               // runnable threads in the last minute
+  std::string system;            // kernel name and release
+  std::string commit;            // of the build; ends in "+changes" for a modified working tree
   std::string compiler, flags, buildType;
-  std::vector<std::string> isas; // that the library was built for
-  std::string date;              // start of the program, as dateNow()
+  std::vector<std::string> isas; // of the library
+  std::string date;              // of the program's start
 };
 
 Machine describeMachine();
 
-/* Returns the current time in UTC, ISO 8601. */
+/* Current time in UTC, ISO 8601. */
 std::string dateNow();
 
-/* Returns the instruction sets that both library and processor have, the narrowest first. */
+/* Instruction sets of both library and processor, narrowest first. */
 std::vector<std::string> usableIsas(const Machine& machine);
 
-/* Returns the widest usable instruction set, which Embree selects by default. Throws Error if there is none. */
+/* The widest usable one, Embree's default. Throws Error if there is none. */
 std::string bestIsa(const Machine& machine);
 
-/* Throws Error if a name is unknown, or if the library or the processor does not have the instruction set: Embree would
- * silently select another one. */
+/* Throws Error unless library and processor have the instruction set: Embree would silently select another. */
 void requireIsa(const Machine& machine, const std::string& isa);
 
 } // namespace cbvh

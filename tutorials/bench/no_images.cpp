@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Replaces everything that needs OpenImageIO in cbvh_bench_bare: this file is linked before the files of common/ that
- * use it. Generated scenes keep their height maps in memory and need no files. */
+/* cbvh_bench_bare links this file before the files of common/ that need OpenImageIO. Generated scenes then keep
+ * their height maps in memory. */
 
 #include "basics/error.h"
 #include "pictures/image_output.h"
@@ -14,7 +14,7 @@ namespace {
 
 [[noreturn]] void rejectImage(const std::string& path)
 {
-  throw Error(path + ": cbvh_bench_bare cannot read or write images, because it has no OpenImageIO; use cbvh_bench");
+  throw Error(path + ": cbvh_bench_bare has no OpenImageIO to read or write images: expected cbvh_bench");
 }
 
 } // namespace
@@ -22,7 +22,7 @@ namespace {
 HeightMap HeightMap::read(const std::string& path) { rejectImage(path); }
 HeightMap::FileInfo HeightMap::inspect(const std::string& path, const std::string&, int, float) { rejectImage(path); }
 
-/* Maps are not saved for other runs. */
+/* Maps are not cached. */
 void HeightMap::write(const std::string&, const std::string&) const {}
 std::string HeightMap::recipeOf(const std::string&) { return ""; }
 

@@ -36,7 +36,7 @@ std::vector<std::string> split(const std::string& option, const std::string& lis
   return words;
 }
 
-/* Parses a list of numbers from 0 to `most`. */
+/* Numbers from 0 to `most`. */
 std::vector<int> parseIntegers(const std::string& option, const std::string& list, int most)
 {
   std::vector<int> numbers;
@@ -52,7 +52,7 @@ std::vector<int> parseIntegers(const std::string& option, const std::string& lis
   return numbers;
 }
 
-/* `settings` apply to all scenes of the command line. */
+/* `settings` apply to all scenes. */
 BenchScene parseScene(const std::string& word, const SceneSettings& settings)
 {
   BenchScene scene{word, settings};
@@ -75,7 +75,7 @@ BenchScene parseScene(const std::string& word, const SceneSettings& settings)
   return scene;
 }
 
-/* "full,close" are two views, but "ex,ey,ez,lx,ly,lz,fov" is one. */
+/* "full,close" are two views; "ex,ey,ez,lx,ly,lz,fov" is one. */
 std::vector<std::string> parseViews(const std::vector<std::string>& given, ImageSize size)
 {
   std::vector<std::string> views;
@@ -137,7 +137,7 @@ RaySet parseRaySet(const std::string& word)
   throw Error("unknown --set '" + word + "': expected coherent or incoherent");
 }
 
-/* Text of the command line that is not yet parsed, with defaults that --help shows. */
+/* Unparsed options, with the defaults that --help shows. */
 struct Words
 {
   std::vector<std::string> files;
@@ -150,7 +150,7 @@ struct Words
   bool about = false;
 };
 
-/* Options in the order of --help. */
+/* In the order of --help. */
 
 void declareLists(CLI::App& app, Words& words)
 {
@@ -235,7 +235,6 @@ void declareOutput(CLI::App& app, BenchOptions& o, Words& words)
   app.add_flag("--about", words.about, "print commit, instruction sets and scenes as JSON, and exit");
 }
 
-/* Returns the cage, or the scenes by name. */
 std::vector<BenchScene> readScenes(const Words& words)
 {
   SceneSettings settings = words.settings;
@@ -254,7 +253,6 @@ std::vector<BenchScene> readScenes(const Words& words)
   return scenes;
 }
 
-/* Parses models, views and representations. */
 void readSurfaces(const Words& words, BenchOptions& o)
 {
   o.scenes = readScenes(words);
@@ -276,7 +274,6 @@ void readSurfaces(const Words& words, BenchOptions& o)
   o.representations = parseAll(words.representations, words.frameLevels);
 }
 
-/* Parses the device or the libraries that trace. */
 void readLibraries(const Words& words, BenchOptions& o)
 {
   if (!words.libraries.empty() && words.device != "cpu")
@@ -288,11 +285,10 @@ void readLibraries(const Words& words, BenchOptions& o)
     o.libraries = openLibraries(split("--library", words.libraries));
 }
 
-/* Parses the lists whose combinations are measured. */
 void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 {
-  constexpr int mostThreads = 1024; // a larger number is probably a typing error
-  if (!words.libraries.empty()) // replaces the instruction sets of the program's own library
+  constexpr int mostThreads = 1024; // more is probably a typing error
+  if (!words.libraries.empty()) // instead of the program's own library's
     machine.isas = commonIsas(o.libraries);
   for (const std::string& word : split("--isa", words.isas))
   {
@@ -317,7 +313,7 @@ void readCombinations(const Words& words, Machine machine, BenchOptions& o)
 
 void validateNumbers(const BenchOptions& o)
 {
-  constexpr int mostRounds = 1000; // a larger number is probably a typing error
+  constexpr int mostRounds = 1000; // more is probably a typing error
   if (o.repeat < 0 || o.repeat > mostRounds)
     throw Error("invalid --repeat " + std::to_string(o.repeat) + ": expected 0 to " + std::to_string(mostRounds));
   requireNotNegative("--ray-offset", o.rayOffset);

@@ -11,7 +11,7 @@
 namespace cbvh {
 namespace {
 
-constexpr size_t pointsOfKind = 100000; // a tenth of the default number of rays of a check
+constexpr size_t pointsOfKind = 100000; // a tenth of a check's default number of rays
 
 struct Offset
 {
@@ -63,7 +63,7 @@ Robustness::Robustness(const Model& model, const BuildSettings& settings, const 
   meanQuadWidth = float(sum / double(std::max<size_t>(1, points.begin()->second[AtVertex].size())));
 }
 
-/* GRID, NAIVE and automatic frame levels use the frame level of blocks of 16 x 16 quads. */
+/* GRID, NAIVE and automatic frame levels use blocks of 16 x 16 quads. */
 int Robustness::blockLevel(int frameLevel) const
 {
   return frameLevel == autoFrameLevel ? std::max(0, level - 4) : frameLevel;
@@ -77,7 +77,7 @@ std::optional<LeakCounts> Robustness::leaks(const BuiltScene& grid, const BuiltS
   settings.rays = checks.rays;
   settings.seed = seed;
   settings.thickness = scene.report().distanceFromMesh();
-  /* GRID has no blocks. If it is not in the list of representations, any points will do. */
+  /* GRID has no blocks, so any points will do. */
   const auto own = points.find(blockLevel(scene.representation().frameLevel));
   const AimPoints& aims = (own != points.end() ? own : points.begin())->second;
   const PacketTracer packets(scene.handle());
@@ -103,7 +103,7 @@ std::vector<CrossingCheck> Robustness::crossings(const Representation& represent
     return {};
   BuildSettings filtered = settings;
   filtered.filters = true;
-  filtered.device = "cpu"; // other devices do not call filters
+  filtered.device = "cpu"; // others do not call filters
   const BuiltScene grid(model, {RepresentationKind::Grid}, filtered), scene(model, representation, filtered);
   return {{view.name, countCrossings(grid, scene, view.primary, threads)}};
 }

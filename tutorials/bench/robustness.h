@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Measurements of --check: rays that leak out of closed surfaces or through random sheets, and secondary rays with
- * other results than GRID's. */
+/* Measurements of --check. */
 
 #include "building/built_scene.h"
 #include "measure/crossings.h"
@@ -24,14 +23,14 @@ struct Checks
   bool leaks = false;
   bool sheets = false;
   bool crossings = false; // hits that a filter receives if it rejects all
-  bool shadows = false;   // at Embree's offset, a fraction of the scene, and half a quad
+  bool shadows = false;   // at three offsets
   bool offsets = false;   // at many offsets
   size_t rays = 1000000;  // per representation, for leaks and for sheets
-  bool packets = false;   // trace these rays in coherent packets instead of one by one
+  bool packets = false;   // instead of single rays
 
   bool any() const { return leaks || sheets || crossings || shadows || offsets; }
 
-  /* Enables a check by its name. Throws Error. */
+  /* Throws Error. */
   void add(const std::string& name);
 };
 
@@ -58,7 +57,6 @@ struct CheckResult
   std::vector<ShadowCheck> shadows;
 };
 
-/* A view and GRID's hits. */
 struct CheckedView
 {
   const std::string& name;
@@ -71,21 +69,20 @@ struct CheckedView
 class Robustness
 {
 public:
-  /* `frameLevels` are the frame levels of the representations. The model must outlive this object. Throws Error,
-   * Cancelled. */
+  /* `frameLevels` belong to the representations. The model must outlive this object. Throws Error. */
   Robustness(const Model& model, const BuildSettings& settings, const std::vector<int>& frameLevels,
              const Checks& checks, uint32_t seed);
 
   std::optional<LeakCounts> leaks(const BuiltScene& grid, const BuiltScene& scene) const;
 
-  /* Checks the representation of a scene with random sheets. Returns nothing for NAIVE and GRID. */
+  /* Checks the scene's representation with random sheets; nothing for NAIVE and GRID. */
   std::optional<SheetCrossings> sheets(const BuiltScene& scene) const;
 
-  /* `hits` are the hits of the view's primary rays in the scene. */
+  /* `hits` belong to the view's primary rays. */
   std::vector<ShadowCheck> shadows(const BuiltScene& grid, const BuiltScene& scene, const CheckedView& view,
                                    const std::vector<SurfaceHit>& hits) const;
 
-  /* Checks the view's primary rays. Builds the representation and GRID once more, with filters. */
+  /* Builds the representation and GRID once more, with filters. */
   std::vector<CrossingCheck> crossings(const Representation& representation, const CheckedView& view) const;
 
   float quadWidth() const { return meanQuadWidth; }

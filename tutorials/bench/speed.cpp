@@ -33,8 +33,8 @@ std::vector<Combination> combine(const BenchOptions& options, const std::vector<
   return combinations;
 }
 
-/* Returns the number of passes for which a measurement of GRID takes 20 ms, so that the microseconds for reading clocks
- * and waking threads are negligible; at most 100. */
+/* Number of passes, at most 100, for which GRID takes 20 ms, so that reading clocks and waking threads is
+ * negligible. */
 unsigned passesFor(double gridSeconds)
 {
   constexpr double sampleSeconds = 0.02, most = 100.0;
@@ -42,15 +42,15 @@ unsigned passesFor(double gridSeconds)
   return unsigned(std::min(most, std::ceil(sampleSeconds / std::max(gridSeconds, shortest))));
 }
 
-/* Returns which of n variants is measured as the k-th of a round. Each round begins with another variant, and every
- * other round runs backwards. The warm-up round is -1. */
+/* Returns which of n variants is the k-th of a round: each round begins with another one, and every other round runs
+ * backwards. The warm-up round is -1. */
 size_t inTurn(size_t k, int round, size_t n)
 {
   const size_t turn = (k + size_t(round + 1)) % n;
   return round % 2 ? n - 1 - turn : turn;
 }
 
-/* Returns the index of the baseline with the same ISA and library. */
+/* The baseline with the same ISA and library. */
 size_t gridOf(const std::vector<BuiltVariant>& batch, const Variant& variant)
 {
   size_t grid = 0;
@@ -69,8 +69,7 @@ Speed recordOf(const Combination& combination)
   return speed;
 }
 
-/* Records one round of one combination. `index` is the index of the combination, and of its record in every result.
- * GRID's record grows with every batch. */
+/* Records one round of a combination at `index` of every result. GRID's record grows with every batch. */
 void record(const std::vector<BuiltVariant>& batch, size_t index, const Combination& combination,
             const std::vector<TraceTiming>& timings)
 {
@@ -98,7 +97,7 @@ void measureSpeed(const BenchOptions& options, const std::vector<View>& views, c
   Phase phase(title);
   const size_t samples = combinations.size() * batch.size() * (size_t(options.repeat) + 1);
   size_t taken = 0;
-  for (int round = -1; round < options.repeat; round++) // the first round warms up and sets the passes
+  for (int round = -1; round < options.repeat; round++) // the first one warms up and sets the passes
     for (size_t c = 0; c < combinations.size(); c++)
     {
       Combination& combination = combinations[c];

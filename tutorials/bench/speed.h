@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Measures the speed of variants that are in memory together. Each round measures every variant once in every
- * combination of view, ray set, query, mode and threads. Variants are measured directly after one another, in a
- * different order in each round. So if the machine slows down for some time, all variants are affected, and a ratio to
- * GRID, or to another library, is computed within one round. */
+/* Measures variants that are in memory together. Each round measures every variant in every combination of view, ray
+ * set, query, mode and threads, directly after one another and in changing order. So if the machine slows down, all
+ * variants are affected, and ratios are computed within one round. */
 
 #include "built_variant.h"
 #include "options.h"
@@ -17,8 +16,8 @@
 
 namespace cbvh {
 
-/* Adds a record for each combination to every variant's result, in the same order. `views` belong to the variants;
- * `batch` begins with GRID of each ISA and library; `title` names the phase. Throws Cancelled. */
+/* Adds a record per combination to every variant's result, in the same order. `batch` begins with GRID of each ISA
+ * and library; `title` names the phase. Throws Canceled. */
 void measureSpeed(const BenchOptions& options, const std::vector<View>& views, const std::vector<BuiltVariant>& batch,
                   const std::string& title);
 

@@ -63,7 +63,7 @@ std::string checkLines(const CheckResult& checks)
   return out;
 }
 
-/* Returns one line if all hits are equal. */
+/* One line if all hits are equal. */
 std::string agreementLines(const std::vector<HitAgreement>& agreements)
 {
   size_t rays = 0, differ = 0;

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Formats measurements for a terminal. */
-
 #include "machine.h"
 #include "options.h"
 #include "results.h"
@@ -13,10 +11,10 @@
 
 namespace cbvh {
 
-/* Returns some lines about the machine and the build. */
+/* Lines about machine and build. */
 std::string formatHead(const BenchOptions& options, const Machine& machine);
 
-/* Returns one line per variant, followed by one line per check and per combination. */
+/* One line per variant, each followed by lines for checks and combinations. */
 std::string formatTable(const Group& group);
 
 } // namespace cbvh

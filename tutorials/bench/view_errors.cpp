@@ -16,8 +16,7 @@ std::vector<SurfaceHit> selectHits(const std::vector<SurfaceHit>& hits, const st
   return some;
 }
 
-/* Bins belong to a block's frame, which is unknown if the frame level is automatic. Faces that are stored exactly have
- * no bins. */
+/* Bins belong to a block's frame, which must be known. Exact faces have none. */
 bool hasBins(const Representation& representation)
 {
   return representation.kind == RepresentationKind::CLeafOnly && representation.frameLevel != autoFrameLevel;

@@ -50,7 +50,7 @@ std::string ViewPictures::stem(const View& view, const Variant& variant) const
   std::string stem = scene + "_L" + std::to_string(level) + "_" + view.fileName + "_" +
                      variant.representation.fileStem() + (options.isas.size() > 1 ? "_" + variant.isa : "") +
                      (options.libraries.size() > 1 ? "_" + options.libraries[variant.library].name() : "");
-  std::replace(stem.begin(), stem.end(), ':', '_'); // not all file systems allow colons, as in "cube:0.45"
+  std::replace(stem.begin(), stem.end(), ':', '_'); // some file systems reject colons, as in "cube:0.45"
   return stem;
 }
 

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Writes shaded pictures and error maps of the views of a group. */
-
 #include "views.h"
 #include "pictures/image.h"
 
@@ -13,11 +11,11 @@ namespace cbvh {
 class ViewPictures
 {
 public:
-  /* `scene` is the label of the scene. The options must outlive this object. */
+  /* `scene` is its label. The options must outlive this object. */
   ViewPictures(const BenchOptions& options, const std::string& scene, const Model& model, int level);
 
-  /* Writes the pictures of a variant in a view that the options name, and stores their file names in the result. `hits`
-   * are the hits of the view's primary rays. Throws Error, Cancelled. */
+  /* Writes the pictures that the options name, and stores their file names in the result. `hits` belong to the
+   * view's primary rays. Throws Error. */
   void write(const View& view, const Variant& variant, const BuiltScene& scene, const std::vector<SurfaceHit>& hits,
              ViewResult& result) const;
 

@@ -17,7 +17,7 @@
 namespace cbvh {
 namespace {
 
-/* A view that consists of numbers is named by its index. */
+/* Views of numbers are named by their index. */
 std::string fileNameOf(const std::string& view, size_t index)
 {
   return view.find(',') == std::string::npos ? view : "view" + std::to_string(index + 1);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The views of a group, with the rays that every variant traces, and GRID's hits. GRID's hits are the reference of all
- * errors: GRID tests the same triangles as NAIVE, but its edges are watertight. */
+/* Views with the rays that every variant traces, and GRID's hits as the reference: it tests the same triangles as
+ * NAIVE, but its edges are watertight. */
 
 #include "options.h"
 #include "results.h"
@@ -17,7 +17,7 @@
 
 namespace cbvh {
 
-/* A view at the reference level. All levels use its camera. */
+/* All levels use its camera. */
 struct ReferenceView
 {
   Camera camera;
@@ -30,21 +30,19 @@ struct View
 
   std::string name, fileName;
   Camera camera;
-  const ReferenceView* reference = nullptr; // null without a reference level
+  const ReferenceView* reference = nullptr; // may be null
   std::vector<Ray> primary, sets[numRaySets];
   std::vector<SurfaceHit> gridHits;        // of the primary rays
   std::vector<SurfaceHit> bouncedGridHits; // of the incoherent set
-  std::vector<size_t> sample;              // primary rays that are compared with the true surface
+  std::vector<size_t> sample;              // primary rays to compare with the true surface
   std::vector<size_t> away;                // primary rays away from silhouettes
-  std::vector<size_t> sampleAway;          // the intersection of both
+  std::vector<size_t> sampleAway;          // the intersection
 };
 
-/* Builds GRID at the reference level, traces the views, and frees it. Returns one entry per view of the options, or
- * none without a reference level. Throws Error, Cancelled. */
+/* Traces the views of the options with GRID at the reference level; returns none without that level. Throws Error. */
 std::vector<ReferenceView> traceReference(const BenchOptions& options, const Model& model);
 
-/* Returns one entry per view of the options. `grid` is the model as GRID. `reference` belongs to the model and must
- * outlive the views. Throws Error, Cancelled. */
+/* One entry per view of the options. `reference` must outlive the views. Throws Error. */
 std::vector<View> makeViews(const BenchOptions& options, const Model& model, const BuiltScene& grid,
                             const std::vector<ReferenceView>& reference);
 

@@ -12,7 +12,6 @@
 #include <array>
 #include <cstdlib>
 
-// Errors end the program.
 static void check(CbvhError error)
 {
   if (error == CBVH_OK) return;
@@ -20,7 +19,7 @@ static void check(CbvhError error)
   std::exit(1);
 }
 
-// Stands for a renderer's dicer: 16 x 8 grids of 65 x 65 vertices each on a ball that rotates.
+// A dicer: 16 x 8 grids of 65 x 65 vertices on a ball that rotates.
 struct Diced
 {
   std::vector<std::array<float, 3>> vertices;
@@ -63,7 +62,7 @@ int main(int argc, char** argv)
     grids.vertices = {atOpen.vertices.size() - 1, sizeof(atOpen.vertices[0]), steps, 2, 0, 1};
     check(cbvhSetGrids(surface, &grids));
     check(cbvhCommitSurface(surface, nullptr, nullptr));
-  } // frees the vertices
+  } // this frees the vertices
   check(cbvhNewGroup(context, &surface, 1, &group));
   check(cbvhCommitGroup(group));
   cbvhReleaseSurface(surface);

@@ -10,7 +10,6 @@
 
 #include <cstdlib>
 
-// Errors end the program.
 static void check(CbvhError error)
 {
   if (error == CBVH_OK) return;

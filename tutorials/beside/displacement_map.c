@@ -15,7 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Errors end the program. */
 static void check(enum CbvhError error)
 {
   if (error == CBVH_OK) return;
@@ -28,7 +27,7 @@ static void check(enum CbvhError error)
 struct HeightMap
 {
   int width, height;
-  float* heights;      /* 0 to 1, row by row */
+  float* heights;      /* 0 to 1, by rows */
   float amplitude;     /* of the displacement, in world units */
   CbvhSurface surface; /* its attribute 0 holds texture coordinates */
 };
@@ -79,7 +78,7 @@ static float heightAt(const struct HeightMap* map, float u, float v)
   return (1 - fy)*((1 - fx)*row0[x0] + fx*row0[x1]) + fy*((1 - fx)*row1[x0] + fx*row1[x1]);
 }
 
-/* Called by several threads. All points of a call are on one face. */
+/* Called by several threads, for points of one face. */
 static void displace(const struct CbvhDisplacementArguments* args)
 {
   const struct HeightMap* const map = args->userPtr;
@@ -106,14 +105,14 @@ static void displace(const struct CbvhDisplacementArguments* args)
 
 /* --- the surface and its picture ---------------------------------------------------------- */
 
-/* Shades by the normal, seen from a corner of the cube. Returns the number of rays that hit. */
+/* Shades by the normal, seen from a corner of the cube. Returns the number of hits. */
 static unsigned int writePicture(CbvhGroup group, const char* path, int size)
 {
   FILE* const file = fopen(path, "wb");
   unsigned int hits = 0;
   int x, y;
   if (!file) {
-    fprintf(stderr, "displacement_map: cannot write %s\n", path);
+    fprintf(stderr, "displacement_map: cannot write %s: expected a writable path\n", path);
     exit(1);
   }
   fprintf(file, "P5 %d %d 255\n", size, size);

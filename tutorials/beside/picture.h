@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Renderer of both examples: camera rays through a scene of Embree 3 or 4, and a picture of its normals as PGM. */
+/* Camera rays through a scene of Embree 3 or 4, and a picture of normals as PGM. */
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -28,8 +28,8 @@ inline void intersect(RTCScene scene, RTCRayHit& ray)
 #endif
 }
 
-/* Renders an object of width 2 around the origin, with `samples` samples per pixel at different times. Returns the
- * fraction of rays that hit. */
+/* Renders an object of width 2 around the origin, with `samples` per pixel at different times. Returns the fraction
+ * of rays that hit. */
 inline double writePicture(RTCScene scene, const char* path, int size, int samples)
 {
   std::vector<unsigned char> pixels;

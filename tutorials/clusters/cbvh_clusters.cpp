@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures the size of surfaces as clusters of formats for GPUs, and counts clusters that do not fit these formats. */
+/* Measures surfaces as clusters of GPU formats, and counts clusters that do not fit these formats. */
 
 #include "basics/seconds.h"
 #include "building/built_scene.h"
@@ -41,7 +41,7 @@ const struct
   const char* name;
 } formats[] = {{RTC_CLUSTER_FORMAT_COMPRESSED1, "COMPRESSED1"}, {RTC_CLUSTER_FORMAT_DGF1, "DGF1"}};
 
-/* Returns the numbers of clusters that are stored as floats, by reason: "3 raw, 2 range". */
+/* Clusters stored as floats, by reason: "3 raw, 2 range". */
 std::string describeFloatClusters(const RTCCompressedClusterReport& report)
 {
   const char* const names[] = {"", "raw", "moving", "range"};
@@ -52,7 +52,7 @@ std::string describeFloatClusters(const RTCCompressedClusterReport& report)
   return text.empty() ? "0" : text;
 }
 
-/* Prints a row per format. Returns the number of decoded vertices; a vertex is counted once per cluster. */
+/* Prints a row per format. Returns the number of decoded vertices, counted once per cluster. */
 size_t measure(const Options& options, Model& model)
 {
   for (Vec3f& p : model.cage.positions)

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Encodes a grid of vertices with the codec alone, decodes it, and writes it to a file that Embree CBVH can trace.
+// Encodes a grid with the codec alone, decodes it, and writes a file that Embree CBVH can trace.
 //
-//   encode_grid FILE.cbvh
+// encode_grid FILE.cbvh
 
 #include <cvert/decoder/decoded_block.h>
 #include <cvert/encoder/block_encoder.h>
@@ -29,8 +29,8 @@ void vertexOf(unsigned x, unsigned y, float* p)
     p[k] = lattice.snap(at[k]);
 }
 
-// Encodes the block whose first quad is (x,y), and appends it to the surface, which refers to `block`. Returns the size
-// in bytes, or 0 if the decoded vertices differ.
+// Encodes the block at quad (x,y) and appends it to the surface, which refers to `block`. Returns its bytes, or 0 if
+// the decoded vertices differ.
 size_t encodeBlock(unsigned x, unsigned y, std::vector<uint64_t>& block, cvert::FileSurface& surface)
 {
   const auto encoder = std::make_unique<cvert::VertEncoder>();

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Writes the quads of a file of compressed surfaces as an OBJ, with the codec alone and without Embree.
+// Writes compressed surfaces as OBJ, with the codec alone and without Embree.
 //
-//   file_to_obj FILE.cbvh > FILE.obj
+// file_to_obj FILE.cbvh > FILE.obj
 
 #include <cvert/decoder/decoded_block.h>
 #include <cvert/file/file.h>
@@ -17,11 +17,11 @@ namespace {
 
 bool isFinite(const float* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
 
-// Writes the quads of a block, except quads with a vertex that is not finite, which are holes. Returns the number of
-// vertices so far.
+// Writes the quads of a block, except holes: quads with a vertex that is not finite. Returns the number of vertices so
+// far.
 unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
 {
-  const auto decoded = std::make_unique<cvert::DecodedBlock>(block); // at its first time step
+  const auto decoded = std::make_unique<cvert::DecodedBlock>(block); // first time step
   const unsigned width = decoded->quadsX + 1, height = decoded->quadsY + 1;
   for (unsigned i = 0; i < width*height; i++) {
     const float* p = decoded->vertices[i];

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures the cost of commits of scenes with many geometries: all geometries, one edited geometry, one masked
- * geometry, and a second scene of the same geometries; memory; and rays. */
+/* Measures commits of scenes with many geometries: all geometries, an edit, a mask, and a second scene; memory; and
+ * rays. */
 
 #include "basics/seconds.h"
 #include "basics/vec.h"
@@ -54,7 +54,6 @@ void displace(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-/* A cage of quads. */
 struct Shape
 {
   std::vector<Vec3f> vertices;
@@ -80,7 +79,7 @@ struct Shape
   }
 };
 
-/* Geometries of one shape, arranged in a cube. */
+/* Geometries in a cube. */
 class Shapes
 {
 public:
@@ -139,7 +138,7 @@ public:
     rtcCommitGeometry(geometries[i]);
   }
 
-  /* Returns rays from outside at random shapes. */
+  /* Rays from outside at random shapes. */
   std::vector<RTCRayHit> rays(size_t count) const
   {
     std::mt19937 random(1);

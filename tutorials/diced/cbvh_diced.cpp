@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures the cost of diced geometry, compressed and in Embree's own kernel of its type: memory, commits, and rays,
- * which both trace alternately. */
+/* Compares compressed diced geometry with Embree's own kernel: memory, commits, and rays, traced alternately. */
 
 #include "building/diced_surface.h"
 #include "measure/quantiles.h"
@@ -30,7 +29,6 @@ struct Options
                                   "quads:shuffled", "triangles"};
 };
 
-/* A geometry and its scene, compressed or not. */
 class Built
 {
 public:
@@ -74,11 +72,11 @@ private:
 public:
   std::vector<double> seconds; // of commits
   size_t inputBytes = 0;       // the application's buffers
-  size_t bytes = 0, peak = 0;  // without these buffers
+  size_t bytes = 0, peak = 0;  // without these
   RTCCompressionStatistics statistics{};
 };
 
-/* True if both rays miss, or both hit and the distances differ by at most `distance`. */
+/* True if both miss, or both hit at distances that differ by at most `distance`. */
 bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance)
 {
   return a.hit.geomID == b.hit.geomID &&

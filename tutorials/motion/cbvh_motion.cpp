@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures the cost of moving surfaces, compressed and as GRID with motion blur: memory, commits, rays at random times,
- * which both trace alternately, and distances between hits. */
+/* Compares compressed moving surfaces with GRID: memory, commits, rays at random times, traced alternately, and
+ * distances between hits. */
 
 #include "building/built_scene.h"
 #include "building/subdivision_geometry.h"
@@ -34,7 +34,6 @@ struct Options
   bool still = false;
 };
 
-/* A surface and its scene, compressed or as GRID. */
 class Built
 {
 public:
@@ -81,7 +80,7 @@ public:
 
 constexpr int numQueries = 4; // single rays, bounces, any hit of bounces, packets
 
-/* Writes the speed of `ours` relative to `theirs` for each query. */
+/* Speed of `ours` relative to `theirs`. */
 void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsigned repeat, double speed[numQueries])
 {
   const struct
@@ -108,7 +107,7 @@ void measure(const Options& options, const Model& model)
   double speed[numQueries];
   compareSpeeds(rays, grid.handle(), ours.handle(), repeat, speed);
   std::vector<RTCRayHit> hits[2];
-  /* errors in pixels */
+  /* in pixels */
   traceTimed(grid.handle(), timed, hits[0], TimedQuery::Single);
   traceTimed(ours.handle(), timed, hits[1], TimedQuery::Single);
   size_t lost = 0, both = 0, far = 0;
@@ -140,7 +139,7 @@ void measure(const Options& options, const Model& model)
   std::fflush(stdout);
 }
 
-/* Returns a small quad next to a box, which moves away from it. */
+/* A small quad that moves away from a box. */
 Model smallMovingModel(const Box3f& box)
 {
   const float size = 0.02f * box.diagonal();
@@ -156,7 +155,7 @@ Model smallMovingModel(const Box3f& box)
   return model;
 }
 
-/* Measures how much slower rays of a static surface are if something else in its scene moves. */
+/* The relative speed of rays of a static surface if something else in its scene moves. */
 void measureStill(const Options& options, Model model)
 {
   model.poses.clear();

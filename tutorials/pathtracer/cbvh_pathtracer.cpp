@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Renders a displaced subdivision surface by path tracing on a Vulkan device or on the CPU. */
-
 #include "options.h"
 #include "path_tracer.h"
 #include "picture_file.h"
@@ -21,7 +19,7 @@
 namespace cbvh {
 namespace {
 
-/* Views are fitted to GRID. A coarse one is sufficient and fast to build. */
+/* Views are fitted to GRID; a coarse one is sufficient. */
 Camera findCamera(const PathTracerOptions& options, const Model& model)
 {
   constexpr int coarse = 3;
@@ -53,7 +51,7 @@ double secondsNow()
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/* The first sample is timed separately, because drivers may compile the shader when it first runs. */
+/* Drivers may compile the shader with the first sample. */
 void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
 {
   Phase phase("picture");

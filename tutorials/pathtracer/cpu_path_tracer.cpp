@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Traces the paths of path.h with Embree, one ray at a time. The reference for pictures of Vulkan devices. */
+/* Traces the paths of path.h with Embree, as the reference for Vulkan devices. */
 
 #include "path_tracer.h"
 #include "basics/parallel.h"

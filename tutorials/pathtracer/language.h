@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Definitions with which random_numbers.h, lights.h and path.h compile as C++ and as GLSL. So the path tracer is
- * written once, and the CPU's picture is the reference of the Vulkan device's.
+/* random_numbers.h, lights.h and path.h compile as C++ and as GLSL with these definitions, so the CPU's picture is
+ * the reference of the Vulkan device's.
  *
  * Shared code consists of free functions on plain values: no references, no member functions, and no braces around
  * values. */
@@ -17,7 +17,7 @@
 #define PATH_FUNCTION
 #define PATH_CONSTANT const
 #define uint32_t uint
-#define TracedScene uvec2 // an address, the argument of cbvhIntersect
+#define TracedScene uvec2 // address for cbvhIntersect
 
 vec3 vector (float x, float y, float z) { return vec3(x,y,z); }
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The light of a scene, a sun and a sky, and the color of its surfaces. */
+/* A sun and a sky, and the color of surfaces. */
 
 #ifndef PATH_LIGHTS_H
 #define PATH_LIGHTS_H
@@ -12,21 +12,19 @@ PATH_BEGIN
 
 PATH_FUNCTION vec3 albedo () { return vector(0.58f,0.47f,0.34f); }
 
-/* Light that a white surface facing the sun reflects: the sun's irradiance divided by pi. The sun is behind the viewer
- * and is not visible in the sky. */
+/* Irradiance divided by pi. The sun is behind the viewer and is not visible in the sky. */
 PATH_FUNCTION vec3 sunColor () { return vector(1.25f,1.14f,0.95f); }
 
-/* Tangent of half the angular diameter of the sun: four times the real one, for visible penumbras. */
+/* Tangent of half the sun's angular diameter: four times the real one, for visible penumbras. */
 PATH_CONSTANT float sunRadius = 0.0186f;
 
-/* Returns the direction to a random point of the sun. `sun` is the unit direction to its center; u and v are random. */
+/* `sun` is the unit direction to the center; u and v are random. */
 PATH_FUNCTION vec3 directionToSun (vec3 sun, float u, float v)
 {
   vec3 p = pointOfHemisphere(u,v);
   return unitVector(turned(vector(sunRadius*p.x,sunRadius*p.y,1.0f),sun));
 }
 
-/* The sky is bluer at the top. */
 PATH_FUNCTION vec3 skyColor (vec3 direction, vec3 up)
 {
   float height = 0.5f + 0.5f*dot(direction,up);

@@ -16,7 +16,7 @@
 namespace cbvh {
 namespace {
 
-/* Converts a device's name to the library's. Other programs use the prefix "vulkan:", and "vulkan" for the first. */
+/* Other programs use the prefix "vulkan:", and "vulkan" for the first device; the library does not. */
 std::string libraryName(const std::string& device)
 {
   const std::string prefix = "vulkan:";
@@ -25,7 +25,7 @@ std::string libraryName(const std::string& device)
   return device.compare(0, prefix.size(), prefix) == 0 ? device.substr(prefix.size()) : device;
 }
 
-/* Returns the first GPU, or the CPU if there is none. Mesa's llvmpipe is skipped, because it runs on the CPU. */
+/* The first GPU, otherwise the CPU. Skips Mesa's llvmpipe, which runs on the CPU. */
 std::string chooseDevice()
 {
   RTCVulkanDeviceInfo infos[16];
@@ -93,7 +93,7 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
     throw Error("--representation '" + representation + "' names more than one: expected one");
   o.representation = representations[0];
   if (!o.scene.meshPath.empty() || (o.representation.kind == RepresentationKind::Naive && app.count("--level") == 0))
-    o.autoLevel = false; // not supported for meshes and NAIVE
+    o.autoLevel = false; // unsupported for meshes and NAIVE
   if (o.autoLevel && o.representation.kind == RepresentationKind::Naive)
     throw Error("--level auto does not support naive, which has one level for all edges: expected " + levelRange());
   o.quadSize = levels.quadSize;

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Command line of cbvh_pathtracer. */
-
 #include "building/built_scene.h"
 #include "building/representation.h"
 #include "scenes/catalogue.h"
@@ -21,23 +19,23 @@ struct PathTracerOptions
   SceneSettings scene;
   Representation representation;
   BuildSettings build;
-  bool autoLevel = false;     // use rates by the view instead of build.level
+  bool autoLevel = false;     // rates by the view instead of build.level
   float quadSize = 1;         // of rates by the view, in pixels
-  float maxPixelError = 0;    // largest spacing of cVERT, in pixels of the view, 0 for no bound
+  float maxPixelError = 0;    // largest lattice spacing of cVERT, in pixels of the view, 0 for no bound
   std::string view = "full";  // full, close, or ex,ey,ez,lx,ly,lz,fov
   ImageSize size;
   unsigned samples = 64;      // per pixel
   unsigned bounces = 3;       // hits of a path after the first
   Shutter shutter;            // for models that move
-  std::string device;         // "cpu", or an argument of rtcNewVulkanDevice
-  bool byRayQuery = false;    // use the driver's ray queries instead of the library's traversal
+  std::string device;         // "cpu", or for rtcNewVulkanDevice
+  bool byRayQuery = false;    // instead of the library's traversal
   bool window = false;
   std::string output;         // empty for none
 
   bool onCpu() const { return device == "cpu"; }
 };
 
-/* Parses a command line. Returns nothing after printing help. Throws Error, one line, for anything invalid. */
+/* Returns nothing after printing help. Throws Error, one line. */
 std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv);
 
 } // namespace cbvh

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Traces one path per pixel and adds its light to the pixel's sum. */
+/* Adds the light of one path to each pixel's sum. */
 
 #version 460
 
@@ -19,7 +19,7 @@ layout(constant_id = 1) const uint stackSize = 96u;
 #endif
 #include "path.h"
 
-layout(local_size_x = 8, local_size_y = 8) in; // square groups, because first rays of neighboring pixels are coherent
+layout(local_size_x = 8, local_size_y = 8) in; // square, because first rays of neighboring pixels are coherent
 
 layout(push_constant, scalar) uniform Arguments { PathArguments arguments; };
 

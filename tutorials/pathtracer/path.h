@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Light along the paths of a pixel. A path starts at the eye and continues from each hit in a random direction, with
- * the distribution of diffuse reflection. This finds light from the sky and from other surfaces. The sun is too small
- * for this, so each hit also traces a shadow ray to a random point of the sun. */
+/* A path starts at the eye and continues from each hit in a random direction, distributed as diffuse reflection, to
+ * find light from the sky and other surfaces. The sun is too small for this, so each hit also traces a shadow ray to
+ * a random point of the sun. */
 
 #ifndef PATH_H
 #define PATH_H
@@ -12,20 +12,19 @@
 
 PATH_BEGIN
 
-/* Camera, sun and shutter of a picture. */
 struct PathView
 {
   vec3 eye;
-  vec3 corner;      // from the eye to the upper left corner of the picture, whose plane has a distance of 1
+  vec3 corner;      // from the eye to the picture's upper left corner, in a plane at distance 1
   vec3 right, down; // between pixels
-  vec3 up;          // of the sky, unit length
-  vec3 sun;         // direction to the center of the sun, unit length
+  vec3 up;          // unit length
+  vec3 sun;         // unit direction to the center
   uint32_t width, height;
   uint32_t bounces; // hits of a path after the first
-  float shutterBegin, shutterEnd; // times of paths, 0 to 1
+  float shutterBegin, shutterEnd; // in [0,1]
 };
 
-/* Arguments of the shader. Addresses are two words there. */
+/* The shader's arguments. Addresses are two words there. */
 struct PathArguments
 {
 #ifdef VULKAN
@@ -39,7 +38,7 @@ struct PathArguments
 };
 
 #ifndef VULKAN
-/* Every device has at least 128 bytes of push constants. The shader's struct ends with the last member, this one is
+/* Devices have at least 128 bytes of push constants. The shader's struct ends with the last member; this one is
  * padded to a multiple of 8. */
 static_assert(offsetof(PathArguments,firstRow) == 112 && sizeof(PathArguments) == 120, "layout of push constants");
 #endif
@@ -51,17 +50,17 @@ struct ClosestHit
   vec3 Ng;
 };
 
-/* Implemented for each device. `direction` has unit length, so that t is a distance; `time` is in [0,1]. */
+/* Implemented per device. `direction` has unit length; `time` is in [0,1]. */
 ClosestHit closestHit (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
 bool isOccluded (TracedScene scene, vec3 origin, float tnear, vec3 direction, float time);
 
-/* Returns tnear of rays that leave a hit, as in Embree's own path tracer: larger than the rounding error of the hit. */
+/* tnear of rays that leave a hit: above its rounding error, as in Embree's path tracer. */
 PATH_FUNCTION float nearEnd (vec3 p, float t)
 {
   return 32.0f*1.1920929e-7f*max(max(abs(p.x),abs(p.y)),max(abs(p.z),t));
 }
 
-/* Returns the unit normal on the side of the ray, or the reversed ray if the hit has no normal. */
+/* The unit normal on the ray's side; the reversed ray if there is no normal. */
 PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
 {
   float square = dot(Ng,Ng);
@@ -69,13 +68,12 @@ PATH_FUNCTION vec3 facingNormal (vec3 Ng, vec3 direction)
   return Ng*((dot(Ng,direction) > 0.0f ? -1.0f : 1.0f)/sqrt(square));
 }
 
-/* Returns the time of a path. Its random number is not one of the dimensions that lightOfPath counts. */
+/* Separate from the dimensions that lightOfPath counts. */
 PATH_FUNCTION float timeOfPath (PathView view, uint32_t pixel, uint32_t sampleIndex)
 {
   return view.shutterBegin + (view.shutterEnd - view.shutterBegin)*randomNumber(pixel,sampleIndex,0xFFFFFFFFu);
 }
 
-/* Returns the light of one path through a pixel. */
 PATH_FUNCTION vec3 lightOfPath (TracedScene scene, PathView view, uint32_t x, uint32_t y, uint32_t sampleIndex)
 {
   uint32_t pixel = y*view.width + x, dimension = 0u;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Renders a picture sample by sample, on the CPU or on a Vulkan device. Both trace the same paths with the same random
- * numbers, so their pictures differ only by rounding. */
+/* Renders sample by sample on the CPU or a Vulkan device, with the same paths and random numbers: pictures differ
+ * only by rounding. */
 
 #include "path.h"
 #include "tracing/camera.h"
@@ -18,7 +18,7 @@ namespace cbvh {
 
 using path::PathView;
 
-/* `up` is the scene's up direction, `bounces` the number of hits after the first, `shutter` for models that move. */
+/* `bounces` is the number of hits after the first. */
 PathView makePathView(const Camera& camera, Vec3f up, unsigned bounces, const Shutter& shutter);
 
 class PathTracer
@@ -26,15 +26,14 @@ class PathTracer
 public:
   virtual ~PathTracer() = default;
 
-  /* Traces one more path per pixel. Throws Error, Cancelled; the picture is invalid afterwards. */
+  /* Traces one path per pixel. Throws Error; the picture is then invalid. */
   void addSample() { addSample(count++); }
 
   unsigned samples() const { return count; }
 
-  /* Returns the mean of the samples so far, linear, one value per pixel, rows from the top. */
+  /* Mean of the samples, linear, one value per pixel, rows from the top. */
   std::vector<Vec3f> picture() const;
 
-  /* Describes the device that traces. */
   virtual std::string deviceName() const = 0;
 
 private:
@@ -44,11 +43,10 @@ private:
   uint32_t count = 0;
 };
 
-/* Traces on CPU threads. The scene must be committed and must outlive the tracer. */
+/* The scene must be committed and outlive the tracer. */
 std::unique_ptr<PathTracer> makeCpuPathTracer(RTCScene scene, const PathView& view, unsigned threads);
 
-/* Traces on a Vulkan device. `which` is an argument of rtcNewVulkanDevice. The scene must be committed. Throws
- * Error. */
+/* `which` is for rtcNewVulkanDevice. The scene must be committed. Throws Error. */
 std::unique_ptr<PathTracer> makeVulkanPathTracer(RTCScene scene, const PathView& view, const std::string& which,
                                                  bool byRayQuery = false);
 

@@ -26,7 +26,7 @@ void writeExr(const std::string& path, ImageSize size, const std::vector<Vec3f>&
   static const char* const names[3] = {"R", "G", "B"};
   Imf::Header header(size.width, size.height);
   Imf::FrameBuffer frame;
-  std::vector<Vec3f> copy = pixels; // because slices of OpenEXR are not const
+  std::vector<Vec3f> copy = pixels; // OpenEXR's slices are not const
   for (size_t i = 0; i < 3; i++)
   {
     char* const first = reinterpret_cast<char*>(copy.data()) + i * sizeof(float);

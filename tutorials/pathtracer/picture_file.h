@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Writes linear colors to files: unchanged as EXR, clamped and in sRGB as PNG. */
-
 #include "pictures/image.h"
 
 #include <string>
@@ -12,14 +10,14 @@
 
 namespace cbvh {
 
-/* Throws Error that names the option unless the extension is .exr or .png and the folder exists. */
+/* Throws Error with the option unless the extension is .exr or .png and the folder exists. */
 void validatePicturePath(const std::string& path);
 
-/* Converts linear pixels, rows from the top, to sRGB. Clamps. */
+/* Converts linear pixels, rows from the top, to sRGB; clamps to [0,1]. */
 Image toImage(ImageSize size, const std::vector<Vec3f>& pixels);
 
-/* Writes linear pixels: as EXR with 32-bit channels R, G and B, or as PNG in sRGB. The file appears complete or not at
- * all. Throws Error with the path. */
+/* Writes linear pixels as EXR with 32-bit channels R, G and B, or as PNG in sRGB, completely or not at all. Throws
+ * Error with the path. */
 void writePicture(const std::string& path, ImageSize size, const std::vector<Vec3f>& pixels);
 
 } // namespace cbvh

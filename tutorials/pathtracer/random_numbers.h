@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random numbers that depend only on a pixel, a sample, and a dimension, so that every device uses the same, and
- * directions computed from them.
+/* Random numbers that depend only on a pixel, a sample and a dimension, so that every device uses the same.
  *
- * Sines and cosines are our own polynomials, because those of a Vulkan device may have an error of 2^-11. */
+ * Sines and cosines are polynomials, because a Vulkan device's may have an error of 2^-11. */
 
 #ifndef PATH_RANDOM_NUMBERS_H
 #define PATH_RANDOM_NUMBERS_H
@@ -13,7 +12,7 @@
 
 PATH_BEGIN
 
-/* Returns the well-mixed bits of an integer (finalizer of MurmurHash3). */
+/* Finalizer of MurmurHash3. */
 PATH_FUNCTION uint32_t mixedBits (uint32_t x)
 {
   x = (x ^ (x >> 16u))*0x85EBCA6Bu;
@@ -21,16 +20,15 @@ PATH_FUNCTION uint32_t mixedBits (uint32_t x)
   return x ^ (x >> 16u);
 }
 
-/* Returns a multiple of 2^-24 in [0,1). `dimension` counts the numbers of a sample. */
+/* A multiple of 2^-24 in [0,1). `dimension` counts the numbers of a sample. */
 PATH_FUNCTION float randomNumber (uint32_t pixel, uint32_t sampleIndex, uint32_t dimension)
 {
   uint32_t bits = mixedBits(mixedBits(mixedBits(pixel + 1u) + sampleIndex) + dimension);
   return float(bits >> 8u)*5.9604644775390625e-8f;
 }
 
-/* Maps a point of the unit square to the upper unit hemisphere: cosine-distributed about the z axis, so x and y are
- * uniform on the disk. Preserves neighborhoods.
- * Based on: Shirley and Chiu, A Low Distortion Map Between Disk and Square, 1997. */
+/* Maps the unit square to the upper unit hemisphere, cosine-distributed about z; preserves neighborhoods. Based on:
+ * Shirley and Chiu, A Low Distortion Map Between Disk and Square, 1997. */
 PATH_FUNCTION vec3 pointOfHemisphere (float u, float v)
 {
   float a = 2.0f*u - 1.0f, b = 2.0f*v - 1.0f;
@@ -44,11 +42,11 @@ PATH_FUNCTION vec3 pointOfHemisphere (float u, float v)
   return vector(x,y,sqrt(max(0.0f,1.0f - x*x - y*y)));
 }
 
-/* Returns a vector of unit length; v must not be zero. */
+/* v must not be zero. */
 PATH_FUNCTION vec3 unitVector (vec3 v) { return v*(1.0f/sqrt(dot(v,v))); }
 
-/* Rotates a vector from a frame whose z axis is the unit vector n.
- * Based on: Duff et al., Building an Orthonormal Basis, Revisited, 2017. */
+/* Rotates p from a frame whose z axis is the unit vector n. Based on: Duff et al., Building an Orthonormal Basis,
+ * Revisited, 2017. */
 PATH_FUNCTION vec3 turned (vec3 p, vec3 n)
 {
   float s = n.z < 0.0f ? -1.0f : 1.0f;

@@ -21,7 +21,7 @@ std::string nameOf(VkResult result)
   }
 }
 
-/* Returns the first type of memory with the needed properties, preferably also with the preferred ones. */
+/* First memory type with the needed and, if possible, the preferred properties. */
 uint32_t memoryType(VkPhysicalDevice device, uint32_t allowed, VkMemoryPropertyFlags needed,
                     VkMemoryPropertyFlags preferred)
 {

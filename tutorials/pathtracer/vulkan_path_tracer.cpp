@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Traces the paths of path.h in our own compute shader, path.comp. It includes the library's cbvh.glsl and receives the
- * scene as an address, so no function of the library is called while it runs. */
+/* Traces the paths of path.h in a compute shader, path.comp, which includes the library's cbvh.glsl and receives the
+ * scene as an address: the library is not called meanwhile. */
 
 #include "vulkan_device.h"
 #include "path_tracer.h"
@@ -16,7 +16,7 @@ namespace {
 
 using path::PathArguments;
 
-/* SPIR-V of path.comp, written by glslc. The variants without 64-bit floats cannot trace cVERT. */
+/* SPIR-V of path.comp. Variants without 64-bit floats cannot trace cVERT. */
 const uint32_t code[] =
 #include "path.inc"
 ;
@@ -43,12 +43,11 @@ Code codeFor(bool byRayQuery, bool hasFloat64)
   return hasFloat64 ? Code{code, sizeof(code)} : Code{codeFloat32, sizeof(codeFloat32)};
 }
 
-constexpr uint32_t groupSize = 8; // local_size_x and local_size_y of path.comp
+constexpr uint32_t groupSize = 8; // as in path.comp
 
-/* Approximate number of paths per submission: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
+/* Paths per submission, approximately: drivers may abort work that takes seconds, and Ctrl-C waits for it. */
 constexpr uint32_t pathsAtOnce = 1u << 18;
 
-/* A scene on a device. */
 class UploadedScene
 {
 public:
@@ -71,7 +70,7 @@ private:
   }
 };
 
-/* The shader, specialized for a scene. */
+/* Specialized for a scene. */
 class PathPipeline
 {
 public:
@@ -91,7 +90,7 @@ public:
   PathPipeline(const PathPipeline&) = delete;
   PathPipeline& operator=(const PathPipeline&) = delete;
 
-  /* Records rows of the picture, beginning with the first row in the arguments. */
+  /* Starts at the first row of the arguments. */
   void record(VkCommandBuffer commands, const PathArguments& arguments, uint32_t rows) const
   {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
@@ -141,7 +140,6 @@ private:
   VkPipeline pipeline = VK_NULL_HANDLE;
 };
 
-/* Makes writes visible to later commands. */
 void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
              VkAccessFlags used)
 {

@@ -13,7 +13,6 @@ namespace {
 
 std::string glfwMessage;
 
-/* Owns GLFW and one window. */
 class Window
 {
 public:
@@ -64,7 +63,7 @@ private:
 void requireWindows()
 {
   glfwSetErrorCallback([](int, const char* text) { glfwMessage = text; });
-  if (!glfwInit()) // may be called repeatedly
+  if (!glfwInit()) // may be repeated
     throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --output without --window");
 }
 

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures the cost of each precision of cVERT, compared with Embree's own kernel for the same geometry: memory,
- * commits and rays, and how far vertices move. */
+/* Compares each precision of cVERT with Embree's own kernel: memory, commits and rays, and how far vertices move. */
 
 #include "building/diced_surface.h"
 #include "building/subdivision_geometry.h"
@@ -42,7 +41,7 @@ struct Options
 
 // --- sources --------------------------------------------------------------------------------------
 
-/* Commits a geometry whose input is set. */
+/* Commits a geometry with input. */
 using Commit = std::function<GeometryHandle(const RTCCompressionArguments&)>;
 
 struct Source
@@ -119,7 +118,7 @@ Source sourceOf(const std::string& name, const Diced& diced, const std::string& 
   return source;
 }
 
-/* Returns side x side quads, both as grids and as a mesh. */
+/* side x side quads, both as grids and as a mesh. */
 template<typename Place>
 Diced dicedSheet(const Options& options, unsigned steps, const Place& place)
 {
@@ -147,7 +146,7 @@ Diced dicedSheet(const Options& options, unsigned steps, const Place& place)
   return diced;
 }
 
-/* Sum of octaves from `wave` quads down to 4, each half as high as the previous one. */
+/* Octaves from `wave` quads down to 4, each half as high as the previous one. */
 double fractalNoise(double x, double y, double z, double wave)
 {
   double sum = 0, amplitude = 1;
@@ -156,15 +155,14 @@ double fractalNoise(double x, double y, double z, double wave)
   return sum;
 }
 
-/* Hills of up to about 100 m, well above sea level: floats near 0 have finer steps and cost more bytes if lossless. */
+/* Hills of up to about 100 m, well above sea level, because floats near 0 have finer steps. */
 Vec3f terrainAt(Vec3d corner, double cell, int x, int y)
 {
   return {float(corner.x + cell * x), float(corner.y + cell * y), float(corner.z + 100 * fractalNoise(x, y, 0.5, 256))};
 }
 
-/* Vertex of a depth image, in meters, of a surface 2 m away, with a field of view of 53 degrees. Each depth has white
- * noise with a standard deviation of a tenth of a quad. At the next time step the surface has moved, and the noise is
- * new. */
+/* Vertex of a depth image, in meters: a surface 2 m away, a field of view of 53 degrees, and white noise with a
+ * standard deviation of a tenth of a quad. Each time step moves the surface and has new noise. */
 Vec3f scannedAt(int side, int x, int y, unsigned step)
 {
   const double pixel = 1.0 / side, edge = 2 * pixel, u = (x - 0.5 * side) * pixel, v = (y - 0.5 * side) * pixel;
@@ -176,7 +174,7 @@ Vec3f scannedAt(int side, int x, int y, unsigned step)
   return {float(u * depth), float(v * depth), float(depth)};
 }
 
-/* Returns a model of every 64th vertex at all time steps, for fitting a camera. */
+/* Every 64th vertex at all time steps, for fitting a camera. */
 Model outlineOf(const std::string& name, const Diced& diced, ViewHints view)
 {
   Model model;
@@ -217,7 +215,7 @@ void forEachSheet(const Options& options, const std::string& name, unsigned step
   }
 }
 
-/* Dices the model at each time step and merges shared vertices. */
+/* Merges shared vertices. */
 template<typename Measure>
 void forEachDicedModel(const Options& options, const Model& model, const Measure& measure)
 {
@@ -237,7 +235,7 @@ void forEachDicedModel(const Options& options, const Model& model, const Measure
   for (const std::string& input : options.inputs)
   {
     if (input == "grids")
-      continue; // meshes of models share vertices between patches
+      continue; // these share vertices between patches
     Source source = sourceOf(model.name, diced, input, diced.quads.size());
     source.model = model;
     measure(source);
@@ -299,7 +297,7 @@ public:
 
   RTCScene handle() const { return scene.get(); }
 
-  /* Returns all stored vertices at all time steps, in an order that does not depend on the precision. */
+  /* All stored vertices at all time steps, in the same order for each precision. */
   std::vector<Vec3f> vertices(unsigned steps)
   {
     std::vector<Vec3f> all;
@@ -343,12 +341,12 @@ private:
   SceneHandle scene; // released before its device
 
 public:
-  std::vector<double> seconds; // of commits, processor time of all threads
-  double bytes = 0;            // without the application's buffers
+  std::vector<double> seconds; // processor time of all threads
+  double bytes = 0;            // excludes the application's buffers
   RTCCompressionStatistics statistics{};
 };
 
-/* Returns the median length of edges along u. The distances between ends of rows are included, but are few. */
+/* Along u. Includes distances between ends of rows, which are few. */
 double medianEdge(Built& built)
 {
   std::vector<float> edges;

@@ -13,7 +13,7 @@ namespace {
 
 using Integers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
 
-/* `kinds` are NumPy's letters of the accepted types, `expected` names them in messages. */
+/* `kinds` are NumPy's letters of accepted types; `expected` is for messages. */
 py::array numbers(const py::object& value, const std::string& argument, const std::string& kinds,
                   const std::string& expected)
 {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Converts NumPy arrays to vectors of common/ and back. Arguments may be anything that NumPy converts to an array of
- * numbers. Invalid arguments raise TypeError or ValueError that names the argument. */
+/* Converts anything that NumPy accepts as an array of numbers to vectors of common/, and back. Invalid arguments
+ * raise TypeError or ValueError with the argument's name. */
 
 #include "basics/vec.h"
 
@@ -24,41 +24,40 @@ namespace py = pybind11;
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Shape = std::vector<py::ssize_t>;
 
-/* Formats a shape, "(4, 3)". */
+/* "(4, 3)" */
 std::string shapeText(const Shape& shape);
 Shape shapeOf(const py::array& array);
 
-/* Raises ValueError with the argument and the reason. */
 [[noreturn]] void throwValueError(const std::string& argument, const std::string& why);
 
 /* --- arguments ---------------------------------------------------------------- */
 
-/* Converts real numbers of any shape. */
+/* Accepts any shape. */
 Floats floats(const py::object& value, const std::string& argument);
 
-/* Convert arrays of shape (n,), (n, 2) and (n, 3). The last two require finite numbers. */
+/* Shapes (n,), (n, 2) and (n, 3). The last two must be finite. */
 std::vector<float> floatVector(const py::object& value, const std::string& argument);
 std::vector<Vec2f> vec2Vector(const py::object& value, const std::string& argument);
 std::vector<Vec3f> vec3Vector(const py::object& value, const std::string& argument);
 
-/* Converts an array of shape (3,); requires finite numbers. */
+/* Requires shape (3,), finite. */
 Vec3f vec3(const py::object& value, const std::string& argument);
 
-/* Converts integers from 0 to limit - 1, or `none`. Writes the shape of the argument to `shape`. */
+/* Requires 0 to limit - 1, or `none`. Writes the argument's shape to `shape`. */
 std::vector<unsigned> indices(const py::object& value, const std::string& argument, size_t limit, Shape& shape,
                               std::optional<unsigned> none = {});
 
-/* The same for arrays of shape (n,) and (n, 2). */
+/* Shapes (n,) and (n, 2). */
 std::vector<unsigned> indexVector(const py::object& value, const std::string& argument, size_t limit);
 std::vector<std::pair<unsigned, unsigned>> indexPairs(const py::object& value, const std::string& argument,
                                                       size_t limit);
 
-/* Returns the index of `word` in `words`, all of which the error names. */
+/* Index of `word` in `words`. */
 size_t choice(const std::string& word, const std::string& argument, const std::vector<std::string>& words);
 
 /* --- results ------------------------------------------------------------------ */
 
-/* Returns a read-only array of data that a Python object owns. The array keeps the object alive. */
+/* A read-only array of data of a Python object, which it keeps alive. */
 template<typename T>
 py::array view(const T* data, const Shape& shape, const Shape& strides, const py::handle& owner)
 {
@@ -67,7 +66,7 @@ py::array view(const T* data, const Shape& shape, const Shape& strides, const py
   return array;
 }
 
-/* The same for a vector whose elements consist of T only: shape (n,) or (n, width). */
+/* For vectors whose elements consist of T only: shape (n,) or (n, width). */
 template<typename T, typename Element>
 py::array view(const std::vector<Element>& elements, const py::handle& owner)
 {
@@ -78,7 +77,7 @@ py::array view(const std::vector<Element>& elements, const py::handle& owner)
                     : view(data, {n, width}, {py::ssize_t(sizeof(Element)), sizeof(T)}, owner);
 }
 
-/* Returns a new array whose element i is function(i). */
+/* Element i is function(i). */
 template<typename T, typename Function>
 py::array_t<T> arrayOf(const Shape& shape, const Function& function)
 {
@@ -89,7 +88,7 @@ py::array_t<T> arrayOf(const Shape& shape, const Function& function)
   return array;
 }
 
-/* Return new arrays of shape (3,), and of shape (2, 3) with the lower and upper corner. */
+/* Shapes (3,) and (2, 3): lower and upper corner. */
 py::array_t<float> arrayOf(Vec3f v);
 py::array_t<float> arrayOf(const Box3f& box);
 

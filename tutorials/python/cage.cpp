@@ -22,7 +22,7 @@ namespace {
 
 const std::vector<std::string> boundaryRules{"none", "edge_and_corner", "edge_only"}; // in order of BoundaryRule
 
-/* Without faceSizes, all faces have the same size and `indices` has one row per face. */
+/* Without faceSizes, `indices` has one row per face. */
 void readFaces(const py::object& indices, const py::object& faceSizes, Cage& cage)
 {
   Shape shape;
@@ -57,7 +57,7 @@ void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
   if (uvs.is_none())
   {
     if (!uvIndices.is_none())
-      throwValueError("uv_indices", "needs uvs");
+      throwValueError("uv_indices", "is given without uvs: expected both");
     return;
   }
   cage.uvs = vec2Vector(uvs, "uvs");
@@ -88,7 +88,7 @@ void readUVs(const py::object& uvs, const py::object& uvIndices, Cage& cage)
   }
 }
 
-/* Reads one value for each of n edges or corners, or one for all. None means infinitely sharp. */
+/* One value for each of n edges or corners, or one for all. None means infinitely sharp. */
 std::vector<float> readSharpness(const py::object& value, const std::string& argument, size_t n)
 {
   if (value.is_none())
@@ -104,7 +104,7 @@ std::vector<float> readSharpness(const py::object& value, const std::string& arg
   return sharpness;
 }
 
-/* Turns faces that Embree does not support into holes, with a warning. */
+/* Warns and makes holes of faces that Embree does not support. */
 std::shared_ptr<Cage> checked(std::shared_ptr<Cage> cage)
 {
   std::string warnings;
@@ -143,7 +143,6 @@ std::shared_ptr<Cage> loadCage(const std::filesystem::path& path)
   return checked(std::move(cage));
 }
 
-/* Returns a read-only array of a member. */
 template<typename T, typename Element>
 auto array(std::vector<Element> Cage::*member)
 {

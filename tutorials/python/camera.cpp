@@ -33,7 +33,7 @@ Camera makeCamera(const py::object& eye, const py::object& lookAt, const py::obj
   return Camera(from, to, upwards, fov, imageSize(size));
 }
 
-/* Returns (origins, directions), in the order of Scene.intersect's arguments. */
+/* (origins, directions), as for Scene.intersect. */
 py::tuple arraysOf(const std::vector<Ray>& rays, Shape shape)
 {
   shape.push_back(3);

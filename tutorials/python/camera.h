@@ -9,7 +9,7 @@
 
 namespace cbvh::python {
 
-/* Converts width and height of a picture. Raises ValueError if they are out of range. */
+/* Raises ValueError if out of range. */
 ImageSize imageSize(std::pair<int, int> size);
 
 } // namespace cbvh::python

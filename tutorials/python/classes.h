@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Functions that add classes to the module. Hits are defined in hits.h. */
-
 #include <pybind11/pybind11.h>
 
 namespace cbvh::python {

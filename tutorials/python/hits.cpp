@@ -11,7 +11,7 @@
 namespace cbvh::python {
 namespace {
 
-/* Returns the shape without the last axis of x, y and z. */
+/* The shape without the last axis. */
 Shape shapeOfVectors(const Floats& array, const std::string& argument)
 {
   Shape shape = shapeOf(array);
@@ -31,7 +31,6 @@ Floats broadcast(const Floats& array, const Shape& shape)
   return Floats(py::module_::import("numpy").attr("broadcast_to")(array, tupleOf(shape)));
 }
 
-/* Returns an array of a member of all hits. */
 template<typename T>
 py::array member(const py::object& self, T SurfaceHit::*member)
 {
@@ -53,7 +52,7 @@ py::array member(const py::object& self, T SurfaceHit::*member)
     return view(&(first->*member), hits.shape, strides, self);
 }
 
-/* Returns an array of IDs; Embree's invalid ID for misses. */
+/* Embree's invalid ID for misses. */
 template<typename Function>
 py::array_t<unsigned> ids(const Hits& hits, const Function& idOfFace)
 {

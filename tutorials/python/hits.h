@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Converts NumPy arrays to rays, and hits to NumPy arrays. Both keep the shape of the arrays without their last axis of
- * x, y and z, so pictures stay pictures. */
+/* NumPy arrays as rays, and hits as NumPy arrays. Both keep the shape without the last axis of x, y and z. */
 
 #include "arrays.h"
 
@@ -16,10 +15,10 @@ namespace cbvh::python {
 struct Rays
 {
   Shape shape;
-  std::vector<Ray> rays; // in C order, the last index fastest
+  std::vector<Ray> rays; // in C order
 };
 
-/* Reads arguments as in Scene.intersect, broadcast to one shape by NumPy's rules. */
+/* Arguments as for Scene.intersect, broadcast by NumPy's rules. */
 Rays readRays(const py::object& origins, const py::object& directions, const py::object& tnear, const py::object& tfar,
               const py::object& time);
 Rays readRays(const py::object& origins, const py::object& directions);
@@ -31,7 +30,7 @@ struct Hits
   size_t facesOfCopy = 0, faces = 0; // of the model
 };
 
-/* Raises ValueError unless there are `rays` hits, the number of rays in the arguments `others`. */
+/* Raises ValueError unless there are `rays` hits, as many as rays in the arguments `others`. */
 void requireRays(const Hits& hits, const std::string& argument, size_t rays, const std::string& others);
 
 void defineHits(py::module_& module);

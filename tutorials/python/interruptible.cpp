@@ -17,19 +17,19 @@
 namespace cbvh::python {
 namespace {
 
-/* The longest time between checks for signals. */
+/* Between checks for signals. */
 constexpr auto patience = std::chrono::milliseconds(50);
 
 std::timed_mutex turn;
 std::atomic<std::thread::id> whoseTurn;
 
-/* Number of threads in runInterruptible, and whether the interpreter is about to end. Both change only while the
- * interpreter's lock is held. */
+/* Threads in runInterruptible, and whether the interpreter is about to end. Both change only under the interpreter's
+ * lock. */
 std::atomic<int> inside{0};
 std::atomic<bool> ending{false};
 
-/* Counts the calling thread, unless the interpreter is about to end. A daemon thread that waits for the interpreter's
- * lock after the interpreter has ended is unwound through destructors, which ends the process by std::terminate. */
+/* Counts the calling thread, unless the interpreter is about to end: a daemon thread that then waits for the
+ * interpreter's lock is unwound through destructors, which ends the process by std::terminate. */
 class Inside
 {
 public:
@@ -176,7 +176,7 @@ void cancelAllAtExit()
   ending = true;
   while (inside > 0)
   {
-    requestCancel(); // repeatedly, because a task that ends clears the request
+    requestCancel(); // a task that ends clears the request
     const py::gil_scoped_release released;
     std::this_thread::sleep_for(patience);
   }

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Runs long work without the interpreter's lock, reports progress to Python, and lets Ctrl-C cancel it.
+/* Runs long work without the interpreter's lock, with progress and Ctrl-C.
  *
- * The work runs on its own thread, which never uses Python. The calling thread waits for it; between waits it acquires
- * the interpreter's lock, checks for signals, and calls the user's `progress`. An exception (KeyboardInterrupt, or one
- * that `progress` raises) cancels the work and is raised after the work has stopped.
+ * The work runs on its own thread, which never uses Python. Between waits, the calling thread acquires the
+ * interpreter's lock, checks for signals, and calls the user's `progress`. An exception (KeyboardInterrupt, or one
+ * of `progress`) cancels the work and is raised once the work has stopped.
  *
- * common/ has only one flag for cancellation, so concurrent calls from other threads wait until it is their turn. */
+ * common/ has only one flag for cancellation, so calls from other threads wait for their turn. */
 
 #include <pybind11/pybind11.h>
 
@@ -21,11 +21,10 @@ namespace cbvh::python {
 
 namespace py = pybind11;
 
-/* `progress` is None, or is called with the name of a phase and the fraction done, 0 to 1. Throws what `work`
- * throws. */
+/* `progress` is None, or receives the name of a phase and the fraction done, 0 to 1. Throws what `work` throws. */
 void runInterruptible(const py::object& progress, const std::function<void()>& work);
 
-/* The same for work with a result. */
+/* Returns the result of `work`. */
 template<typename Work>
 auto interruptible(const py::object& progress, const Work& work)
 {
@@ -34,9 +33,9 @@ auto interruptible(const py::object& progress, const Work& work)
   return std::move(*result);
 }
 
-/* Cancels the work of all threads and waits until they have left; later calls throw Cancelled. For Python's atexit,
- * which runs before the interpreter ends: daemon threads are not joined before. */
+/* Cancels the work of all threads and waits for it; later calls throw Canceled. For Python's atexit, because daemon
+ * threads are not joined before the interpreter ends. */
 void cancelAllAtExit();
-bool interpreterEnds(); // true after cancelAllAtExit was called
+bool interpreterEnds(); // after cancelAllAtExit
 
 } // namespace cbvh::python

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Converts JSON records of the programs to Python objects with the same names. */
+/* Names stay the same. */
 
 #include <nlohmann/json.hpp>
 #include <pybind11/pybind11.h>

@@ -31,14 +31,13 @@ namespace fs = std::filesystem;
 
 /* --- displacement -------------------------------------------------------------- */
 
-/* Heights as arguments from Python. */
 struct Heights
 {
-  std::string path; // of an image, or
-  HeightMap map;    // an array if the path is empty
+  std::string path; // image, or
+  HeightMap map;    // array if the path is empty
 };
 
-/* A file that contains an array, because OpenImageIO's texture system only reads files. */
+/* Stores an array in a file, because OpenImageIO's texture system only reads files. */
 class MapFile
 {
 public:
@@ -62,7 +61,7 @@ private:
   std::string folder;
 };
 
-/* Keeps the file as long as tiles of it may be read. */
+/* Keeps the file while its tiles may be read. */
 struct ArrayDisplacement
 {
   MapFile file;
@@ -103,7 +102,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   }
   const std::shared_ptr<ArrayDisplacement> kept(new ArrayDisplacement{MapFile(heights.map), nullptr});
   map.path = kept->file.path();
-  /* Messages name the argument instead of the temporary file. */
+  /* Replaces the temporary file's name by the argument's. */
   const auto withArgument = [&](std::string text) {
     for (size_t at; (at = text.find(map.path)) != std::string::npos;)
       text.replace(at, map.path.size(), "height");
@@ -129,7 +128,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
 
 const std::vector<std::string> valuesOfMaps{"heights", "object", "tangent"}; // in the order of MapValues
 
-/* Reads one number, or one for each direction. */
+/* One number, or one per direction. */
 Vec2f readRepeat(const py::object& value)
 {
   const Floats given = floats(value, "repeat");
@@ -142,10 +141,10 @@ Vec2f readRepeat(const py::object& value)
   return repeat;
 }
 
-/* Reads an array of shape (steps, vertices, 3), or (vertices, 3) for one step. */
+/* Requires shape (steps, vertices, 3), or (vertices, 3) for one step. */
 std::vector<std::vector<Vec3f>> readPoses(const py::object& given, size_t numVertices)
 {
-  constexpr size_t most = 128; // together with the cage, Embree's limit of 129 time steps
+  constexpr size_t most = 128; // Embree's 129 time steps without the cage
   if (given.is_none())
     return {};
   const Floats array = floats(given, "poses");
@@ -172,7 +171,7 @@ std::shared_ptr<Model> makeModel(const Cage& cage, const py::object& height, std
   model->cage = cage;
   model->poses = readPoses(poses, cage.positions.size());
   if (amplitude && height.is_none())
-    throwValueError("amplitude", "needs a height");
+    throwValueError("amplitude", "is given without a height: expected both");
   if (amplitude && !std::isfinite(*amplitude))
     throwValueError("amplitude", "is not finite: expected a finite number");
   if (midLevel && !std::isfinite(*midLevel))
@@ -238,7 +237,7 @@ Mesh meshOf(const Model& model, int level, int threads)
   const PatchLayout layout = model.layout(level);
   for (const Patch& patch : layout.patches())
     if (level == 0 && !layout.isQuadFace(patch.face))
-      throw Error("level 0 needs a cage of quads only, but face " + std::to_string(patch.face) + " is none");
+      throw Error("level 0: face " + std::to_string(patch.face) + " is not a quad: expected only quads, or level 1");
   if (layout.numVertices() > UINT32_MAX)
     throw Error("level " + std::to_string(level) + " has " + std::to_string(layout.numVertices()) +
                 " vertices: expected at most 2**32 - 1");

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The module embree_cbvh: a thin binding of common/ for comparing representations in notebooks. */
+/* Binds common/ to Python for comparing representations in notebooks. */
 
 #include "classes.h"
 #include "hits.h"
@@ -43,7 +43,7 @@ void translate(std::exception_ptr thrown)
   }
   catch (const Cancelled&)
   {
-    /* SystemExit ends a thread without a message. */
+    /* ends a thread without a message */
     PyErr_SetNone(interpreterEnds() ? PyExc_SystemExit : PyExc_KeyboardInterrupt);
   }
   catch (const Error& e)

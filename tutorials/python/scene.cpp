@@ -75,7 +75,7 @@ unsigned threadsOf(int threads)
 
 /* --- building ------------------------------------------------------------------ */
 
-/* Parses "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
+/* "cleaf^3", or "cleaf" and a frame level: a number, "auto", or None. */
 Representation readRepresentation(const std::string& name, const py::object& frameLevel)
 {
   const std::vector<Representation> one = parseRepresentations(
@@ -106,7 +106,7 @@ PixelBound readPixelBound(float pixels, const std::optional<Camera>& camera)
   if (pixels == 0.0f)
     return {};
   if (!camera)
-    throwValueError("max_pixel_error", "needs a camera");
+    throwValueError("max_pixel_error", "is given without a camera: expected both");
   return {pixels, camera->eye(), camera->footprint()};
 }
 
@@ -159,7 +159,7 @@ std::vector<char> anyHits(const TracedScene& scene, const std::vector<Ray>& rays
   return hit;
 }
 
-/* For Scene and LoadedScene; so is the next function. */
+/* For Scene and LoadedScene, as the next function. */
 template<typename Traced>
 py::array_t<bool> occluded(const Traced& scene, const py::object& origins, const py::object& directions,
                            const py::object& tnear, const py::object& tfar, const py::object& time, int threads)
@@ -207,7 +207,7 @@ Camera cameraOf(const Scene& scene, const std::string& view, std::pair<int, int>
 void save(const Scene& scene, const std::string& path)
 {
   if (!scene.built.representation().isCompressed())
-    throwValueError("path", "only compressed scenes can be saved, but this one is " +
+    throwValueError("path", "only compressed scenes can be saved: expected another representation than " +
                               scene.built.representation().label());
   interruptible(py::none(), [&] { scene.built.save(path); return 0; });
 }
@@ -340,7 +340,7 @@ py::dict tessellation(const Scene& scene, float time)
 
 /* --- docstrings ---------------------------------------------------------------- */
 
-/* Returns the names of the representations for which a predicate is true, "cgrid, cvoxel". */
+/* Representations for which a predicate is true, "cgrid, cvoxel". */
 std::string wordsOf(bool (Representation::*is)() const, const std::string& quote)
 {
   std::string words;
@@ -452,7 +452,8 @@ footprint: width of a pixel at distance 1 (Camera.footprint); directions must ha
 
 rmse_pixels, median_pixels, p99_pixels and max_pixels describe distances between hit points. rmse_of_others_pixels and
 bias_pixels (above 0: behind the reference) exclude distances beyond 5 pixels, which usually mean another sheet of the
-surface. false_hits and misses count rays of which only one hits. Normals are in degrees, u and v in quads (cells).)";
+surface. false_hits and misses count rays that hit in only one of both. Normals are in degrees, u and v in quads
+(cells).)";
 
 constexpr const char* trueErrorsText =
   R"(Compares hits with the true surface and returns a dict with the names of `cbvh_render --json`.

@@ -10,7 +10,7 @@
 
 namespace cbvh::python {
 
-/* Issues a Python warning for each line. Requires the interpreter's lock. */
+/* One warning per line. Requires the interpreter's lock. */
 inline void warn(const std::string& lines)
 {
   std::istringstream stream(lines);

@@ -1,9 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Renders a displaced subdivision surface in one or several representations, and compares memory, build time, speed and
- * error. */
-
 #include "comparison.h"
 #include "options.h"
 #include "report.h"

@@ -1,13 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* GRID is built first, if it is requested and fits, and stays in memory, because every other representation is timed
- * alternately with it. Only one of the others is in memory at a time. The first representation provides the hits from
- * which rays bounce.
+/* GRID is built first and stays in memory, because the others are timed alternately with it; only one of them is in
+ * memory at a time. The first representation provides the hits from which rays bounce.
  *
- * NAIVE, the largest, is next. If both are built, the reference of all errors is the nearer hit of NAIVE and GRID. Both
- * have the same triangles, but tens of rays in 100,000 slip between two of NAIVE's: without RTC_SCENE_FLAG_ROBUST,
- * Embree's triangle test is not watertight, while GRID's is. */
+ * NAIVE, the largest, is next. If both are built, the reference of all errors is the nearer hit of NAIVE and GRID:
+ * they have the same triangles, but tens of rays in 100,000 slip between two of NAIVE's, because without
+ * RTC_SCENE_FLAG_ROBUST Embree's triangle test is not watertight. */
 
 #include "comparison.h"
 #include "memory_plan.h"
@@ -29,7 +28,7 @@
 namespace cbvh {
 namespace {
 
-constexpr uint32_t sampleSeed = 1; // constant, so that every run chooses the same hits
+constexpr uint32_t sampleSeed = 1; // so that every run chooses the same hits
 
 BuildSize sizeOf(const Model& model, const BuildSettings& build)
 {
@@ -91,7 +90,7 @@ public:
   }
 
 private:
-  /* Measures a representation and writes its files. `grid` is null without GRID, and for GRID itself. */
+  /* `grid` is null without GRID, and for GRID itself. */
   void examine(const BuiltScene& scene, const BuiltScene* grid)
   {
     const RepresentationKind kind = scene.representation().kind;
@@ -122,7 +121,7 @@ private:
     comparison.results.push_back(result);
   }
 
-  /* Writes the shaded picture. `hits` belong to the rays through the centers of pixels, which are the first samples. */
+  /* `hits` belong to the centers of pixels, which are the first samples. */
   void writePicture(const BuiltScene& scene, const std::vector<SurfaceHit>& hits)
   {
     const Representation& r = scene.representation();
@@ -163,7 +162,7 @@ private:
     return kind == RepresentationKind::Naive && gridHits.empty();
   }
 
-  /* Completes GRID's result after all other representations were measured. */
+  /* Requires the results of all others. */
   void finishGrid(const BuiltScene& grid, Result& result)
   {
     if (find(RepresentationKind::Naive))
@@ -235,7 +234,7 @@ private:
     comparison.speed = options.speed;
     comparison.compares = options.compares();
     comparison.trueHits = sample.size();
-    /* A single picture was already named when it was written. */
+    /* A single picture was named when it was written. */
     if (options.compares() || options.exr || options.ambientRays || options.colors == HitColors::Sides)
       comparison.pictures = files.legend(comparison.reference);
     for (int set = 0; set < numRaySets; set++)
@@ -266,7 +265,7 @@ private:
   std::vector<SurfaceHit> reference, gridHits;
   std::vector<float> gridAmbient;
   std::optional<TrueSurfaces> surfaces;
-  std::vector<size_t> sample; // of the primary rays, compared with the true surface
+  std::vector<size_t> sample; // primary rays to compare with the true surface
   Comparison comparison;
 };
 

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Builds one representation after the other, traces the same rays through each, and collects the numbers of the
- * table. */
+/* Builds one representation after the other and traces the same rays through each. */
 
 #include "model_view.h"
 #include "speed.h"
@@ -21,7 +20,7 @@ struct Result
 {
   Representation representation;
   BuildReport build;
-  std::optional<HitErrors> errors; // unset for the reference itself, and without a reference
+  std::optional<HitErrors> errors; // unset for the reference itself
   std::optional<TrueErrors> trueErrors;
   size_t anyDisagreements[numRaySets] = {0, 0};
   Speeds speed;
@@ -37,16 +36,16 @@ struct Comparison
   size_t primaryHits = 0;
   size_t rays[numRaySets] = {0, 0};
   bool speed = false;
-  float quadSize = 0;         // in pixels if the view determines levels, else 0
+  float quadSize = 0;         // pixels; 0 if the view does not determine levels
   bool isMesh = false;        // without levels
-  bool compares = false;      // several representations
+  bool compares = false;      // there are several representations
   std::string reference;      // of the errors; empty without errors
-  size_t trueHits = 0;        // number of hits that are compared with the true surface
-  std::string pictures;       // lines with the paths and contents of the pictures
-  std::vector<Result> results; // in the order of the options, without representations that did not fit into memory
+  size_t trueHits = 0;        // compared with the true surface
+  std::string pictures;       // paths and contents
+  std::vector<Result> results; // in the order of the options
 };
 
-/* Measures all representations and writes the pictures. Throws Error, Cancelled. */
+/* Measures all representations and writes the pictures. Throws Error. */
 Comparison runComparison(const Options& options, const ModelView& view);
 
 } // namespace cbvh

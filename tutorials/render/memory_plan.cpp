@@ -59,8 +59,7 @@ private:
 
   size_t peak(RepresentationKind kind) const { return estimatedPeakBytes(kind, size); }
 
-  /* Returns false and records the reason if a representation does not fit. `other` is the number of bytes in use at the
-   * same time, `user` describes what uses them. */
+  /* Records the reason if `r` does not fit next to `other` bytes, which `user` describes. */
   bool fits(const Representation& r, size_t other, const std::string& user)
   {
     if (peak(r.kind) + other <= available)

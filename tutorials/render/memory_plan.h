@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Decides which representations fit into memory, before anything is built. */
+/* Decides which representations fit into memory. */
 
 #include "building/memory.h"
 
@@ -15,14 +15,14 @@ namespace cbvh {
 
 struct MemoryPlan
 {
-  /* In the order of building: GRID, which stays in memory while the others are built and freed, then NAIVE, then the
-   * compressed ones in the requested order. */
+  /* In the order of building: GRID, which stays in memory, then NAIVE, then the compressed ones in the requested
+   * order. */
   std::vector<Representation> built;
-  std::vector<std::string> leftOut; // one line about each other representation
+  std::vector<std::string> leftOut; // one line per other representation
 };
 
-/* Compressed representations have priority: GRID and NAIVE, with which they are compared, are left out if they do not
- * fit next to them. `available` is in bytes. Throws Error if nothing fits. */
+/* GRID and NAIVE are left out if they do not fit next to the compressed representations. `available` is in bytes.
+ * Throws Error if nothing fits. */
 MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available);
 
 } // namespace cbvh

@@ -11,8 +11,7 @@
 namespace cbvh {
 namespace {
 
-/* Returns the camera, which is the same for every representation: it is fitted to a temporary GRID at a level that is
- * fast to build. */
+/* The same for every representation: fitted to a GRID at a level that is fast to build. */
 Camera cameraOf(const Options& options, const Model& model, unsigned threads)
 {
   constexpr size_t mostQuads = 4000000;
@@ -27,7 +26,7 @@ Camera cameraOf(const Options& options, const Model& model, unsigned threads)
   return chooseCamera(options.view, model, grid, options.size, threads);
 }
 
-/* Returns the settings for the whole picture, even if only a part of it is rendered. */
+/* For the whole picture, even if only a part is rendered. */
 BuildSettings settingsFor(const Options& options, const Model& model, const Camera& camera)
 {
   std::optional<ViewDicing> dicing;

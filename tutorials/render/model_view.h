@@ -15,7 +15,7 @@ struct ModelView
   Camera camera;
   BuildSettings build;
 
-  /* Loads the model. Throws Error, Cancelled. */
+  /* Throws Error. */
   explicit ModelView(const Options& options);
 };
 

@@ -13,7 +13,7 @@
 namespace cbvh {
 namespace {
 
-/* Text of the command line that is not yet parsed, with defaults that --help shows. */
+/* Unparsed options, with the defaults that --help shows. */
 struct Words
 {
   std::vector<std::string> files;
@@ -24,7 +24,7 @@ struct Words
   std::optional<size_t> trueHits;
 };
 
-/* Options in the order of --help. */
+/* In the order of --help. */
 
 void declarePictures(CLI::App& app, Options& o, Words& words)
 {
@@ -95,7 +95,7 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
   app.add_option("--json", o.json, "also write all numbers to this file")->type_name("FILE");
 }
 
-/* Comparisons use a fixed level unless auto is given, so that results do not depend on the view. */
+/* Results of comparisons must not depend on the view unless auto is given. */
 void chooseLevel(const CLI::App& app, const Words& words, Options& o)
 {
   const bool isGiven = app.count("--level") != 0;

@@ -40,7 +40,7 @@ std::string PictureFiles::path(const Representation& r, const std::string& endin
   return (std::filesystem::path(folder) / (model + "_" + r.fileStem() + ending)).string();
 }
 
-/* Returns several paths in the syntax of a shell: trex_{grid,cleaf2}.png. */
+/* Lists paths in the syntax of a shell: trex_{grid,cleaf2}.png. */
 std::string PictureFiles::names(const std::vector<std::string>& stems, const std::string& ending) const
 {
   std::string list;

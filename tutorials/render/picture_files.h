@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes the files of a run: a shaded picture, the hits, and comparisons with a reference. */
+/* Functions that write throw Error with the path. */
 
 #include "building/representation.h"
 #include "building/surface_hit.h"
@@ -21,14 +21,14 @@ namespace cbvh {
 class PictureFiles
 {
 public:
-  /* `samples` is the number per pixel of shaded pictures. */
+  /* `samples` is per pixel of shaded pictures. */
   PictureFiles(std::string folder, std::string model, ImageSize whole, Crop part, HitColors colors, int samples)
     : folder(std::move(folder)), model(std::move(model)), whole(whole), part(part), size(part.size()), colors(colors),
       samples(samples)
   {
   }
 
-  /* Returns the path. All functions that write throw Error with the path. */
+  /* Returns the path. */
   std::string writePicture(const Representation& r, const Image& image);
 
   /* `colors` are linear; `hits` holds one entry per ray. */
@@ -38,10 +38,10 @@ public:
   /* `errors` is a result of pixelErrors. */
   void writeErrors(const Representation& r, const std::vector<float>& errors);
 
-  /* `grid` is GRID's ambient occlusion; empty to write `light` alone. */
+  /* `grid` is GRID's ambient occlusion; empty for `light` alone. */
   void writeAmbient(const Representation& r, const std::vector<float>& grid, const std::vector<float>& light);
 
-  /* Returns a line about each kind of file that was written. `reference` names the reference of the errors. */
+  /* One line per kind of file. `reference` names the reference of the errors. */
   std::string legend(const std::string& reference) const;
 
 private:
@@ -54,7 +54,7 @@ private:
   ImageSize size; // of the part
   HitColors colors;
   int samples;
-  std::vector<std::string> shaded, exr, errorMaps, ambient, ambientWithGrid; // stems of representations
+  std::vector<std::string> shaded, exr, errorMaps, ambient, ambientWithGrid; // of representations
 };
 
 } // namespace cbvh

@@ -24,7 +24,7 @@ std::string scientific(double value)
   return text;
 }
 
-/* Formats bytes for tables, with three decimals below 1 MiB. */
+/* Formats with three decimals below 1 MiB. */
 std::string mebibytes(size_t bytes)
 {
   const double value = double(bytes) / (1 << 20);
@@ -76,7 +76,6 @@ private:
   std::vector<std::vector<std::string>> rows;
 };
 
-/* An empty cell. */
 const std::string none = "-";
 
 bool contains(const Comparison& c, RepresentationKind kind)
@@ -85,7 +84,7 @@ bool contains(const Comparison& c, RepresentationKind kind)
   return std::any_of(c.results.begin(), c.results.end(), isKind);
 }
 
-/* Adds a row only if there is cLEAF, which mixes two forms. */
+/* Only if there is cLEAF, which mixes two forms. */
 void exactRow(Table& table, const Comparison& c)
 {
   if (contains(c, RepresentationKind::CLeaf))
@@ -94,19 +93,17 @@ void exactRow(Table& table, const Comparison& c)
     });
 }
 
-/* Formats the median and the 99th percentile. */
 std::string medianAndP99(const ErrorSummary& e)
 {
   return number(e.median, 4) + ", " + number(e.p99, 4);
 }
 
-/* True if any of the results has errors against a mesh. */
 bool hasMeshErrors(const Comparison& c)
 {
   return std::any_of(c.results.begin(), c.results.end(), [](const Result& r) { return r.errors.has_value(); });
 }
 
-/* Adds a row of one kind of errors, HitErrors or TrueErrors. */
+/* For HitErrors or TrueErrors. */
 template<typename Errors>
 void errorRow(Table& table, const std::string& name, std::optional<Errors> Result::*errors,
               const std::function<std::string(const Errors&)>& cell)
@@ -131,8 +128,8 @@ std::string speedCell(const Speed& speed)
   return number(speed.mrays, 3) + (speed.toGrid ? " (" + number(*speed.toGrid, 2) + ")" : "");
 }
 
-/* Reports the median and the 99th percentile of errors. An RMSE would mostly show the few rays at silhouettes that hit
- * another sheet of the surface far behind. */
+/* Median and 99th percentile, because an RMSE would mostly show the few rays at silhouettes that hit another sheet
+ * far behind. */
 void addOverview(Table& table, const Comparison& c)
 {
   table.row("bytes per quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });

@@ -3,19 +3,17 @@
 
 #pragma once
 
-/* Formats the numbers of a comparison. */
-
 #include "comparison.h"
 
 #include <string>
 
 namespace cbvh {
 
-/* Returns a description of the run, a Markdown table with one column per representation, and the paths of the pictures.
- * The table has about a dozen rows, or all rows if `details` is set. */
+/* A description of the run, a Markdown table with a column per representation and about a dozen rows, or all rows if
+ * `details`, and the paths of the pictures. */
 std::string formatTable(const Comparison& comparison, bool details);
 
-/* Returns the same numbers as JSON, unrounded, with units in the names. */
+/* The same numbers, unrounded. */
 std::string formatJson(const Comparison& comparison);
 
 } // namespace cbvh

@@ -28,8 +28,7 @@
 namespace cbvh {
 namespace {
 
-/* Returns the time of a ray through the middle of the picture, including all initialization for a thread's first
- * ray. */
+/* Time of a ray through the middle of the picture, including initialization for a thread's first ray. */
 double firstRaySeconds(const Options& options, const SavedScene& scene, const Camera& camera)
 {
   const std::vector<Ray> rays = primaryRays(camera);
@@ -40,7 +39,7 @@ double firstRaySeconds(const Options& options, const SavedScene& scene, const Ca
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/* Measures the speed of single rays on one thread. The first round also loads the pages that rays reach. */
+/* Single rays on one thread. The first round also loads the pages that rays reach. */
 Speeds measureSpeed(const Options& options, const std::string& name, const SavedScene& scene,
                     const std::vector<Ray>& primary, const std::vector<SurfaceHit>& hits)
 {
@@ -58,7 +57,7 @@ Speeds measureSpeed(const Options& options, const std::string& name, const Saved
   return speeds;
 }
 
-/* Renders the scene in a file. If `given` is null, fits a camera to the scene. */
+/* `given` is null to fit a camera to the scene. */
 void render(const Options& options, const std::string& file, const std::string& name, const Camera* given, Vec3f up,
             nlohmann::json json)
 {

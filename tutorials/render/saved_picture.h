@@ -3,18 +3,16 @@
 
 #pragma once
 
-/* Renders files that --save wrote. */
+/* Renders files of --save. */
 
 #include "model_view.h"
 
 namespace cbvh {
 
-/* Opens options.loadPath, writes the picture, and prints the contents of the file and times. Throws Error,
- * Cancelled. */
+/* Writes the picture of options.loadPath, and prints the file's contents and times. Throws Error. */
 void renderSaved(const Options& options);
 
-/* Builds a model of many copies into the file of --save, copy by copy, and renders the file. Throws Error,
- * Cancelled. */
+/* Builds a model of many copies into the file of --save, and renders the file. Throws Error. */
 void saveAndRender(const Options& options, const ModelView& view);
 
 } // namespace cbvh

@@ -35,7 +35,7 @@ nlohmann::json speedJson(const Speeds& speeds)
   return j;
 }
 
-/* GRID is measured first in every other round. */
+/* Every other round measures GRID first. */
 Speeds InterleavedSpeed::measure(const std::string& name, const TracedScene& scene, const TracedScene* grid)
 {
   Phase phase(name + ": speed");

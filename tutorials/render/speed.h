@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Measures speed alternately with GRID, if it is built, so that other load on the machine affects both. */
+/* Measures alternately with GRID, if it is built, so that other load affects both. */
 
 #include "options.h"
 #include "tracing/trace_timing.h"
@@ -19,14 +19,14 @@ namespace cbvh {
 
 using RaySets = std::vector<Ray>[numRaySets];
 
-/* Makes ray sets of the size in the options. `hits` belong to the primary rays. */
+/* The options contain the size. `hits` belong to the primary rays. */
 void makeRaySets(const Options& options, const TracedScene& scene, const std::vector<Ray>& primary,
                  const std::vector<SurfaceHit>& hits, RaySets& sets);
 
 struct Speed
 {
   double mrays = 0;             // median of millions of rays per second
-  std::optional<double> toGrid; // relative to GRID, measured alternately; unset without GRID
+  std::optional<double> toGrid; // relative to GRID; unset without it
 };
 using Speeds = std::array<std::array<Speed, numQueries>, numRaySets>;
 
@@ -35,15 +35,13 @@ nlohmann::json speedJson(const Speeds& speeds);
 class InterleavedSpeed
 {
 public:
-  /* The sets must outlive this object and may be filled later. `repeat` is the number of measurements, whose median is
-   * used. */
+  /* The sets must outlive this object and may be filled later. The median of `repeat` measurements is used. */
   InterleavedSpeed(const RaySets& sets, int repeat) : sets(sets), repeat(repeat) {}
 
-  /* Measures a scene, alternately with `grid` unless it is null. `name` is for the line of progress. Throws
-   * Cancelled. */
+  /* Alternates with `grid` unless it is null. `name` is for progress. Throws Canceled. */
   Speeds measure(const std::string& name, const TracedScene& scene, const TracedScene* grid);
 
-  /* Sets GRID's own speed from all its measurements so far. Does not change the speeds if there are none. */
+  /* Sets GRID's speed from all its measurements so far, if any. */
   void setGridSpeed(Speeds& speeds) const;
 
 private:

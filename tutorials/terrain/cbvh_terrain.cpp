@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Computes sky-view factors of an elevation raster. Shows how an application with more geometry than memory uses
- * libembree_cbvh: it builds one surface per tile, frees the tile's vertices, and traces all tiles as one group. */
+/* Computes sky-view factors of an elevation raster. An example for applications with more geometry than memory: it
+ * builds one surface per tile, frees the tile's vertices, and traces all tiles as one group. */
 
 #include "elevation.h"
 #include "embree_terrain.h"
@@ -33,8 +33,8 @@ public:
   explicit CompressedTerrain(const Options& options)
   {
     check(cbvhNewContext(("threads=" + std::to_string(options.threads)).c_str(), nullptr, nullptr, &context));
-    /* All tiles use the same spacing: a vertex that two tiles share then lies on the same lattice in both, and is
-     * stored as the same floats. The default spacing depends on the quads of each grid and would leave cracks. */
+    /* A vertex that two tiles share must be the same floats in both, so all tiles use the same spacing. The default
+     * depends on each grid's quads and would leave cracks. */
     accuracy.maxError = options.maxError;
   }
   ~CompressedTerrain()
@@ -47,7 +47,7 @@ public:
   CompressedTerrain(const CompressedTerrain&) = delete;
   CompressedTerrain& operator=(const CompressedTerrain&) = delete;
 
-  /* Compresses a tile. Its vertices may be freed afterwards. */
+  /* The vertices may be freed afterwards. */
   void add(const TerrainTile& tile)
   {
     surfaces.push_back(nullptr);
@@ -97,9 +97,8 @@ void build(const Options& options, Elevation& elevation, Terrain& terrain)
   terrain.commit();
 }
 
-/* Returns the fraction of a horizontal surface's diffuse light that comes from the sky above the horizon: the mean of
- * cos^2 of the horizon's elevation over all azimuths. Terrain without overhangs occludes every ray below the
- * horizon. */
+/* Fraction of a horizontal surface's diffuse light that comes from the sky: the mean of cos^2 of the horizon's
+ * elevation over all azimuths. Terrain without overhangs occludes every ray below the horizon. */
 template<typename Terrain>
 float skyViewFactor(const Options& options, const Terrain& terrain, Vec3f from, size_t& rays)
 {

@@ -14,18 +14,18 @@
 namespace cbvh {
 namespace {
 
-/* Features of the noise are 256 to 4 samples wide; each octave is half as high as the previous one. */
+/* Features are 256 to 4 samples wide; each octave is half as high as the previous one. */
 constexpr float longestWave = 256;
 constexpr int octaves = 7;
 
-/* Returns the index, in a raster of n samples, of sample i of a sequence of mirrored copies. */
+/* Index in a raster of n samples of sample i in a sequence of mirrored copies. */
 int mirrored(int i, int n)
 {
   const int period = 2 * (n - 1), place = i % period;
   return place < n ? place : period - place;
 }
 
-/* Returns the factor by which MapImage, like OpenImageIO, divides the samples of a file. */
+/* Factor by which MapImage, like OpenImageIO, divides samples. */
 float unitOf(OIIO::TypeDesc type)
 {
   switch (type.basetype)
@@ -64,7 +64,7 @@ Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
                 ": expected copies from 1 on, and at most 1000000 samples along each side");
 }
 
-/* Reads rows of the file. Repeated rasters are small and are read completely. */
+/* Repeated rasters are small and are read completely. */
 void Elevation::readRows(int begin, int end)
 {
   if (repeatX > 1 || repeatY > 1)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An elevation raster. Only the rows in use are in memory. Each sample is a vertex of the terrain. */
+/* An elevation raster; each sample is a vertex. Only rows in use are in memory. */
 
 #include "surface/map_image.h"
 
@@ -17,23 +17,23 @@ namespace cbvh {
 struct ElevationSettings
 {
   std::string path;
-  std::optional<float> nodata;  // value of missing samples, in addition to NaN and GDAL's tag
-  std::vector<int> repeat{1};   // copies along x and along y; one number applies to both
-  float detail = 0;             // height of the largest features of added noise, in the raster's unit
+  std::optional<float> nodata;  // of missing samples, in addition to NaN and GDAL's tag
+  std::vector<int> repeat{1};   // copies along x and y, or along both
+  float detail = 0;             // height of the largest added features, in the raster's unit
 };
 
 class Elevation
 {
 public:
-  /* Opens the raster and reads its size. Throws Error with the path. */
+  /* Throws Error with the path. */
   explicit Elevation(const ElevationSettings& settings);
 
-  /* Number of samples. Neighboring copies are mirrored and share a row or column, so the terrain has no steps. */
+  /* Size in samples. Neighboring copies are mirrored and share a row or column, so there are no steps. */
   int width() const { return (sourceWidth - 1) * repeatX + 1; }
   int height() const { return (sourceHeight - 1) * repeatY + 1; }
 
-  /* Returns the heights of w x h samples from (x0,y0) on, row by row, in the raster's unit; NaN for a missing sample.
-   * Row 0 is the top of the image. Reads rows that are not in memory. Throws Error, Cancelled. */
+  /* Heights of w x h samples from (x0,y0) on, by rows, in the raster's unit; NaN if missing. Row 0 is the top of the
+   * image. Throws Error. */
   std::vector<float> heights(int x0, int y0, int w, int h, unsigned threads);
 
 private:
@@ -42,10 +42,10 @@ private:
 
   const ElevationSettings settings;
   MapImage image;
-  float unit = 1; // of a sample of the file, because MapImage maps integers to -1..1 or 0..1
+  float unit = 1; // of a file's sample, because MapImage maps integers to -1..1 or 0..1
   int sourceWidth = 0, sourceHeight = 0, repeatX = 1, repeatY = 1;
   int firstRow = 0;
-  std::vector<float> rows; // of the file, from firstRow on
+  std::vector<float> rows; // from firstRow on
 };
 
 } // namespace cbvh

@@ -14,7 +14,7 @@ namespace cbvh {
 EmbreeTerrain::EmbreeTerrain(const std::string& kernel)
   : device(""), scene(rtcNewScene(device.handle())), kernel(kernel)
 {
-  /* Many rays here run exactly along edges; without the robust mode they would pass between triangles. */
+  /* Many rays run exactly along edges and would otherwise pass between triangles. */
   rtcSetSceneFlags(scene.get(), RTCSceneFlags(RTC_SCENE_FLAG_COMPACT | RTC_SCENE_FLAG_ROBUST));
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The same terrain in Embree's own kernels. */
+/* The terrain in Embree's own kernels, for comparison. */
 
 #include "terrain_tile.h"
 #include "building/embree_device.h"
@@ -20,10 +20,10 @@ public:
   /* `kernel` is "grid", "quad" or "triangle". */
   explicit EmbreeTerrain(const std::string& kernel);
 
-  /* Copies a tile into a geometry. Embree needs the buffers until the geometry is released. Throws Error. */
+  /* Copies the tile: Embree needs the buffers until the geometry is released. Throws Error. */
   void add(const TerrainTile& tile);
 
-  /* Builds the tree, in Embree's compact and robust modes. Throws Error. */
+  /* Uses Embree's compact and robust modes. Throws Error. */
   void commit();
 
   bool isOccluded(CbvhRay ray) const;

@@ -14,21 +14,21 @@ struct Options
 {
   ElevationSettings elevation;
   float cell = 30;            // distance between samples, in the raster's unit, as all lengths
-  float maxError = 0;         // largest spacing of the lattice on which vertices are stored
-  float lift = 0;             // height above the samples at which rays start
+  float maxError = 0;         // largest spacing of the vertices' lattice
+  float lift = 0;             // of the rays' origins above the samples
   int tile = 1000;            // quads per side of a tile
   int azimuths = 16;          // directions per sample
   float accuracy = 0.1f;      // of horizons, in degrees
-  std::vector<int> window;    // x0, y0, x1, y1: columns x0 to x1-1 and rows y0 to y1-1
+  std::vector<int> window;    // x0, y0, x1, y1: columns x0 to x1-1, rows y0 to y1-1
   int threads = 0;            // 0 for all
   std::string output = "sky_view.tif";
-  std::string embree;         // kernel of Embree; empty for compressed terrain
+  std::string embree;         // Embree's kernel; empty for compressed terrain
 };
 
-/* Returns false after --help and --version, whose output was printed. Throws Error that names the option. */
+/* Returns false after --help and --version, once their output is printed. Throws Error with the option. */
 bool parseOptions(Options& options, int argc, char** argv);
 
-/* Sets the default window if there is none. Throws Error if the window is outside of the raster. */
+/* Default: the whole raster. Throws Error for a window outside of it. */
 void setWindow(Options& options, const Elevation& elevation);
 
 } // namespace cbvh

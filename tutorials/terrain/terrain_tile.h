@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A part of the terrain, whose vertices are in memory only until it is committed. */
+/* Vertices of a part of the terrain, until it is committed. */
 
 #include "elevation.h"
 #include "options.h"
@@ -16,14 +16,13 @@ namespace cbvh {
 struct TerrainTile
 {
   int width, height;           // in vertices
-  std::vector<Vec3f> vertices; // row by row, plus one, because libraries may read 16 bytes per vertex
+  std::vector<Vec3f> vertices; // by rows, plus one, because libraries may read 16 bytes per vertex
 };
 
-/* Returns the vertex of the sample in column x and row y of the raster. The terrain's x axis points east and its y axis
- * north: row 0 is the northern edge. */
+/* Vertex of the sample in column x and row y. The x axis points east, y north: row 0 is the northern edge. */
 Vec3f vertexAt(const Options& options, const Elevation& elevation, int x, int y, float height);
 
-/* Returns the tile from column x0 and row y0 on. Neighboring tiles share the row or column of vertices between them. */
+/* Starts at column x0 and row y0. Neighboring tiles share the vertices between them. */
 TerrainTile makeTile(const Options& options, Elevation& elevation, int x0, int y0);
 
 } // namespace cbvh

@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Shows a displaced subdivision surface in any representation. */
-
 #include "document.h"
 #include "view_state.h"
 #include "window.h"

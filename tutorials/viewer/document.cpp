@@ -11,7 +11,7 @@
 namespace cbvh {
 namespace {
 
-/* Returns a level that is built in much less than a second. */
+/* Builds in much less than a second. */
 int coarseLevel(const Model& model, int level)
 {
   constexpr int coarse = 3;

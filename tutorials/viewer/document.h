@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The open document of a viewer: a model, the initial view, a coarse scene that can be shown at once, and scenes that
- * are built from the model. For a file of compressed surfaces: its scene, and a model that consists of a name and the
- * corners of the bounding box. */
+/* The open document: a model, the initial view, a coarse preview, and scenes that are built from the model. For a
+ * file of compressed surfaces: its scene, and the bounding box as a model. */
 
 #include "options.h"
 #include "scene_store.h"
@@ -15,22 +14,22 @@
 
 namespace cbvh {
 
-/* A loaded or generated model that is ready to be shown. */
+/* A model that is ready to be shown. */
 struct LoadedModel
 {
-  SceneSettings source;                // with an amplitude or scale, see withDefaultAmplitude
+  SceneSettings source;                // has an amplitude or scale, see withDefaultAmplitude
   Model model;
   std::string warnings;                // one per line
   std::optional<Camera> start;
-  std::unique_ptr<BuiltScene> preview; // GRID at a low level on the CPU; null for a file
-  std::unique_ptr<SavedScene> saved;   // the scene of a file; null for a model
+  std::unique_ptr<BuiltScene> preview; // GRID at a low level on the CPU; null for files
+  std::unique_ptr<SavedScene> saved;   // null for models
 
   const TracedScene& first() const { return saved ? static_cast<const TracedScene&>(*saved) : *preview; }
   bool moves() const;
 };
 
-/* Opens the file, or loads or generates the model, and fits the view of the options. Slow; call it in the background.
- * The result's preview refers to its model. Throws Error, Cancelled. */
+/* Opens a file, or loads or generates a model, and fits the view. Slow. The result's preview refers to its model.
+ * Throws Error. */
 std::unique_ptr<const LoadedModel> loadModel(const SceneSettings& source, const ViewerOptions& options);
 
 struct Document

@@ -8,7 +8,7 @@
 namespace cbvh {
 namespace {
 
-/* Removes rows from the top of the remaining area, of which at least a pixel stays. */
+/* Takes rows from the top; at least one pixel remains. */
 Rectangle takeRows(Rectangle& rest, int rows)
 {
   const Rectangle taken{rest.x, rest.y, rest.width, std::min(rows, rest.height - 1)};

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Positions of panel, captions and picture in the window. They do not overlap, so that the panel never covers the part
- * of the picture that it describes.
+/* Panel, captions and picture do not overlap, so that the panel never covers what it describes.
  *
- * All values are in units of the window, from its upper left corner. */
+ * Units are the window's, from its upper left corner. */
 
 #include "tracing/image_size.h"
 
@@ -20,21 +19,20 @@ struct Rectangle
 enum class PanelState
 {
   Open,
-  Folded, // only its title bar
+  Folded, // its title bar
   Hidden, // neither panel nor captions
 };
 
 struct WindowLayout
 {
-  Rectangle panel;    // without area if hidden
-  Rectangle captions; // of the halves of a split screen; without area if there are none
+  Rectangle panel;    // empty if hidden
+  Rectangle captions; // of a split screen; otherwise empty
   Rectangle picture;  // at least a pixel
 };
 
-constexpr int panelWidth = 300, barHeight = 19; // fit the panel's text in ImGui's font
+constexpr int panelWidth = 300, barHeight = 19; // fit the panel's text
 
-/* The panel is on the left if the window is wide enough, otherwise above the picture. The window must be at least
- * 1 x 1. */
+/* The panel is on the left of a wide window, otherwise above the picture. The window must be at least 1 x 1. */
 WindowLayout layOut(ImageSize window, PanelState panel, bool split);
 
 } // namespace cbvh

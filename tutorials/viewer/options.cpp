@@ -21,8 +21,7 @@ std::string listOfModes()
   return list;
 }
 
-/* Reports a misspelled name on the command line instead of in a window. Does not open it: opening a FIFO would
- * block. */
+/* Reports misspelled names on the command line instead of in the window. Opening a FIFO would block. */
 void requireFile(const std::string& path)
 {
   if (!path.empty() && access(path.c_str(), R_OK) != 0)

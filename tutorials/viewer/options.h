@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Command line of cbvh_viewer. */
-
 #include "picture.h"
 #include "scenes/catalogue.h"
 
@@ -16,22 +14,22 @@ namespace cbvh {
 
 struct ViewerOptions
 {
-  SceneSettings scene;                         // if it names nothing, the window starts empty
+  SceneSettings scene;                         // the window starts empty without a name
   std::vector<Representation> representations; // one, or two for a split screen
   BuildSettings build;
-  bool autoLevel = false;                   // use rates by the initial view instead of build.level
+  bool autoLevel = false;                   // rates by the initial view instead of build.level
   float quadSize = 1;                       // of rates by the view, in pixels
-  float maxPixelError = 0;                  // largest spacing of cVERT with rates by the view, in pixels; 0: no bound
+  float maxPixelError = 0;                  // largest lattice spacing of cVERT with rates by the view, pixels; 0: none
   PictureMode mode = PictureMode::Shading;
   std::string view = "full";
   int samples = 16;                         // per pixel in PictureMode::Shading
-  float time = 0;                           // initial time of a model that moves, 0 to 1
+  float time = 0;                           // initial, 0 to 1
   ImageSize size{1024, 768};
-  std::string screenshot;                   // file of a picture; empty: open a window
-  std::string picture = "cbvh_viewer.png";  // file for pictures that the window saves
+  std::string screenshot;                   // empty: open a window
+  std::string picture = "cbvh_viewer.png";  // for pictures that the window saves
 };
 
-/* Parses a command line. Returns nothing after printing help. Throws Error, one line, for anything invalid. */
+/* Returns nothing after printing help. Throws Error, one line. */
 std::optional<ViewerOptions> parseViewerOptions(int argc, char** argv);
 
 } // namespace cbvh

@@ -18,8 +18,8 @@ namespace {
 
 const ImVec4 attention(1, 0.85f, 0.3f, 1);
 
-constexpr float itemWidth = 165;   // leaves room for the longest label
-constexpr float footerHeight = 44; // of a line, and a progress bar below it
+constexpr float itemWidth = 165;   // room for the longest label
+constexpr float footerHeight = 44; // a line and a progress bar
 
 constexpr std::pair<const char*, const char*> keyHelp[] = {
   {"L, N", "next level, frame level; Shift: previous"},
@@ -41,7 +41,7 @@ constexpr std::pair<const char*, const char*> keyHelp[] = {
   {"Q, Esc", "quit; quit after a question"},
 };
 
-/* Entries of a combo box, each terminated by NUL. */
+/* Each is terminated by NUL. */
 std::string representationEntries()
 {
   std::string entries;
@@ -58,7 +58,7 @@ std::string frameLevelEntries()
   return entries;
 }
 
-/* Returns the representations of the surfaces in a file, separated by commas. */
+/* Representations of the surfaces in a file, separated by commas. */
 std::string kindsIn(const SavedScene& scene)
 {
   std::string kinds;
@@ -109,7 +109,7 @@ void Panel::draw()
   drawQuestion();
 }
 
-/* While the panel is folded, the title shows its most important content. "###" precedes the window's ID. */
+/* The folded panel's title shows its most important content. "###" precedes the window's ID. */
 std::string Panel::title() const
 {
   std::string text = "cbvh_viewer";
@@ -175,7 +175,7 @@ void Panel::drawKeys()
   ImGui::TextUnformatted("Drop a cage (OBJ), a height map, both, or compressed surfaces (.cbvh) here to open them.");
 }
 
-/* The height is constant, so that nothing moves under the mouse when a task begins or ends. */
+/* The height is constant, so that nothing moves under the mouse. */
 void Panel::drawFooter()
 {
   ImGui::Separator();
@@ -185,7 +185,7 @@ void Panel::drawFooter()
     drawSamples();
 }
 
-/* Draws the captions on both sides of the split line, or as close to it as there is room. */
+/* Draws captions on both sides of the split line, or close to it. */
 void Panel::drawCaptions(const Rectangle& area)
 {
   const std::vector<Pane> panes = viewer.panes();
@@ -281,7 +281,7 @@ void Panel::drawUp()
     viewer.setUp(axes[size_t(now)]);
 }
 
-/* A new value takes effect when the user releases the control. */
+/* Takes effect when the user releases the control. */
 void Panel::drawStrength()
 {
   const LoadedModel* const opened = viewer.opened();
@@ -347,7 +347,7 @@ void Panel::drawReports()
     drawLegend();
 }
 
-/* Figures always belong to the first sample. */
+/* All figures belong to the first sample. */
 void Panel::drawSamples()
 {
   const Picture* const picture = viewer.picture();
@@ -367,7 +367,7 @@ void Panel::drawLegend()
                                                    {missError, "miss"}};
   constexpr float box = 12, gap = 8;
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  Image color(ImageSize{1, 1}); // converts colors to sRGB
+  Image color(ImageSize{1, 1}); // for conversion to sRGB
   float end = right; // of the previous entry
   for (const auto& [error, text] : entries)
   {
@@ -394,8 +394,8 @@ void Panel::drawProgress(const Worker::Progress& progress)
     viewer.stop();
 }
 
-/* Draws a hint if there is no model, and progress if the panel does not show it: in the middle if that covers nothing,
- * otherwise at the lower border, and there only while the panel is hidden. */
+/* A hint without a model, and progress that the panel does not show: in the middle if that covers nothing, otherwise
+ * at the lower border while the panel is hidden. */
 void Panel::drawMiddle()
 {
   const std::optional<Worker::Progress> progress = viewer.progress();

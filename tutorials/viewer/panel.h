@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Draws everything around the picture with ImGui: the panel with settings and figures, progress, the captions of a
- * split screen, and the question before quitting. */
+/* Draws with ImGui: the panel with settings and figures, progress, captions, and the question before quitting. */
 
 #include "layout.h"
 #include "viewer.h"
@@ -16,13 +15,13 @@ class Panel
 public:
   explicit Panel(Viewer& viewer, unsigned threads) : viewer(viewer), threads(threads) {}
 
-  /* Draws everything. Must be called between ImGui's NewFrame and Render. */
+  /* Call between ImGui's NewFrame and Render. */
   void draw();
 
-  /* Returns the position of the picture. `window` is in units of the window and at least 1 x 1. */
+  /* `window` is in units of the window and at least 1 x 1. */
   WindowLayout layout(ImageSize window) const;
 
-  void fold() { changeFold = true; } // toggles, as hide() does
+  void fold() { changeFold = true; } // toggles, as does hide()
   void hide() { hidden = !hidden; }
 
   /* Shows or hides the question whether to quit. The window handles the keys of the answer. */
@@ -53,7 +52,7 @@ private:
 
   Viewer& viewer;
   const unsigned threads;
-  float strength = 0; // of the displacement while the user changes it
+  float strength = 0; // while the user changes it
   bool changesStrength = false;
   bool changeFold = false, folded = false, hidden = false, asking = false, quit = false;
 };

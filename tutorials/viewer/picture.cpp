@@ -20,10 +20,10 @@ namespace cbvh {
 namespace {
 
 /* Side of a tile in pixels. A tile is a task: large enough to outweigh its overhead, and small enough that the last
- * tiles do not delay the frame. */
+ * ones do not delay the frame. */
 constexpr int tileSize = 16;
 
-/* Columns of the picture that a pane fills. Hits are stored in rows of the region. */
+/* Columns of a pane. Hits are stored in rows of the region. */
 struct Region
 {
   int begin, end, height;
@@ -41,7 +41,7 @@ void forTiles(const Region& region, const Body& body)
   }, tbb::simple_partitioner());
 }
 
-/* Traces the region and writes one hit per pixel. */
+/* Writes one hit per pixel. */
 void traceRegion(const Camera& camera, const Region& region, const TracedScene& scene, Vec2f offset, float time,
                  std::vector<SurfaceHit>& hits)
 {
@@ -63,7 +63,7 @@ void traceRegion(const Camera& camera, const Region& region, const TracedScene& 
   });
 }
 
-/* Returns the well-mixed bits of an integer (finalizer of MurmurHash3). */
+/* Finalizer of MurmurHash3. */
 uint32_t mix(uint32_t x)
 {
   x = (x ^ (x >> 16)) * 0x85ebca6bu;
@@ -76,7 +76,7 @@ float unit(uint32_t bits)
   return float(bits & 0xffff) * (1.0f / 65535.0f);
 }
 
-/* Returns a linear color that is not too dark; `hue` is in turns. */
+/* Linear and not too dark; `hue` is in turns. */
 Vec3f fromHue(float hue, float saturation, float value)
 {
   const auto channel = [&](float shift) {
@@ -86,7 +86,7 @@ Vec3f fromHue(float hue, float saturation, float value)
   return {channel(0.0f), channel(2.0f / 3.0f), channel(1.0f / 3.0f)};
 }
 
-/* The quad of a patch that a hit is on. */
+/* The quad of a hit. */
 struct Cell
 {
   uint32_t patch;
@@ -116,13 +116,13 @@ Vec3f blockColor(const Cell& cell, int frameLevel, bool compressed)
   const unsigned size = std::max(1u, cell.resolution >> frameLevel); // quads per side of a block
   const uint32_t bits = mix(cell.patch ^ ((cell.y / size) << 16 | (cell.x / size)));
   if (!compressed)
-    return Vec3f{1, 1, 1} * (0.15f + 0.65f * unit(bits >> 16)); // gray: patches, because there are no blocks
-  /* Hues of consecutive levels differ by the golden ratio of the circle. */
+    return Vec3f{1, 1, 1} * (0.15f + 0.65f * unit(bits >> 16)); // no blocks: patches in gray
+  /* Hues of consecutive levels differ by the golden ratio. */
   const float hue = 0.6f + 0.618034f * float(frameLevel) + 0.05f * (unit(bits) - 0.5f);
   return fromHue(hue, 0.8f, 0.15f + 0.8f * unit(bits >> 16));
 }
 
-/* Renders a pane on the threads of the caller's arena. */
+/* Runs on the threads of the caller's arena. */
 class PaneRender
 {
 public:
@@ -131,7 +131,7 @@ public:
   {
   }
 
-  /* Traces sample i of each pixel and measures the time. */
+  /* Traces sample i of each pixel. */
   PaneReport trace(int i)
   {
     PaneReport report;
@@ -144,7 +144,6 @@ public:
     return report;
   }
 
-  /* Traces the reference and computes errors. */
   void compare(PaneReport& report)
   {
     std::vector<SurfaceHit> reference(region.pixels());
@@ -160,14 +159,14 @@ public:
     });
   }
 
-  /* Writes the pane's columns of the picture, in all modes but shading. */
+  /* Colors the pane in all modes but shading. */
   void paint(Image& image) const
   {
     forPixels([&](int x, int y, size_t pixel) { image.set(pixel, color(x, y)); });
   }
 
 private:
-  /* Calls body(x, y, index of the pixel in the picture). */
+  /* body(x, y, index of the pixel in the picture) */
   template<typename Body>
   void forPixels(const Body& body) const
   {
@@ -209,7 +208,7 @@ private:
     const Vec3f n = normalize(hit.normal);
     if (settings.mode == PictureMode::Normals)
       return 0.5f * (n + Vec3f{1, 1, 1});
-    /* Darken colors of cells and blocks at grazing angles, so that the shape stays visible. */
+    /* Darker at grazing angles, so that the shape stays visible. */
     const float facing = 0.4f + 0.6f * std::abs(dot(n, ray.direction));
     const Cell cell = findCell(pane.built->layout(), hit);
     if (settings.mode == PictureMode::Cells)
@@ -224,7 +223,7 @@ private:
   Region region;
   Vec2f offset; // of the hits
   std::vector<SurfaceHit> hits;
-  std::vector<float> errors; // one per hit, only in PictureMode::Error
+  std::vector<float> errors; // only in PictureMode::Error
 };
 
 void drawLine(Image& image, ImageSize size, int column)

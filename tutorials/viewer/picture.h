@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* A picture of one representation, or of two side by side, for the window and for screenshots. Tiles of pixels are
- * tasks of TBB.
+/* A picture of one representation, or of two side by side. Tiles of pixels are tasks of TBB.
  *
- * Shading uses several samples per pixel, because fine displacement looks like noise with one. The other modes and all
- * figures use one hit, because errors, cells and normals have no meaningful mean. */
+ * Only shading uses several samples per pixel, because fine displacement looks like noise with one. Figures and other
+ * modes use one hit, because errors, cells and normals have no meaningful mean. */
 
 #include "building/built_scene.h"
 #include "building/saved_scene.h"
@@ -22,7 +21,7 @@ enum class PictureMode
 {
   Shading, // two lights
   Normals, // geometric, in world space: x, y, z as red, green, blue
-  Error,   // distance from GRID's hit in pixels, as in figure 10 of the paper
+  Error,   // distance from GRID's hit in pixels, as in the paper's figure 10
   Cells,   // one color per quad, from (u,v)
   Blocks,  // one hue per frame level, one shade per block
 };
@@ -30,10 +29,10 @@ enum class PictureMode
 constexpr PictureMode allPictureModes[] = {PictureMode::Shading, PictureMode::Normals, PictureMode::Error,
                                            PictureMode::Cells, PictureMode::Blocks};
 
-/* Returns the name for the command line. */
+/* Name on the command line. */
 const char* pictureModeName(PictureMode mode);
 
-/* Contents of a part of the picture. */
+/* A part of the picture. */
 struct Pane
 {
   Pane() = default;
@@ -43,22 +42,22 @@ struct Pane
   }
   explicit Pane(const SavedScene* saved) : scene(saved), saved(saved) {}
 
-  /* True if the pane supports a mode: errors need a reference; cells and blocks need a model. */
+  /* Errors need a reference; cells and blocks need a model. */
   bool canShow(PictureMode mode) const;
 
   const TracedScene* scene = nullptr;
-  const BuiltScene* built = nullptr;     // the same scene, either built or saved
+  const BuiltScene* built = nullptr;     // the same scene, either this or saved
   const SavedScene* saved = nullptr;
   const BuiltScene* reference = nullptr; // GRID at the same level, for PictureMode::Error only
 };
 
-/* Figures of one ray per pixel. */
+/* One ray per pixel. */
 struct PaneReport
 {
   size_t rays = 0;                  // including misses
   size_t hits = 0;
-  double seconds = 0;               // for tracing all rays on all threads
-  double median = 0, p99 = 0;       // errors in pixels, over rays for which both hit
+  double seconds = 0;               // for all rays on all threads
+  double median = 0, p99 = 0;       // errors in pixels, where both hit
   size_t falseHits = 0, misses = 0; // these four only in PictureMode::Error
 
   double mrays() const { return seconds > 0 ? double(rays) * 1e-6 / seconds : 0.0; }
@@ -69,26 +68,24 @@ struct PictureSettings
 {
   PictureMode mode = PictureMode::Shading;
   Vec3f up{0, 1, 0};
-  float split = 0.5f; // start of the right pane, as a fraction of the width
+  float split = 0.5f; // where the right pane starts, as a fraction of the width
   unsigned threads = 1;
   int samples = 1; // per pixel in PictureMode::Shading
-  float time = 0;  // of a model that moves: 0 is the first time step, 1 the last
+  float time = 0;  // 0 is the first time step, 1 the last
 };
 
-/* Returns the column at which the right of two panes starts. */
+/* Where the right pane starts. */
 int splitColumn(ImageSize size, float split);
 
-/* Returns the frame level of a patch with `resolution` quads per side, as documented for rtcSetGeometryCompression; 0
- * for NAIVE and GRID. */
+/* Frame level of a patch of `resolution` quads per side, as documented for rtcSetGeometryCompression; 0 for NAIVE and
+ * GRID. */
 int effectiveFrameLevel(const Representation& representation, unsigned resolution);
 
-/* A picture that is rendered sample by sample. The first sample is through the centers of pixels; it can be shown, and
- * figures belong to it. Further samples make the picture smooth. */
+/* Rendered sample by sample. The first sample is through the centers of pixels, and all figures belong to it. */
 class Picture
 {
 public:
-  /* `panes` holds 1 pane, or 2 for left and right with a white line between. Their scenes must outlive the last call of
-   * addSample. */
+  /* One pane, or two with a white line between. Their scenes must outlive the last call of addSample. */
   Picture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
   void addSample();
@@ -97,10 +94,10 @@ public:
   int wantedSamples() const { return settings.mode == PictureMode::Shading ? settings.samples : 1; }
   bool isComplete() const { return count >= wantedSamples(); }
 
-  /* Returns the mean of all samples so far, at least one. */
+  /* The mean of at least one sample. */
   const Image& image() const { return shown; }
 
-  /* Returns one report per pane. */
+  /* One report per pane. */
   const std::vector<PaneReport>& reports() const { return paneReports; }
 
 private:
@@ -113,7 +110,7 @@ private:
   int count = 0;
 };
 
-/* Renders a picture with all its samples. Throws Cancelled. */
+/* Renders all samples. Throws Canceled. */
 Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const PictureSettings& settings);
 
 } // namespace cbvh

@@ -14,7 +14,7 @@
 namespace cbvh {
 namespace {
 
-/* Largest number of scenes: both halves and GRID, and as many for switching back. */
+/* Both halves and GRID, and as many for switching back. */
 constexpr size_t maxEntries = 6;
 
 std::string name(const SceneKey& key)
@@ -71,7 +71,7 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
 {
   requested = keys;
   error.clear();
-  /* Move requested scenes to the front; the others stay in order of age. */
+  /* Requested scenes first, the others by age. */
   entries.sort([&](const Entry& a, const Entry& b) { return isRequested(a.key) && !isRequested(b.key); });
   if (current && !isRequested(*current))
     worker.cancel();
@@ -80,7 +80,7 @@ void SceneStore::request(const std::vector<SceneKey>& keys)
 
 void SceneStore::makeRoom(const SceneKey& key)
 {
-  /* The size of a scene for a view is known only after dicing. */
+  /* Unknown for a view until it is diced. */
   const int level = key.level == autoLevel ? BuildSettings().level : key.level;
   const size_t needed = key.camera ? 0 : estimatedPeakBytes(key.representation.kind, {model, level});
   while (!entries.empty() && !isRequested(entries.back().key) &&
@@ -150,7 +150,7 @@ void SceneStore::take()
   {
     worker.take();
     if (built->report().quads == 0)
-      throw Error(model.name + ": Embree makes no surface of this cage: expected faces that are neither holes nor "
+      throw Error(model.name + ": Embree tessellates no face of this cage: expected faces that are neither holes nor "
                   "invalid");
     entries.push_front({key, std::move(built)});
   }
@@ -167,7 +167,7 @@ void SceneStore::take()
   {
     error = name(key) + ": " + e.what();
   }
-  built.reset(); // frees a scene that is no longer requested
+  built.reset(); // frees it if it is no longer requested
 }
 
 void SceneStore::finish()

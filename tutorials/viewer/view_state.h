@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The state of a view that can be changed at run time, and the scenes that it needs. */
+/* State that the user can change at run time, and the scenes that it needs. */
 
 #include "document.h"
 #include "picture.h"
@@ -19,14 +19,13 @@ struct ViewState
   PictureMode mode = PictureMode::Shading;
   std::optional<Camera> camera;                // for autoLevel; unset for meshes
 
-  /* Returns the key of a representation's scene. */
   SceneKey key(const Representation& r) const;
 
-  /* Returns the keys of all necessary scenes, including GRID for errors. */
+  /* Includes GRID for errors. */
   std::vector<SceneKey> scenes() const;
 };
 
-/* Returns the panes, or nothing until all scenes of the state are built. A file always has one pane. */
+/* Panes; none until all scenes are built. A file has one. */
 std::vector<Pane> findPanes(const ViewState& state, const Document& document);
 
 bool operator==(const ViewState& a, const ViewState& b);

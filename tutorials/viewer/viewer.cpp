@@ -127,7 +127,7 @@ void Viewer::takeLoaded()
   requestScenes();
 }
 
-/* A new map or amplitude keeps the current view. */
+/* Keeps the view after a new map or amplitude. */
 void Viewer::showLoaded()
 {
   const bool otherCage = !document || !sameCage(document->loaded->source, loaded->source);
@@ -170,7 +170,7 @@ void Viewer::update()
   }
 }
 
-/* Rates by the view follow the camera when it has rested for some time. */
+/* Rates by the view change once the camera has rested. */
 void Viewer::followCamera()
 {
   constexpr std::chrono::milliseconds rest(300);
@@ -291,13 +291,13 @@ void Viewer::requestState(const ViewState& state)
   requestScenes();
 }
 
-/* Also keeps the shown scenes until the requested ones are built. */
+/* Keeps the shown scenes until the requested ones are built. */
 void Viewer::requestScenes()
 {
   if (!document || toLoad || loading || isFile())
-    return; // called again when loading has ended
+    return; // called again after loading
   if (needsCamera() && !requested.camera)
-    return; // called again when the size of the picture is known
+    return; // called again with the size of the picture
   std::vector<SceneKey> keys = requested.scenes();
   if (!isPreview())
     for (const SceneKey& key : shown.scenes())
@@ -322,7 +322,7 @@ void Viewer::setSplit(bool split)
 
 void Viewer::moveSplit(float position)
 {
-  constexpr float rim = 0.02f; // keeps the line within reach of the mouse
+  constexpr float rim = 0.02f; // within reach of the mouse
   splitPosition = std::clamp(position, rim, 1.0f - rim);
 }
 
@@ -370,7 +370,7 @@ void Viewer::savePicture()
 
 /* --- the camera -------------------------------------------------------------------------- */
 
-/* Shows the whole model in the direction of the hints, at the current size. */
+/* The whole model, at the current size. */
 void Viewer::frame(const ViewHints& from)
 {
   framing = from;
@@ -467,7 +467,7 @@ std::optional<Vec3f> Viewer::pointAt(Vec2f pixel) const
   return ray.origin + hit.t * ray.direction;
 }
 
-/* Returns the visible point, or the point in the plane of the target if nothing is visible. */
+/* The visible point, otherwise the point in the target's plane. */
 Vec3f Viewer::pointOrTargetAt(Vec2f pixel) const
 {
   if (const std::optional<Vec3f> point = pointAt(pixel))

@@ -3,11 +3,10 @@
 
 #pragma once
 
-/* The state of a viewer without its window: the requested and the shown scenes. Slow work runs in the background, and
- * the previous scene stays visible until it is finished. A model that is shown as a whole stays so when the picture is
- * resized.
+/* A viewer without its window. Slow work runs in the background, while the previous scene stays visible. A model
+ * that is shown as a whole stays so when the picture is resized.
  *
- * Pixels are pixels of the picture, from the upper left. */
+ * Pixels are the picture's, from the upper left. */
 
 #include "document.h"
 #include "view_state.h"
@@ -21,40 +20,37 @@ namespace cbvh {
 class Viewer
 {
 public:
-  /* Opens the scene of the options, if they name one. The options must outlive the viewer. */
+  /* Opens the scene of the options, if any. The options must outlive the viewer. */
   explicit Viewer(const ViewerOptions& options);
 
   /* --- files --- */
 
-  /* Replaces the current scene. */
   void open(const SceneSettings& source);
 
-  /* The same for files, see openFiles in opened_files.h. */
+  /* See opened_files.h. */
   void openFiles(const std::vector<std::string>& paths);
 
-  /* Reloads the scene with another amplitude, or another scale of the map if that was given. Does nothing if the scene
-   * is not displaced. */
+  /* Reloads the scene with another amplitude, or scale if the map has one. Does nothing without displacement. */
   void setStrength(float strength);
 
-  /* True for a file of compressed surfaces, whose representations and levels are fixed. */
+  /* Representations and levels of files are fixed. */
   bool isFile() const { return document && document->loaded->saved; }
 
-  /* Returns null until a scene is loaded. */
+  /* Null until a scene is loaded. */
   const LoadedModel* opened() const { return document ? document->loaded.get() : nullptr; }
 
   /* --- every frame --- */
 
-  /* Applies finished background work and starts the next task. Throws Cancelled after a signal. */
+  /* Takes finished background work and starts the next task. Throws Canceled after a signal. */
   void update();
 
-  /* Renders if anything changed since the last call; otherwise adds a sample to an incomplete picture. Returns true if
-   * it did either. */
+  /* Renders after a change, or adds a sample to an incomplete picture. Returns true if it did. */
   bool refresh(ImageSize size);
 
-  /* Returns the result of refresh; null if there is nothing to show. */
+  /* Null if there is nothing to show. */
   const Picture* picture() const { return rendered ? &*rendered : nullptr; }
 
-  /* Returns the shown panes, one or two; empty if there is no scene, or only a preview. */
+  /* One or two; empty without a scene or with only a preview. */
   std::vector<Pane> panes() const;
   bool isPreview() const { return document && panes().empty(); }
 
@@ -67,7 +63,7 @@ public:
   bool isSplit() const { return requested.representations.size() == 2; }
   void setSplit(bool split);
 
-  /* Start of the right half as a fraction of the width. */
+  /* Where the right half starts, as a fraction of the width. */
   float split() const { return splitPosition; }
   void moveSplit(float position);
 
@@ -76,13 +72,13 @@ public:
   float time() const { return shownTime; }
   void setTime(float time);
 
-  /* Returns the progress of the current background task, if there is one. */
+  /* Progress of the background task, if any. */
   std::optional<Worker::Progress> progress() const { return worker.progress(); }
 
-  /* Cancels the current background task. */
+  /* Cancels the background task. */
   void stop();
 
-  /* Returns a line about the last failure or action, or an empty string. */
+  /* About the last failure or action, or empty. */
   std::string message() const;
 
   /* Saves the shown picture with all its samples. */
@@ -95,31 +91,31 @@ public:
   void resetView();
   void fitView();
 
-  /* Returns the options that show the same view: --view, and --up if setUp chose another axis for a cage. */
+  /* Options for the same view: --view, and --up if setUp chose another axis for a cage. */
   std::string viewOptions() const;
 
-  /* The up axis, one of upAxes(), and whether it was guessed. setUp selects an axis and shows the whole model. */
+  /* One of upAxes(). setUp also shows the whole model. */
   const std::string& up() const { return upAxis; }
   bool isUpGuessed() const;
   void setUp(const std::string& axis);
 
   void orbit(float right, float upwards);
   void look(float right, float upwards);
-  void walk(float right, float forward); // in steps, about 50 of which lead to the target
+  void walk(float right, float forward); // in steps, about 50 to the target
   void pan(Vec2f pixels, float depth);
 
-  /* Returns the distance along the view of the visible point, or of the target if nothing is visible. */
+  /* Distance along the view of the visible point, otherwise of the target. */
   float depthAt(Vec2f pixel) const;
 
-  /* Moves `factor` times as close to the visible point. */
+  /* Comes `factor` times as close to the visible point. */
   void zoomAt(Vec2f pixel, float factor);
   void zoom(float factor);
 
-  /* Turns to the visible point, if any, and makes it the center of orbits. */
+  /* The visible point, if any, becomes the center of orbits. */
   void centerAt(Vec2f pixel);
 
 private:
-  const SceneSettings& latestSource() const; // the most recently opened source, which may not be loaded yet
+  const SceneSettings& latestSource() const; // may not be loaded yet
   void load();
   void takeLoaded();
   void showLoaded();
@@ -141,22 +137,22 @@ private:
   bool loading = false;
   SceneSettings beingLoaded; // if loading
   std::unique_ptr<const LoadedModel> loaded; // by the worker, which is destroyed first
-  Worker worker; // destroyed after the document, whose scenes it builds
+  Worker worker; // destroyed after the document, for which it builds
   std::unique_ptr<Document> document;
 
   ViewState requested, shown;
   Representation other{RepresentationKind::Grid}; // of the right half while the screen is not split
   float splitPosition = 0.5f, stepLength = 1.0f;
   float shownTime;
-  std::optional<Viewpoint> viewpoint; // set if there is a model
+  std::optional<Viewpoint> viewpoint; // set with a model
   std::string upAxis = "y";
-  ViewHints hints;                    // of the model, rotated to the up axis
-  std::optional<ViewHints> framing;   // hints of a view of the whole model, until the user moves
+  ViewHints hints;                    // rotated to the up axis
+  std::optional<ViewHints> framing;   // of a view of the whole model, until the user moves
   ImageSize framedSize;
 
   ImageSize size{1, 1};
   std::optional<Picture> rendered;
-  std::string renderedCamera; // the state for which it was rendered
+  std::string renderedCamera; // for which it was rendered
   float renderedSplit = 0.5f, renderedTime = 0.0f;
   std::vector<Pane> renderedPanes;
   std::optional<Camera> latestCamera;                // of the last frame

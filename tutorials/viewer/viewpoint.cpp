@@ -6,7 +6,7 @@
 namespace cbvh {
 namespace {
 
-/* Rotates v about an axis of unit length (Rodrigues). */
+/* Rodrigues' rotation about a unit axis. */
 Vec3f rotate(Vec3f v, Vec3f axis, float angle)
 {
   const float c = std::cos(angle), s = std::sin(angle);
@@ -27,7 +27,7 @@ void Viewpoint::set(const Camera& camera)
   fieldOfView = camera.fov();
 }
 
-/* Equals Camera's axis, also if the view is along the up vector. */
+/* Same axis as in Camera, also for views along the up vector. */
 Vec3f Viewpoint::right() const
 {
   const Vec3f r = cross(direction(), up);
@@ -36,7 +36,7 @@ Vec3f Viewpoint::right() const
 
 Vec3f Viewpoint::turned(float rightwards, float upwards) const
 {
-  /* Stay away from the poles, where the picture would spin. */
+  /* Avoids the poles, where the picture would spin. */
   constexpr float pole = 0.001f * float(M_PI);
   const float now = std::acos(std::min(std::max(dot(direction(), up), -1.0f), 1.0f)); // angle to up
   const float then = std::min(std::max(now - upwards, pole), float(M_PI) - pole);

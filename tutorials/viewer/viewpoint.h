@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The user's position and target, and their movement by mouse and keys. */
+/* The user's position and target. */
 
 #include "tracing/camera.h"
 
@@ -12,7 +12,7 @@ namespace cbvh {
 class Viewpoint
 {
 public:
-  /* Starts at a camera. `up` is the model's up direction; the camera never rolls. */
+  /* `up` is the model's; the camera never rolls. */
   Viewpoint(const Camera& camera, Vec3f up);
 
   Camera camera(ImageSize size) const { return Camera(eye, target, up, fieldOfView, size); }
@@ -22,20 +22,20 @@ public:
   float distance() const { return length(target - eye); } // from the target
   float fov() const { return fieldOfView; }
 
-  /* Rotate the view to the right and upwards, in radians: about the target, or about the eye. */
+  /* Rotate the view, in radians: about the target, or about the eye. */
   void orbit(float right, float upwards);
   void look(float right, float upwards);
 
-  /* Turns to a point, which becomes the target. */
+  /* The point becomes the target. */
   void lookAt(Vec3f point);
 
   /* Moves eye and target, in world units. */
   void move(float right, float forward);
 
-  /* Moves sideways so that points at distance `depth` follow the mouse by a number of pixels. */
+  /* Moves points at distance `depth` by a number of pixels. */
   void pan(float pixelsRight, float pixelsDown, float depth, ImageSize size);
 
-  /* Multiplies the distance of all points by `factor` and keeps `point` in its pixel. */
+  /* Scales all distances by `factor` and keeps `point` in its pixel. */
   void zoom(Vec3f point, float factor);
 
   void set(const Camera& camera);

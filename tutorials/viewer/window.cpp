@@ -106,7 +106,7 @@ public:
 private:
   enum class Drag { None, Orbit, Look, Distance, Pan, Split };
 
-  /* Returns the area in pixels. On dense screens a window has more pixels than units. */
+  /* Area in pixels: on dense screens a window has more pixels than units. */
   Rectangle pictureArea() const
   {
     int w, h;
@@ -128,11 +128,11 @@ private:
 
   static Window& self() { return *static_cast<Window*>(instance); }
 
-  /* Sets callbacks that upstream's application does not set. */
+  /* Callbacks that upstream's application does not set. */
   void prepare()
   {
     prepared = true;
-    ImGui::GetIO().IniFilename = nullptr; // write no settings file
+    ImGui::GetIO().IniFilename = nullptr; // no settings file
     glfwSetScrollCallback(window, [](GLFWwindow* window, double x, double y) {
       ImGui_ImplGlfw_ScrollCallback(window, x, y);
       if (!ImGui::GetIO().WantCaptureMouse)
@@ -187,7 +187,7 @@ private:
 
   /* --- mouse ------------------------------------------------------------------------------- */
 
-  /* Returns the position of the cursor in pixels of the picture. */
+  /* Cursor in pixels of the picture. */
   Vec2f cursor() const
   {
     double x, y;
@@ -233,7 +233,7 @@ private:
       panel.ask(false);
   }
 
-  /* Also called when a key repeats. Returns false for other keys. */
+  /* Handles key repeats, too. Returns false for other keys. */
   bool handleOrbit(int key)
   {
     constexpr float angle = 0.05f;
@@ -247,7 +247,7 @@ private:
     }
   }
 
-  /* Changes representation, level or mode. Returns false for other keys. */
+  /* Representation, level or mode. Returns false for other keys. */
   bool handleSwitch(int key, bool shift)
   {
     const int step = shift ? -1 : 1;
@@ -292,7 +292,6 @@ private:
     }
   }
 
-  /* Selects the next up axis, or the previous one. */
   void switchUp(bool back)
   {
     const std::vector<std::string>& axes = upAxes();
@@ -306,7 +305,7 @@ private:
   std::string shownTitle;
 
   Drag drag = Drag::None;
-  Vec2f last; // position of the cursor at the last event
+  Vec2f last; // cursor at the last event
   float panDepth = 0;
   float walkSpeed = 1;
   std::chrono::steady_clock::time_point walkedAt;
@@ -318,7 +317,7 @@ std::string glfwMessage;
 
 void showWindow(const ViewerOptions& options)
 {
-  /* Upstream's application throws exceptions through GLFW's frames, so check first whether there is a display. */
+  /* Here, because upstream's application throws exceptions through GLFW's frames. */
   glfwSetErrorCallback([](int, const char* text) { glfwMessage = text; });
   if (!glfwInit())
     throw Error("cannot open a window (" + glfwMessage + "): expected a display, or --screenshot");
@@ -333,7 +332,7 @@ void showWindow(const ViewerOptions& options)
 
 /* --- functions that upstream's framework links against -------------------------------------- */
 
-/* Our application renders itself and never calls them. */
+/* Never called, because our application renders itself. */
 namespace embree {
 
 RTCScene g_scene = nullptr;

@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* The viewer's window: upstream's tutorial application (GLFW, ImGui) around a Viewer. */
+/* Upstream's tutorial application (GLFW, ImGui) around a Viewer. */
 
 #include "options.h"
 
 namespace cbvh {
 
-/* Opens the window and returns when it is closed. Throws Error if there is no display. Throws Cancelled. */
+/* Returns when the window is closed. Throws Error if there is no display. */
 void showWindow(const ViewerOptions& options);
 
 } // namespace cbvh

@@ -57,7 +57,7 @@ void Worker::take()
   }
   catch (const Cancelled&)
   {
-    if (listening) // otherwise the phase has printed it
+    if (listening) // otherwise the phase printed it
       std::fprintf(stderr, "  %s: stopped\n", name.c_str());
     throw;
   }

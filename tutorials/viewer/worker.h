@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Runs a viewer's background work, one task at a time: loading a model, or building a scene. All functions except
- * progress must be called from the same thread. */
+/* Runs one background task at a time. Call all functions except progress on one thread. */
 
 #include <functional>
 #include <future>
@@ -19,41 +18,40 @@ class Worker
 public:
   Worker() = default;
 
-  /* Stops the current task. */
   ~Worker();
 
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /* Sends phases to progress() instead of stderr, which then only shows tasks that were stopped. */
+  /* Sends phases to progress() instead of stderr, which then only shows stopped tasks. */
   void reportProgress();
 
-  /* Starts a task. `name` is for progress(). There must be no current task. */
+  /* `name` is for progress(). Requires that there is no task. */
   void start(const std::string& name, std::function<void()> work);
 
-  /* True until take() is called, even after the task has ended. */
+  /* True until take(), even after the task has ended. */
   bool busy() const { return task.valid(); }
 
-  /* Makes the current task end early, and take() throw Cancelled. Does nothing without a task. */
+  /* Makes the task end early and take() throw Canceled. Does nothing without a task. */
   void cancel();
 
   bool finished() const;
   void wait() const { task.wait(); }
 
-  /* Waits for the task and rethrows its exception. */
+  /* Waits, and rethrows the task's exception. */
   void take();
 
-  /* Cancels the current task, if there is one, and waits until it has ended. */
+  /* Cancels the task, if any, and waits for its end. */
   void stop();
 
   struct Progress
   {
     std::string work;
-    std::string phase;   // empty if the task reports no progress
-    double fraction = 0; // of the phase that is done, in [0,1]
+    std::string phase;   // may be empty
+    double fraction = 0; // of the phase, in [0,1]
   };
 
-  /* Returns nothing without a task. */
+  /* Empty without a task. */
   std::optional<Progress> progress() const;
 
 private:
