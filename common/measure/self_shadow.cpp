@@ -104,7 +104,7 @@ Ray secondaryRay(const Ray& primary, const SurfaceHit& hit, Vec3f direction, con
 class PixelComparer
 {
 public:
-  PixelComparer(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
+  PixelComparer(const TracedHits& grid, const TracedHits& seen, const PrimaryRays& primary,
                 const ShadowSettings& settings)
     : grid(grid), seen(seen), primary(primary), settings(settings)
   {
@@ -167,7 +167,7 @@ private:
   };
 
   const TracedHits &grid, &seen;
-  const PictureRays& primary;
+  const PrimaryRays& primary;
   const ShadowSettings& settings;
   ShadowRays truth, own, control;
   std::vector<Kind> kinds; // per ray
@@ -175,7 +175,7 @@ private:
 
 } // namespace
 
-ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
+ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PrimaryRays& primary,
                                 const ShadowSettings& settings, unsigned threads)
 {
   ShadowComparison sum;
@@ -193,7 +193,7 @@ ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, 
   return sum;
 }
 
-std::vector<float> ambientOcclusion(const TracedHits& seen, const PictureRays& primary, const ShadowSettings& settings,
+std::vector<float> ambientOcclusion(const TracedHits& seen, const PrimaryRays& primary, const ShadowSettings& settings,
                                     unsigned threads)
 {
   std::vector<float> light(primary.rays.size(), 1.0f);

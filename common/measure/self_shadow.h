@@ -30,7 +30,7 @@ struct RayOffset
 };
 
 /* Primary rays, one per pixel. */
-struct PictureRays
+struct PrimaryRays
 {
   const std::vector<Ray>& rays;
   float footprint; // width of a pixel at distance 1
@@ -76,12 +76,12 @@ struct ShadowComparison
 
 /* Traces the same directions from each pixel that both scenes hit: cosine-distributed about GRID's normal on the
  * side of the primary ray. Throws Canceled. */
-ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PictureRays& primary,
+ShadowComparison compareShadows(const TracedHits& grid, const TracedHits& seen, const PrimaryRays& primary,
                                 const ShadowSettings& settings, unsigned threads);
 
 /* Fraction of unoccluded directions per pixel, 1 for a miss. Directions are cosine-distributed about the hit's own
  * normal. Throws Canceled. */
-std::vector<float> ambientOcclusion(const TracedHits& seen, const PictureRays& primary, const ShadowSettings& settings,
+std::vector<float> ambientOcclusion(const TracedHits& seen, const PrimaryRays& primary, const ShadowSettings& settings,
                                     unsigned threads);
 
 } // namespace cbvh
