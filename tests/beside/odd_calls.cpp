@@ -254,8 +254,9 @@ TEST_F(OddCalls, MissingSubPatchesAreRejected)
     EXPECT_EQ(std::isfinite(uv[0]) && std::isfinite(uv[1]), i < 5) << i;
   }
   for (float odd : oddNumbers)
-    if (!(odd >= 0 && odd < 8))
+    if (!(odd >= 0 && odd < 8)) {
       EXPECT_EQ(cbvhInterpolate(surface, 0, odd, 1, 0, uv, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT) << odd;
+    }
 }
 
 struct Attempts

@@ -32,7 +32,9 @@ void expectSameToTheBit(const std::vector<RTCRayHit>& expected, const std::vecto
     const RTCRayHit &e = expected[i], &f = found[i];
     ASSERT_EQ(std::memcmp(&e.ray.tfar, &f.ray.tfar, sizeof(float)), 0);
     ASSERT_EQ(e.hit.geomID, f.hit.geomID);
-    if (isHit(e)) ASSERT_EQ(std::memcmp(&e.hit, &f.hit, offsetof(RTCHit, instID) + sizeof(e.hit.instID)), 0);
+    if (isHit(e)) {
+      ASSERT_EQ(std::memcmp(&e.hit, &f.hit, offsetof(RTCHit, instID) + sizeof(e.hit.instID)), 0);
+    }
   }
 }
 
@@ -315,7 +317,9 @@ TEST(CompressedFiles, FiltersInstancesAndOtherDevicesWork)
   const auto found = closestHits(outer, rays, QueryForm::Single);
   EXPECT_GT(hitsOf(found), 150u);
   for (const RTCRayHit& r : found)
-    if (isHit(r)) ASSERT_EQ(r.hit.instID[0], 0u);
+    if (isHit(r)) {
+      ASSERT_EQ(r.hit.instID[0], 0u);
+    }
   rtcDisableGeometry(geometry);
   rtcCommitScene(inner);
   EXPECT_EQ(hitsOf(closestHits(inner, rays, QueryForm::Single)), 0u);

@@ -255,7 +255,9 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       rtcCommitScene(scene);
       const RTCCompressionStatistics stats = statisticsOf(scene);
       EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
-      if (c.unsupported) EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
+      if (c.unsupported) {
+        EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
+      }
       EXPECT_EQ(device.errors, 0u) << "Embree does not report these faces, and programs rely on that: "
                                    << device.message;
       rtcReleaseGeometry(geometry);

@@ -150,7 +150,9 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
     << device.message;
   size_t others = 0;
   for (size_t i = 0; i < rays.size(); i++) {
-    if (isHit(after[i])) ASSERT_NE(after[i].hit.primID, 3u);
+    if (isHit(after[i])) {
+      ASSERT_NE(after[i].hit.primID, 3u);
+    }
     if (!isHit(before[i]) || before[i].hit.primID == 3) continue;
     others++;
     ASSERT_EQ(after[i].hit.primID, before[i].hit.primID);

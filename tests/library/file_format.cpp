@@ -220,7 +220,9 @@ private:
   void take(uint64_t child)
   {
     const uint64_t offset = child & ~uint64_t(15);
-    if (!found.empty()) EXPECT_GT(offset, found.back().first);
+    if (!found.empty()) {
+      EXPECT_GT(offset, found.back().first);
+    }
     found.emplace_back(offset, child & 15);
   }
 
