@@ -107,7 +107,7 @@ def script_of(program, help_text):
     branches += branch("*", *(["[[ $word == -* ]] || return"] if takes_files else []), 'words="%s"' % names)
     return "\n".join(
         [
-            "# Completion of %s in bash. scripts/packaging/completions.py wrote it from the output of --help." % program,
+            "# Completion of %s in bash, from its --help by scripts/packaging/completions.py." % program,
             "",
             "%s()" % function,
             "{",

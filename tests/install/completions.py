@@ -21,8 +21,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 SCRIPT = ROOT / "scripts/packaging/completions.py"
 
-# In the layout of CLI11 2.1. The second line of --mesh begins with the name of an option; --level-of-the-whole-scene
-# ends in the column before the descriptions.
+# In the layout of CLI11 2.1. The second line of --mesh begins with the name of an option. A single blank separates
+# --level-for-the-whole-scene from its description.
 HELP = """Shows a surface.
 Usage: sample [OPTIONS] [files...]
 
@@ -41,13 +41,13 @@ Options:
                               list of representations
   --compare Excludes: --representation
                               all representations
-  --level-of-the-whole-scene  a flag
+  --level-for-the-whole-scene a flag
   -o,--output FILE=picture.png
                               picture to write
   --version                   print the version, and exit
 """
-OPTIONS = ("--help --mesh --up --level --maps --count --representation --compare --level-of-the-whole-scene --output "
-           "--version").split()
+OPTIONS = ("--help --mesh --up --level --maps --count --representation --compare --level-for-the-whole-scene "
+           "--output --version").split()
 
 # The layout of later versions of CLI11.
 LATER_HELP = """Shows a surface.
@@ -66,8 +66,8 @@ OPTIONS:
           --version           print the version, and exit
 """
 
-# Calls the function that completes `sample` as bash does, with the given words, the last of which is completed. Prints
-# the calls of compopt, which works only while readline completes, and the results.
+# Calls the function that completes `sample` as bash does, with the given words, and completes the last word. Prints the
+# results, and the calls of compopt, which works only while readline completes.
 DRIVER = """
 compopt() { echo "compopt $*"; }
 . "$1"
@@ -119,7 +119,7 @@ class KnownHelp(Sample):
         self.assertEqual(self.completed("--export")[0], [])
 
     def test_options_without_a_value_are_followed_by_options(self):
-        for flag in ("--compare", "--level-of-the-whole-scene", "--help"):
+        for flag in ("--compare", "--level-for-the-whole-scene", "--help"):
             self.assertEqual(self.completed(flag, "--ver")[0], ["--version"], flag)
 
     def test_files_follow_paths_and_nothing_else(self):
