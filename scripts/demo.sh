@@ -8,7 +8,7 @@
 #   scripts/demo.sh [DIRECTORY]    writes the pictures to DIRECTORY (default: output/demo)
 #
 # The library in build/demo supports only this machine's instruction set, subdivision surfaces, triangles and single
-# rays. scripts/test.sh builds the complete library in build/release and tests it.
+# rays. scripts/test.sh builds the complete library in build/host and tests it.
 
 arguments=1
 . "$(dirname -- "$0")/lib.sh"

@@ -54,6 +54,10 @@ if(Python3_Interpreter_FOUND)
 endif()
 
 # The pages of programs show their --help.
+set(programs cbvh_render cbvh_viewer cbvh_bench cbvh_pathtracer)
+if(NOT CBVH_PACKAGES)
+  list(APPEND programs cbvh_terrain) # no package contains it
+endif()
 find_program(HELP2MAN help2man)
 mark_as_advanced(HELP2MAN)
 if(HELP2MAN AND NOT CBVH_SANITIZE)
@@ -62,10 +66,6 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   set(about_cbvh_bench "speed, memory and errors of representations of displaced subdivision surfaces")
   set(about_cbvh_pathtracer "path tracing of displaced subdivision surfaces on a GPU or a processor")
   set(about_cbvh_terrain "sky-view factors of elevation rasters")
-  set(programs cbvh_render cbvh_viewer cbvh_bench cbvh_pathtracer)
-  if(NOT CBVH_PACKAGES)
-    list(APPEND programs cbvh_terrain) # no package contains it
-  endif()
   foreach(program ${programs})
     if(TARGET ${program})
       set(page "${CMAKE_BINARY_DIR}/man/man1/${program}.1")
@@ -79,6 +79,24 @@ if(HELP2MAN AND NOT CBVH_SANITIZE)
   file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/man/man1")
   add_custom_target(cbvh_program_pages ALL DEPENDS ${pages})
   install(FILES ${pages} DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT examples)
+endif()
+
+# --- completion of options in bash, from --help ---------------------------------------------------
+
+if(Python3_Interpreter_FOUND AND NOT CBVH_SANITIZE)
+  set(script "${CMAKE_CURRENT_LIST_DIR}/completions.py")
+  foreach(program ${programs})
+    if(TARGET ${program})
+      set(completion "${CMAKE_BINARY_DIR}/completions/bash/${program}")
+      add_custom_command(OUTPUT "${completion}"
+        COMMAND "${Python3_EXECUTABLE}" -B "${script}" "${completion}" ${CMAKE_CROSSCOMPILING_EMULATOR}
+          "$<TARGET_FILE:${program}>"
+        DEPENDS "${script}" ${program} VERBATIM)
+      list(APPEND completions "${completion}")
+    endif()
+  endforeach()
+  add_custom_target(cbvh_completions ALL DEPENDS ${completions})
+  install(FILES ${completions} DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT examples)
 endif()
 
 # --- documentation pages, and C and C++ examples next to those in Python ------------------------

@@ -13,7 +13,7 @@ from .formats import Table, table
 
 # Names of representations in the tests and here. The tests use cLEAF with leaves for all faces.
 COMPRESSED = {"cGRID": "cGRID", "cVOXEL": "cVOXEL", "cLEAF": "cLEAF-only", "cVERT": "cVERT"}
-COMMAND = "scripts/test.sh -R 'hard_cases|invalid_vertices'"
+COMMAND = "scripts/test.sh --all-isas -R 'hard_cases|invalid_vertices'"
 
 
 def where(row):

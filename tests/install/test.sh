@@ -134,6 +134,10 @@ if command -v help2man > /dev/null; then
     grep -qF -- "\\-\\-$option" "$page" || fail "$(basename "$program") has no manual page of its options"
   done
 fi
+for program in "$work"/prefix/bin/cbvh_*; do
+  completion=$work/prefix/share/bash-completion/completions/$(basename "$program")
+  grep -q -- ' --version' "$completion" || fail "$(basename "$program") has no completion of its options"
+done
 [ -e "$work/prefix/share/man/man3/rtcNewDevice.3embree3" ] || fail "Embree's own manual pages are missing"
 
 # --- our programs use the library next to them, and report other libraries ------------------------

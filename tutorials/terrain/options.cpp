@@ -11,9 +11,9 @@ bool parseOptions(Options& options, int argc, char** argv)
   CLI::App app("Computes the sky-view factor of each sample of an elevation raster. Traces horizons through the "
                "compressed terrain. All lengths have the unit of the raster's heights.", "cbvh_terrain");
   app.add_option("raster", options.elevation.path,
-      "elevation raster that OpenImageIO reads: 16-bit, signed or float")->required();
+      "elevation raster that OpenImageIO reads: 16-bit, signed or float")->type_name("FILE")->required();
   app.add_option("-o,--output", options.output,
-      "sky-view factors: float in TIFF or EXR, 16-bit in PNG")->capture_default_str();
+      "sky-view factors: float in TIFF or EXR, 16-bit in PNG")->type_name("FILE")->capture_default_str();
   app.add_option("--cell", options.cell, "distance between samples")->capture_default_str();
   app.add_option("--nodata", options.elevation.nodata,
       "height of missing samples, in addition to NaN and GDAL's tag");
