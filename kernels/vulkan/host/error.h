@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Errors are thrown inside, and handed to the RTCDevice at the C boundary. */
+/* The exception of this library. rtcore_vulkan.cpp catches it and passes it to the RTCDevice. */
 
 #include <embree3/rtcore.h>
 
