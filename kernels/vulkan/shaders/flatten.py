@@ -4,20 +4,20 @@
 
 """flatten.py SHADER OUTPUT
 
-Makes the one file that applications include out of SHADER and all that it includes: as GLSL alone,
-without what is C++, and with a prefix before every name, so that it gets along with an
-application's own. The headers of kernels/cvert and kernels/cbvh stay the source; nothing is written twice.
+Writes the single file that applications include: SHADER with all its includes, as pure GLSL. Macros for C++ are
+resolved, and global names get a prefix, so that they do not collide with the application's names.
 """
 
 import os
 import re
 import sys
 
-# Names of the language that headers share with C++ (cvert/basics/language.h, bytes.h, int3.h), and what they are in GLSL.
-LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CVERT_BEGIN": "", "CVERT_END": "", "CVERT_FUNCTION": "", "CVERT_INLINE": "", "CVERT_REAL": "", "CVERT_WIDE": "",
-            "CVERT_CONSTANT": "const", "CVERT_PRECISE": "precise", "Real": "float", "uint32_t": "uint", "Int3": "ivec3", "CBVH_ADDRESS": "uvec2"}
-# Macros of types (also cvert/basics/bytes.h), and what they are.
-MACROS = {"CVERT_OF": r"\1", "CVERT_OF_WIDE": r"\1", "CVERT_IN": r"\1", "CVERT_AS_FLOAT": r"\1", "CVERT_BOOL": "bool", "CVERT_POINTER": "uvec2"}
+# Replacements in GLSL for the macros of cvert/basics/language.h, bytes.h and int3.h: without and with a parameter.
+LANGUAGE = {"CBVH_BEGIN": "", "CBVH_END": "", "CVERT_BEGIN": "", "CVERT_END": "", "CVERT_FUNCTION": "",
+            "CVERT_INLINE": "", "CVERT_REAL": "", "CVERT_WIDE": "", "CVERT_CONSTANT": "const",
+            "CVERT_PRECISE": "precise", "Real": "float", "uint32_t": "uint", "Int3": "ivec3", "CBVH_ADDRESS": "uvec2"}
+MACROS = {"CVERT_OF": r"\1", "CVERT_OF_WIDE": r"\1", "CVERT_IN": r"\1", "CVERT_AS_FLOAT": r"\1", "CVERT_BOOL": "bool",
+          "CVERT_POINTER": "uvec2"}
 
 HEAD = """// Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
@@ -26,8 +26,8 @@ HEAD = """// Copyright 2026 The Embree CBVH authors
 
 
 def glsl_of(text):
-    """What is left of a header where VULKAN is defined: conditions on it are resolved."""
-    out, stack = [], []  # of the open conditions: None, or whether the part is kept
+    """Resolves conditions on VULKAN, which is defined."""
+    out, stack = [], []  # stack: per open condition whether its lines are kept; None if it is not about VULKAN
     for line in text.split("\n"):
         words = line.split()
         directive = words[0] if words else ""
@@ -47,7 +47,7 @@ def glsl_of(text):
 
 
 def gather(path, seen):
-    """The text of a file with its includes in place, each once."""
+    """Returns the text of a file with each included file inserted once, without guards."""
     path = os.path.normpath(path)
     if path in seen:
         return ""
@@ -66,11 +66,18 @@ def gather(path, seen):
     return text.replace(HEAD, "", 1) if path != seen[0] else text
 
 
+COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
+# Headers with macros for C++: comments at their beginning describe these.
+DESCRIPTIONS = ("Macros with which the headers", "Access to memory in code shared", "Macros of cvert/basics/language.h")
+
+
 def without_language(text):
-    """Without the macros that make a header two languages."""
+    """Replaces the macros that let headers compile as C++, and removes their descriptions."""
     text = re.sub(r"^#define (?:%s)\b.*\n" % "|".join([*LANGUAGE, *MACROS]), "", text, flags=re.M)
-    for begin in ("What lets the headers of this folder", "Memory as shared code reads it"):
-        text = re.sub(r"/\* %s.*?\*/\n" % begin, "", text, flags=re.S)
+    for begin in DESCRIPTIONS:
+        text, count = re.subn(r"/\* %s.*?\*/\n" % begin, "", text, flags=re.S)
+        if count != 1:
+            raise SystemExit(f'flatten.py: found {count} comments that begin with "{begin}": expected 1')
     for name, value in MACROS.items():
         text = re.sub(r"\b%s\((\w+)\)" % name, value, text)
     for name, value in LANGUAGE.items():
@@ -80,16 +87,15 @@ def without_language(text):
 
 
 def with_prefix(text):
-    """Global names that have no prefix of their own get one."""
-    names = set(re.findall(r"(?:^struct|\bbuffer) (\w+)", text, flags=re.M)) - {"Type"}
-    names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) ?(?:\(|=|\[)", text, flags=re.M))
-    # several in one declaration
-    for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", text, flags=re.M):
+    """Adds the prefix cbvh_ to global names that do not begin with cbvh. Comments keep the names."""
+    code = COMMENT.sub("", text)
+    names = set(re.findall(r"(?:^struct|\bbuffer) (\w+)", code, flags=re.M)) - {"Type"}
+    names |= set(re.findall(r"^(?:const )?\w+(?:\[\w*\])? (\w+) ?(?:\(|=|\[)", code, flags=re.M))
+    for declaration in re.findall(r"^const \w+ (\w+ =[^;]*);", code, flags=re.M):
         names |= set(re.findall(r"(?:^|, )(\w+) =", declaration))
     names = {name for name in names if not name.lower().startswith("cbvh")}
-    for name in sorted(names):
-        text = re.sub(r"(?<![\w.])%s\b" % name, "cbvh_" + name, text)
-    return text
+    known = re.compile(r"/\*.*?\*/|//[^\n]*|(?<![\w.])(?:%s)\b" % "|".join(sorted(names)), re.S)
+    return known.sub(lambda match: match[0] if match[0][0] == "/" else "cbvh_" + match[0], text)
 
 
 def main():
