@@ -21,7 +21,9 @@ namespace {
 constexpr size_t readBehind = 16;             // readable bytes after a block, which shaders read in whole words
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size do not share buffers
 
-bool isVert(const FlatBlock& block) { return block.type == blockReference(kindVert) || block.type == movingBlockReference; }
+bool isVert(const FlatBlock& block) {
+  return block.type == blockReference(kindVert) || block.type == movingBlockReference;
+}
 
 /* True if shaders may read beyond the end of the block. */
 bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }

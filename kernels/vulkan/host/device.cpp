@@ -92,7 +92,8 @@ Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(),
   handles.hasHostImport = capabilities.hasHostImport;
   handles.hasRayQuery = capabilities.info.hasRayQuery;
   try {
-    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport, handles.hasRayQuery);
+    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport,
+                         handles.hasRayQuery);
     vk.GetDeviceQueue(handles.device, handles.queueFamily, 0, &handles.queue);
     open();
   } catch (...) {
@@ -170,7 +171,8 @@ void Device::destroy()
     if (pool) vk.DestroyCommandPool(handles.device, pool, nullptr);
   }
   if (machine && handles.device) {
-    const auto destroyDevice = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
+    const auto destroyDevice
+      = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
     if (destroyDevice) destroyDevice(handles.device, nullptr);
   }
 }

@@ -10,8 +10,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* Returns the memory type that has all needed flags and the most liked ones. allowed: memoryTypeBits. Throws VulkanError
- * if there is none. */
+/* Returns the allowed memory type with all needed and most liked flags. Throws VulkanError if there is none. */
 uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemoryPropertyFlags needed,
                     VkMemoryPropertyFlags liked, const char* what)
 {

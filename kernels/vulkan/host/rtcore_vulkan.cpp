@@ -306,7 +306,8 @@ RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene hscene, VkCommandBuffer comm
                         + ": expected a multiple of 4 that holds origin and direction");
     rayOrderBytes(count);
     const Scene& scene = *sceneOf(hscene);
-    if (count) recordRayOrder(scene, sceneOf(hscene)->device.makeOrderPipelines(), commands, {rays, stride, count, order});
+    if (count)
+      recordRayOrder(scene, sceneOf(hscene)->device.makeOrderPipelines(), commands, {rays, stride, count, order});
   });
 }
 
