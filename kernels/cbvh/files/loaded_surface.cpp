@@ -23,8 +23,8 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. It begins before the part if the pages of this machine are larger than
-       *  the pages of files, as on ARM64. */
+      /*! Copy-on-write mapping of a part of a file. It begins before the part if the pages of this machine are larger
+       *  than the pages of files, as on ARM64. */
       struct PrivatePages
       {
         const size_t before;

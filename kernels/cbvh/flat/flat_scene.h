@@ -42,7 +42,7 @@ namespace embree
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
-      /*! See reference.h: blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid. */
+      /*! blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid; reference.h. */
       uint32_t type;
       uint32_t geomID;   //!< in this scene; blocks store the surface number, which is the same in all scenes
     };

@@ -64,7 +64,7 @@ struct BlockHeader
 {
   float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
   uint32_t surface;     //!< number of the geometry's surface, see surface_ids.h
-  float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-centre)[i]
+  float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-`centre`)[i]
   uint32_t primID;
   uint32_t info;        //!< kind, height, position in the patch, border width: see the accessors
   uint32_t tiling;      //!< position of the patch in its face, and its last block

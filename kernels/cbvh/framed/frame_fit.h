@@ -15,7 +15,7 @@
  * this plane, W is constant and Z is the signed distance. Then x, y and z are scaled so that the block's vertices fill
  * [0,1]^3: the bounds of the root need no bytes.
  *
- * The map is stored relative to the world point "centre", which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
+ * The map is stored relative to the world point `centre`, which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
  * floats. Vertices and ray origins are made relative to the center first, so that far from the origin no more precision
  * is lost than the coordinates themselves lack.
  *
@@ -231,8 +231,8 @@ namespace embree
       return degenerate;
     }
 
-    /*! True if the box is a bounded region of the world: W > 0 at the world points of its corners. centre: center of
-     *  the box. */
+    /*! True if the box is a bounded region of the world: W > 0 at the world points of its corners. `centre` is the
+     *  center of the box. */
     inline bool isBounded(const FrameMap& map, const Double3& centre)
     {
       if (!map.projective) return true;

@@ -22,7 +22,7 @@ namespace embree
      *  block. Group (x,y) is in lane x + 4 y. Lanes without a group are undefined. */
     struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
 
-    /*! The axes of a block's boxes: the world's axes, one of which may be sheared. */
+    /*! The axes of a block's boxes: the world's axes, except that one may be sheared. */
     struct VertAxes
     {
       int axis;        //!< the sheared axis, or 3 if none is, as in raw blocks

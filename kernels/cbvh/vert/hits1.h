@@ -23,7 +23,7 @@ namespace embree
       }
 
       /*! Target: the ray, with these members: tnear(), tfar(); report(block,primID,hit), which returns true if the hit
-       *  is accepted; isRead(block), which returns false if nobody reads the data of the hit; ids(), the surface IDs of
+       *  is accepted; isRead(block), which returns false if the data of the hit is not used; ids(), the surface IDs of
        *  the scene. Cached: as in intersector1.h. */
       template<typename Target, typename Cached>
       class VertHits
@@ -52,7 +52,7 @@ namespace embree
         }
 
       private:
-        /*! Reports hits in any order, because nobody reads their data. If a triangle lies between tnear and tfar as a
+        /*! Reports hits in any order, because their data is not used. If a triangle lies between tnear and tfar as a
          *  whole, so does its hit, and the distance is not computed. */
         __forceinline bool reportAny (uint32_t g, uint32_t triangles)
         {

@@ -174,7 +174,7 @@ namespace embree
           return _mm_max_epu8(x,_mm_slli_si128(x,8));
         }
 
-        /*! Sets the corners of up to 16 triangles whose stream has up to 32 entries, up to 8 of which are not new.
+        /*! Sets the corners of up to 16 triangles whose stream has up to 32 entries, with up to 8 that are not new.
          *  Implements the rule "in parallel" of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: bits of
          *  all entries. repeats: numbers of the entries that are not new. */
         static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,

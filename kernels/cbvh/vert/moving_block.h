@@ -6,8 +6,8 @@
 /* Gives access to a cVERT block at a time between two of its steps, with the interface of cached_block.h. Boxes and
  * vertices are interpolated between the ends of a segment, which are decoded into the thread's cache if necessary.
  *
- * Vertices and planes are interpolated by the same operations, each of which rounds monotonically: what a plane bounds
- * at both ends it bounds at all times in between. A vertex that quads share, within a block or between blocks, is the
+ * Vertices and planes are interpolated by the same operations, which round monotonically: what a plane bounds at both
+ * ends it bounds at all times in between. A vertex that quads share, within a block or between blocks, is the
  * same floats at both ends, and therefore at all times in between. */
 
 #include "motion_decoder.h"

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vectors of four doubles on x86-64 and ARM64. Every operation rounds as the scalar one does. Embree has such vectors only
- * for AVX. */
+/* Vectors of four doubles on x86-64 and ARM64. Every operation rounds as the scalar one does. Embree has such vectors
+ * only for AVX. */
 
 #if defined(__aarch64__) // before SSE2 and AVX, which Embree defines there, too
 #include "double4_neon.h"

@@ -59,8 +59,10 @@ namespace cvert { inline namespace CVERT_ISA
   /*! of a bit for each lane */
   inline Mask4 maskOf(uint32_t bits)
   {
-    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)), set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
-    return { _mm256_castsi256_pd(_mm256_insertf128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi32(set,set)),_mm_unpackhi_epi32(set,set),1)) };
+    const __m128i lanes = _mm_and_si128(_mm_set1_epi32(int(bits)),_mm_setr_epi32(1,2,4,8)),
+                  set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
+    return { _mm256_castsi256_pd(_mm256_insertf128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi32(set,set)),
+                                                         _mm_unpackhi_epi32(set,set),1)) };
   }
 
   /*! a0 b1 - a1 b0 */

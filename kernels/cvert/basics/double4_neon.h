@@ -41,12 +41,16 @@ namespace cvert { inline namespace CVERT_ISA
     friend Mask4 operator<=(Double4 a, Double4 b) { return {{ vcleq_f64(a.v[0],b.v[0]),vcleq_f64(a.v[1],b.v[1]) }}; }
   };
 
-  inline Double4 toDouble(Int4 a) { return { vcvtq_f64_s64(vmovl_s32(vget_low_s32(a.v))),vcvtq_f64_s64(vmovl_high_s32(a.v)) }; }
+  inline Double4 toDouble(Int4 a) {
+    return { vcvtq_f64_s64(vmovl_s32(vget_low_s32(a.v))),vcvtq_f64_s64(vmovl_high_s32(a.v)) };
+  }
   inline Double4 abs(Double4 a) { return { vabsq_f64(a.v[0]),vabsq_f64(a.v[1]) }; }
-  inline Double4 select(Mask4 m, Double4 a, Double4 b) { return { vbslq_f64(m.v[0],a.v[0],b.v[0]),vbslq_f64(m.v[1],a.v[1],b.v[1]) }; }
+  inline Double4 select(Mask4 m, Double4 a, Double4 b) {
+    return { vbslq_f64(m.v[0],a.v[0],b.v[0]),vbslq_f64(m.v[1],a.v[1],b.v[1]) };
+  }
   inline Float4 toFloat(Double4 a) { return vcvt_high_f32_f64(vcvt_f32_f64(a.v[0]),a.v[1]); }
 
-  /* for NaN the first one, as SSE2 has it with operands in this order */
+  /* If an operand is NaN, the first one: the same as SSE2 with operands in this order. */
   inline Double4 min(Double4 a, Double4 b) { return select(b < a,b,a); }
   inline Double4 max(Double4 a, Double4 b) { return select(a < b,b,a); }
 
@@ -61,7 +65,8 @@ namespace cvert { inline namespace CVERT_ISA
   {
     auto half = [&](int i) {
       const int64x2_t whole = vcvtq_s64_f64(a.v[i]);
-      const uint64x2_t fits = vandq_u64(vceqq_s64(whole,vmovl_s32(vmovn_s64(whole))),vceqq_f64(a.v[i],a.v[i])); // NaN does not
+      const uint64x2_t fits // false for NaN
+        = vandq_u64(vceqq_s64(whole,vmovl_s32(vmovn_s64(whole))),vceqq_f64(a.v[i],a.v[i]));
       return vmovn_s64(vbslq_s64(fits,whole,vdupq_n_s64(INT32_MIN)));
     };
     return vcombine_s32(half(0),half(1));

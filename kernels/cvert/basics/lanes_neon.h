@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Four floats or integers in registers of NEON: the operations of lanes_sse.h, with the same results, also for NaN and for
- * floats beyond all integers. */
+/* Four floats or integers in NEON registers: the operations of lanes_sse.h, with the same results, also for NaN and for
+ * floats outside the range of integers. */
 
 #include "isa_namespace.h"
 #include <arm_neon.h>
@@ -34,7 +34,9 @@ namespace cvert { inline namespace CVERT_ISA
   struct FloatMask4 { uint32x4_t v; };
 
   inline FloatMask4 below(Float4 a, Float4 b) { return { vcltq_f32(a.v,b.v) }; }
-  inline Float4 operator&(FloatMask4 mask, Float4 a) { return vreinterpretq_f32_u32(vandq_u32(mask.v,vreinterpretq_u32_f32(a.v))); }
+  inline Float4 operator&(FloatMask4 mask, Float4 a) {
+    return vreinterpretq_f32_u32(vandq_u32(mask.v,vreinterpretq_u32_f32(a.v)));
+  }
   inline Float4 select(FloatMask4 mask, Float4 a, Float4 b) { return vbslq_f32(mask.v,a.v,b.v); }
 
   /* as std::min and std::max of the same operands have it for NaN: the first one. NEON's own give NaN. */
@@ -79,7 +81,9 @@ namespace cvert { inline namespace CVERT_ISA
 
     /* A shift by 32 makes 0. */
     friend Int4 operator<<(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(n)); }
-    friend Int4 operator>>(Int4 a, int n) { return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v),vdupq_n_s32(-n))); }
+    friend Int4 operator>>(Int4 a, int n) {
+      return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v),vdupq_n_s32(-n)));
+    }
   };
 
   /*! with the sign's bits from above */
@@ -113,7 +117,8 @@ namespace cvert { inline namespace CVERT_ISA
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
     auto pick = [](Float4 low, Float4 high, const uint8x16_t& bytes) {
-      return vreinterpretq_f32_u8(vqtbl2q_u8(uint8x16x2_t{ { vreinterpretq_u8_f32(low.v),vreinterpretq_u8_f32(high.v) } },bytes));
+      return vreinterpretq_f32_u8(vqtbl2q_u8(
+        uint8x16x2_t{ { vreinterpretq_u8_f32(low.v),vreinterpretq_u8_f32(high.v) } },bytes));
     };
     const Float4 xy = pick(b,c,uint8x16_t{ 8,9,10,11,12,13,14,15,20,21,22,23,24,25,26,27 }); // x2 y2 x3 y3
     x = pick(a,xy,uint8x16_t{ 0,1,2,3,12,13,14,15,16,17,18,19,24,25,26,27 });

@@ -14,7 +14,8 @@
 #define CRC_TARGET "sse4.2"
 #define CRC_OF_64 _mm_crc32_u64
 #define CRC_OF_8 _mm_crc32_u8
-#elif defined(__aarch64__) && defined(__linux__) && !defined(__clang__) // whose header has it only if all code may use it
+/* Clang's header has the intrinsics only if all code may use the instructions. */
+#elif defined(__aarch64__) && defined(__linux__) && !defined(__clang__)
 #include <arm_acle.h>
 #include <sys/auxv.h>
 #define CRC_TARGET "+crc"
