@@ -71,7 +71,6 @@ struct GeometryData
   uint32_t vertexStride, indexStride;  //!< words
   uint32_t mask;
   uint32_t isRobust;         //!< whether triangles are tested as in Embree's robust scenes
-  /* instance */
   float worldToLocal[12];    //!< 3x4, column by column
   uint32_t root;             //!< reference to the root of the instanced scene
   uint32_t firstGeometry;    //!< index in `geometries` of the instanced scene's geometry 0

@@ -28,7 +28,6 @@ bool isVert(const FlatBlock& block) {
 /* True if shaders may read beyond the end of the block. */
 bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }
 
-/* Throws VulkanError if the block is damaged. */
 void requireValid(const FlatBlock& block)
 {
   if (block.type == cellReference) return;
@@ -84,7 +83,6 @@ public:
   BlockWriter(Device& device, Uploader& uploader, size_t expected)
     : device(device), uploader(uploader), rest(expected) {}
 
-  /* Sets the block's address. Throws VulkanError. */
   void write(PlacedBlock& placed)
   {
     requireValid(*placed.block);

@@ -11,7 +11,6 @@
 
 namespace embree { namespace vulkan {
 
-/* A block of a scene and its address on the device. */
 struct PlacedBlock
 {
   const cbvh::FlatBlock* block;

@@ -33,7 +33,6 @@ private:
   std::atomic<size_t> users{1};
 };
 
-/* Holds a reference to a Shared object. */
 template<typename T>
 class Held
 {
@@ -47,14 +46,13 @@ private:
   T& object;
 };
 
-/* Several threads may call member functions, which throw VulkanError if a call to Vulkan fails. */
+/* Several threads may call member functions. */
 class Device : public Shared
 {
 public:
   Device(RTCDevice embree, const char* which);
   Device(RTCDevice embree, const RTCVulkanHandles& handles);
 
-  /* Records commands, submits them and waits until they are done. */
   void run(const std::function<void(VkCommandBuffer)>& record);
 
   struct Submission
@@ -100,7 +98,7 @@ private:
   VkCommandPool pool = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
-  size_t cacheBytes = 0;             // size of the cache when it was read
+  size_t cacheBytes = 0;             // when it was read
   std::map<std::tuple<Query, bool, uint32_t, uint32_t>, VkPipeline> pipelines;
   VkPipeline orderPipelines[4] = {};
 };
@@ -112,7 +110,6 @@ struct TraceArguments
   uint32_t first, count;
 };
 
-/* Push constants of ray_order.comp. */
 struct OrderArguments
 {
   VkDeviceAddress rays, from, to, counts, scene;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The exception of this library. rtcore_vulkan.cpp catches it and passes it to the RTCDevice. */
+/* Constructors and functions of host/ throw VulkanError. rtcore_vulkan.cpp passes it to the RTCDevice. */
 
 #include <embree3/rtcore.h>
 

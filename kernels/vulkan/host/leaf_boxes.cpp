@@ -147,7 +147,6 @@ std::vector<VkAabbPositionsKHR> LeafBoxes::forDriver(const std::function<Bounds(
   return out;
 }
 
-/* FNV-1a over words. */
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes)
 {
   uint64_t sum = 0xcbf29ce484222325;

@@ -26,8 +26,7 @@ struct LeafBoxes
 
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
 
-/* Returns the leaves below a subtree, except for instances. A leaf that occurs several times gets one box. geomIDOf
- * returns the geomID of a reference, or all bits set for a run of triangles. */
+/* Returns the leaves below a subtree, each once, without instances. geomIDOf: geomID of a reference. */
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
                                    const std::function<uint32_t(uint32_t)>& geomIDOf);
 

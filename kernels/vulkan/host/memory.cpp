@@ -190,7 +190,7 @@ Buffer& Arena::add(size_t bytes, const char* what)
 
 Slice Arena::take(size_t bytes, const char* what)
 {
-  const size_t largest = std::min(size_t(16) << 20, device.capabilities.maxAllocation); // shared buffer
+  const size_t largest = std::min(size_t(16) << 20, device.capabilities.maxAllocation);
   bytes = (bytes + 15) & ~size_t(15);
   if (bytes > largest/64) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Device memory: buffers with addresses, imported host memory, uploads, and an arena of shared buffers. */
+/* Device memory: buffers, imported host memory, uploads, and arenas. */
 
 #include "device.h"
 
@@ -11,14 +11,14 @@
 
 namespace embree { namespace vulkan {
 
-/* A buffer and its memory allocation. Constructors throw VulkanError. */
+/* A buffer and its memory allocation. */
 class Buffer
 {
 public:
   enum Kind
   {
     OnDevice,  // device-local; also mapped if the host can see it
-    Staging    // host memory, mapped
+    Staging
   };
 
   /* what: contents of the buffer, for messages. */
@@ -61,7 +61,7 @@ public:
 
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
 
-  /* Shaders and later commands see the written bytes only after this call, which waits for the device. */
+  /* Completes the writes and waits for the device. */
   void flush();
 
   size_t written = 0;   // total bytes
@@ -69,7 +69,7 @@ public:
 private:
   Device& device;
   std::unique_ptr<Buffer> staging;
-  size_t used = 0;   // bytes of staging
+  size_t used = 0;
   struct Copy { VkBuffer to; VkBufferCopy region; };
   std::vector<Copy> copies;
 };
@@ -80,10 +80,10 @@ class Arena
 public:
   explicit Arena(Device& device) : device(device) {}
 
-  /* Throws VulkanError. what: contents of the slice, for messages. */
+  /* what: contents of the slice, for messages. */
   Slice take(size_t bytes, const char* what);
 
-  size_t bytes() const;   // of all buffers
+  size_t bytes() const;
 
 private:
   Buffer& add(size_t bytes, const char* what);
@@ -91,7 +91,7 @@ private:
   Device& device;
   std::vector<std::unique_ptr<Buffer>> buffers;
   size_t used = 0;              // bytes of the current shared buffer
-  size_t shared = ~size_t(0);   // index of the current shared buffer; all bits set if there is none
+  size_t shared = ~size_t(0);   // index of the current shared buffer, or all bits set
 };
 
 }} // namespace embree::vulkan

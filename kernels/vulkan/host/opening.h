@@ -46,15 +46,15 @@ struct Capabilities
   size_t maxAllocation = 0;         // bytes
   size_t importAlignment = 4096;
   uint32_t timestampBits = 0;       // of the compute family; 0 if it has no timestamps
-  uint8_t cacheID[VK_UUID_SIZE];    // pipelineCacheUUID
+  uint8_t cacheID[VK_UUID_SIZE];
 };
 
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Returns the device that `which` selects, see rtcNewVulkanDevice. Throws VulkanError. */
+/* Returns the device that `which` selects, see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which);
 
-/* Creates a device with one compute queue and the features that tracing needs. Throws VulkanError. */
+/* Creates a device with one compute queue and the features that tracing needs. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
 }} // namespace embree::vulkan

@@ -43,7 +43,7 @@ public:
   /* Returns one entry per instance, in the order of addInstance. */
   const std::vector<PlacedBoxes>& placedBoxes() const { return places; }
 
-  /* Writes the statistics of boxes and structures. arena: allocates the array of instances. Throws VulkanError. */
+  /* Writes the statistics of boxes and structures. arena: allocates the array of instances. */
   void build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics);
 
 private:

@@ -9,8 +9,7 @@
 
 namespace embree { namespace vulkan {
 
-/* Returns the bytes of scratch memory for sorting `count` rays: two arrays of pairs (key, index), and counts. Throws
- * VulkanError if there are too many rays. */
+/* Returns the bytes of scratch memory for `count` rays. Throws VulkanError if there are too many. */
 size_t rayOrderBytes(size_t count);
 
 struct RaysToOrder
@@ -21,8 +20,7 @@ struct RaysToOrder
 };
 
 /* Records the sort and a barrier after its last write. The sorted pairs (key, index) are at the beginning of scratch.
- * pipelines: from Device::makeOrderPipelines. Throws VulkanError, before it records anything, if there are too many
- * rays for the device. */
+ * pipelines: from Device::makeOrderPipelines. Throws before it records anything. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
 }} // namespace embree::vulkan

@@ -21,8 +21,7 @@ void embree::core::invalidArgument(const std::string& text) { throw VulkanError(
 
 namespace {
 
-/* Returns false if the closure threw, and reports the error to the device. RTC_ERROR_NONE means that it was already
- * reported. */
+/* Returns false if the closure threw. Reports the error to the device. RTC_ERROR_NONE: already reported. */
 template<typename Closure>
 bool guarded(RTCDevice device, const Closure& closure)
 {

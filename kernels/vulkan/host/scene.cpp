@@ -18,7 +18,6 @@ struct FlatRelease { void operator()(const FlatScene* flat) const { rtcReleaseFl
 struct DeviceRelease { void operator()(RTCDevice device) const { rtcReleaseDevice(device); } };
 using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 
-/* The scene, or one that it instances. */
 struct Part
 {
   RTCScene scene;
@@ -231,11 +230,10 @@ private:
         valid = isUsable(p);
         item.bounds.extend(p);
       }
-      if (valid) items.push_back(item);   // Embree also skips invalid triangles
+      if (valid) items.push_back(item);   // Embree skips the others, too
     }
   }
 
-  /* Indices of a part's first entries in the arrays of the scene. */
   struct Firsts { size_t node, movingNode, cell; };
 
   /* Appends the nodes and cells of a part. Renumbers their references. */
@@ -261,7 +259,7 @@ private:
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Returns a reference of part p as one of the scene. Also records its type in the scene's kinds. */
+  /* Converts a reference of part p to one of the scene. Adds its type to the scene's kinds. */
   uint32_t renumbered(uint32_t reference, size_t p)
   {
     if (reference == emptyReference) return reference;
@@ -340,7 +338,6 @@ private:
     return blocks[type == cellReference ? cells[index][0] : index].geomID;
   }
 
-  /* The boxes of one geometry of an instanced scene. */
   struct PartBoxes
   {
     LeafBoxes boxes;

@@ -16,7 +16,7 @@ struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
   bool byQuery = false;
-  class Scene* previous = nullptr;   // RTCVulkanSceneArguments::previous
+  class Scene* previous = nullptr;
 };
 
 class Scene : public Shared

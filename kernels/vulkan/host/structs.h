@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The extensible structs of include/embree3/rtcore_vulkan.h. This library compiles core/struct_size.cpp itself, because
- * libembree3 does not export it. Errors are VulkanErrors. */
+/* The extensible structs of rtcore_vulkan.h. This library compiles core/struct_size.cpp, because libembree3 does not
+ * export it. */
 
 #include "kernels/cbvh/core/struct_size.h"
 

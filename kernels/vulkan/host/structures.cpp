@@ -136,7 +136,6 @@ void buildTogether(Device& device, Build* builds, size_t count)
   });
 }
 
-/* Builds in batches, to limit the size of the buffers. */
 void buildAll(Device& device, std::vector<Build>& builds)
 {
   /* bytes per batch, for structures and for scratch memory each */

@@ -24,7 +24,7 @@ class Uploader;
 class Structure
 {
 public:
-  /* Creates the structure without building it. Throws VulkanError. */
+  /* Creates the structure without building it. */
   Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory, size_t offset,
             size_t bytes);
   ~Structure();
@@ -68,7 +68,6 @@ private:
   std::map<BoxesKey, std::weak_ptr<const BottomLevel>> levels;
 };
 
-/* A bottom level that a scene needs. */
 struct WantedLevel
 {
   BoxesKey key;
@@ -79,10 +78,10 @@ struct WantedLevel
 
 struct BuildCounts { size_t built = 0, updated = 0; }; // boxes
 
-/* Updates or builds the levels that are still NULL. Boxes of equal keys are built once. Throws VulkanError. */
+/* Updates or builds the levels that are still NULL. Boxes of equal keys are built once. */
 BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);
 
-/* instances: array of VkAccelerationStructureInstanceKHR on the device. Throws VulkanError. */
+/* instances: array of VkAccelerationStructureInstanceKHR on the device. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);
 
 }} // namespace embree::vulkan

@@ -12,7 +12,7 @@ namespace embree { namespace vulkan {
 class Trace
 {
 public:
-  /* Copies the rays and submits the trace. Throws VulkanError. */
+  /* Copies the rays and submits the trace. */
   Trace(Scene& scene, Query query, const void* rays, size_t count);
   ~Trace();
   Trace(const Trace&) = delete;
@@ -20,7 +20,7 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits until the trace is done. Writes the rays and the times unless they are NULL. Throws VulkanError. */
+  /* Waits until the trace is done. rays, times: may be NULL. */
   void finish(void* rays, RTCVulkanTimes* times);
 
   Device& device;

@@ -109,7 +109,6 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* ite
 
 struct BVHRelease { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
 
-/* Copies the result of rtcBuildBVH to a Tree. */
 class Flattening
 {
 public:

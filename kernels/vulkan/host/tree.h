@@ -52,7 +52,7 @@ public:
   std::vector<FlatMovingNode> movingNodes;
   std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves refer to runs of them
 
-  /* Add a tree over the items, which they clear. Throw VulkanError. */
+  /* Add a tree over the items, which they clear. */
   Subtree buildTriangles(RTCDevice device, std::vector<Item>& items);
   Subtree buildInstances(RTCDevice device, std::vector<Item>& items);
 
