@@ -104,7 +104,7 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* Intersects a leaf that is not an instance. Returns true if it finds a nearer hit. framed: see cbvhReport. */
+/* Intersects a leaf that is not an instance. framed: see cbvhReport. */
 bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit,
                     inout vec2 framed, inout CbvhVertNearest nearest)
 {
@@ -189,7 +189,6 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       }
     }
 
-    /* pops the next node that is not beyond the hit */
     do {
       if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
       if (top == 0) {
@@ -207,7 +206,6 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
 /* Finds the closest hit. If there is none, returns false with hit.t = ray.tfar and IDs of CBVH_NONE. */
 bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
 
-/* Returns true if the ray hits anything. */
 bool cbvhOccluded (uvec2 scene, CbvhRay ray)
 {
   CbvhHit hit;

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF. Headers of kernels/cbvh/framed define the bytes and the
- * hits; this file has the traversal.
+/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF. Headers of kernels/cbvh/framed define bytes and hits.
  *
  * The traversal keeps two masks of 4 bits per level: pending children, and pending children that the ray passes over or
  * under. It does not keep boxes. Going up, it decodes a box again along the path from the root, which is faster than a
@@ -19,7 +18,6 @@
 #include "../../cbvh/framed/leaf/crossing.h"
 #include "../../cbvh/framed/normal.h"
 
-/* A ray in the frame of a block. */
 struct CbvhLocalRay
 {
   Segment segment;
@@ -72,7 +70,6 @@ CbvhSlabs cbvhNodeSlabs (CbvhLocalRay ray, uint word, NodeBox box)
   return cbvhJoin(xy[0], xy[1], xy[2], xy[3], enterZ, leaveZ);
 }
 
-/* The leaves of a cLEAF group. */
 CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox box)
 {
   if (isLoose(heights)) return cbvhNodeSlabs(ray, word, box);
@@ -197,7 +194,6 @@ CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, flo
   return CbvhLeafHit(s, leaf, u, v, patchSlope(patch_, 0, v), patchSlope(patch_, 1, u), from);
 }
 
-/* Intersects the quads of a leaf of cGRID. Returns true if it finds a nearer hit. */
 bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhTravel ray, uint leaf,
                    const bool anyHit, inout CbvhHit hit)
 {
@@ -227,7 +223,7 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
   return found;
 }
 
-/* Returns true if it finds a nearer hit. With anyHit, stops at the first. kind: constant if the scene has only one. */
+/* kind: constant if the scene has only one. */
 bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit,
                       inout CbvhHit hit, inout vec2 framed)
 {
@@ -401,7 +397,6 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     }
     if (descends) continue;
 
-    /* up to the next level with pending children */
     bool isDone = true;
     while (true)
     {

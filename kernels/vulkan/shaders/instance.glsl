@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Transforms rays to the space of an instance, which may move. */
+/* Instances, which may move. */
 
 #ifndef CBVH_INSTANCE_GLSL
 #define CBVH_INSTANCE_GLSL

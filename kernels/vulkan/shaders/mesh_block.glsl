@@ -33,7 +33,7 @@ struct CbvhMeshBlock
  *   w   bits per field on x, y and z, 8 bits each */
 uvec4 cbvhMeshGroups[maxMeshGroups];
 
-/* Distances at which the ray enters the boxes of the groups. */
+/* distances at which the ray enters the boxes */
 float cbvhMeshEntries[maxMeshGroups];
 
 /* cbvhFindMeshGroups sets verticesBegin and numbersBegin. */
@@ -62,7 +62,6 @@ uint cbvhMeshGroupByte (CbvhMeshBlock block, uint g) {
 }
 uint cbvhMeshRecord (CbvhMeshBlock block, uint g) { return halfAt(block.at, meshHeaderBytes + meshRecordBytes*g); }
 
-/* Reads up to 32 bits. */
 uint cbvhMeshBits (CbvhMeshBlock block, uint begin, uint count)
 {
   uint mask = count == 0u ? 0u : 0xFFFFFFFFu >> (32u - count);
@@ -76,7 +75,6 @@ float cbvhMeshPosition (CbvhMeshBlock block, int k, uint coordinate)
   return block.origin[k] + float(int(coordinate))*meshSpacing(block.spacings, uint(k));
 }
 
-/* True if the boxes and the coordinates of one axis are sheared. */
 bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlope(form, 2u) != 0; }
 
 /* --- boxes ------------------------------------------------------------------------------ */
@@ -225,7 +223,6 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
 /* Counts the bits below bit i <= 31. */
 uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) - 1u))); }
 
-/* Decodes the vertex of entry i of a group's stream. */
 vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 {
   bool isLow = i < 32u;
@@ -292,7 +289,6 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
     + cbvhMeshBits(block, first + baseBits + t*bits, bits);
 }
 
-/* Intersects triangle t of a group. Returns true if it finds a nearer hit. */
 bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear, uint t,
                           inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -327,7 +323,7 @@ uint cbvhFirstMeshGroup (uint open)
   return first;
 }
 
-/* Returns true if it finds a nearer hit. Loops have one exit, see cbvhTraceGroup. */
+/* Loops have one exit, see cbvhTraceGroup. */
 bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {

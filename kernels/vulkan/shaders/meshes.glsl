@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects leaves in full precision: runs of triangles, and GRID's cells of 2 x 2 quads. */
+/* Leaves in full precision: runs of triangles, and GRID's cells of 2 x 2 quads. */
 
 #ifndef CBVH_MESHES_GLSL
 #define CBVH_MESHES_GLSL

@@ -1,7 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays and hits. */
+/* Rays and hits.
+ *
+ * Functions that intersect a ray return true and update `hit` if they find a hit nearer than hit.t. With anyHit, a
+ * compile-time constant, they return at the first one. */
 
 #ifndef CBVH_RAY_GLSL
 #define CBVH_RAY_GLSL
@@ -22,7 +25,6 @@ struct CbvhRay
   float time;
 };
 
-/* A ray with all bits of the mask at time 0. */
 CbvhRay cbvhRay (vec3 origin, float tnear, vec3 direction, float tfar) {
   return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0);
 }
@@ -44,10 +46,10 @@ struct CbvhTravel
   vec3 org, dir;
   vec3 rcp;       // finite
   float tnear;    // not negative
-  float tfar;     // of the original ray, without hits
+  float tfar;     // without hits
   float enter;    // lower bound of the distance at which the ray enters the current leaf
   uint mask;
-  float time;     // finite; -3e38 if the ray's is not
+  float time;     // finite; if the ray's is not, before all motion
   uint instID;
   uint firstGeometry;
 };

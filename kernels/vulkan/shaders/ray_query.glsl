@@ -11,7 +11,6 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
-/* The nearest hit of a ray so far. */
 struct CbvhCandidates
 {
   CbvhHit hit;
@@ -46,8 +45,8 @@ bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhTravel ray)
   return enter*(1.0 - 3.0*floatUlp) <= leave*(1.0 + 3.0*floatUlp);
 }
 
-/* Intersects the leaf of a box. Returns true if it finds a nearer hit. placed: custom index of the instance. box: index
- * of the primitive. ray: in the space of the scene. */
+/* Intersects the leaf of a box. placed: custom index of the instance. box: index of the primitive. ray: in the space of
+ * the scene. */
 bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhCandidates found)
 {
   if (!cbvhMayHit(ray)) return false;

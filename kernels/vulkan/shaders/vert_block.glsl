@@ -65,7 +65,7 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShe
   return mask;
 }
 
-/* Intersects triangle h, a bit of cbvhTriangles. Returns true if it finds a nearer hit. */
+/* h: bit of cbvhTriangles */
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h,
                       const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -120,8 +120,8 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertR
   return open;
 }
 
-/* Intersects the triangles of a group. Returns true if it finds a nearer hit. Loops here and below have one exit,
- * because lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once while other rays continue. */
+/* Loops here and below have one exit, because lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once
+ * while other rays continue. */
 bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
                      const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -138,7 +138,7 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhSh
   return found;
 }
 
-/* Intersects a static block. Returns true if it finds a nearer hit. */
+/* Intersects a static block. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
@@ -173,7 +173,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   return found;
 }
 
-/* Intersects a moving block. Returns true if it finds a nearer hit. */
+/* Intersects a moving block. */
 bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
                           inout CbvhVertNearest nearest)
 {

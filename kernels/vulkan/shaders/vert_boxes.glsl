@@ -12,7 +12,6 @@
 #include "../../cvert/decoder/group_planes.h"
 #include "../../cvert/rule/rule.h"
 
-/* Constants per ray. */
 struct CbvhVertRay
 {
   vec3 rcp;        // finite
@@ -55,7 +54,7 @@ CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhTravel r
 
 float cbvhSlack (CbvhVertAxes axes, CbvhTravel ray, int k) { return boxSlack(ray.org[k], axes.origin[k], axes.extent); }
 
-/* Returns false if the ray misses the bounds of a block, widened by `slack` on each axis. */
+/* Widens the bounds of the block by `slack` on each axis. */
 bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack, float tfar)
 {
   int m = shearedAxis(axes.boxForm);
@@ -70,7 +69,6 @@ bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, Block
   return interval.from <= interval.to;
 }
 
-/* Clips the ray by a group's box on axis k. */
 RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
                                  BoxPlanes planes, int k)
 {
@@ -80,7 +78,7 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertR
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* Returns false if the ray misses the box of group g of a block that is not raw. c00 to c11: corners of the group. */
+/* For a block that is not raw. c00 to c11: corners of group g. */
 bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g,
                      ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
@@ -93,7 +91,7 @@ bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, Cbvh
   return interval.from <= interval.to;
 }
 
-/* Returns false if the ray misses the box of group g of a raw block. */
+/* For a raw block. */
 bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);

@@ -10,7 +10,7 @@
 
 #include "vert_boxes.glsl"
 
-/* The time steps before and after the ray's time. */
+/* The steps before and after the ray's time. */
 struct CbvhSegment
 {
   StepView begin, end;
@@ -137,7 +137,6 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
   return slack;
 }
 
-/* Returns false if the ray misses the bounds of the block. */
 bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
                         float tfar)
 {
@@ -145,7 +144,7 @@ bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, C
   return cbvhMeetsBounds(ray, vert, axes, reach, slack, tfar);
 }
 
-/* Returns false if the ray misses the box of a group. Needs cbvhDecodeCorners. */
+/* Needs cbvhDecodeCorners. */
 bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
                         vec3 slack, float tfar, uint gx, uint gy)
 {

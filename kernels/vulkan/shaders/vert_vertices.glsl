@@ -59,7 +59,7 @@ CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
                      vertexOfCell(block.at, first, i, j + 1), vertexOfCell(block.at, first, i + 1, j + 1));
 }
 
-/* Returns vertex i, j of group gx, gy in the world, for a step that is not raw. */
+/* Vertex i, j of group gx, gy in the world, for a step that is not raw. */
 vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j, ivec3 coordinates)
 {
   vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y),
@@ -70,7 +70,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
   return at;
 }
 
-/* Returns vertex i, j of group gx, gy in the world, for a raw step. */
+/* Same for a raw step. */
 vec3 cbvhRawVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j)
 {
   uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));
