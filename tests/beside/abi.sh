@@ -17,7 +17,10 @@ trap 'rm -rf "$work"' EXIT
   echo '#include "cbvh/cbvh.h"'
   # A declaration may take several lines.
   awk '/^CBVH_API / { sub(/^CBVH_API /, ""); open = 1 }
-       open { text = text " " $0; if ($0 ~ /;$/) { sub(/;$/, " { __builtin_trap(); }", text); print text; text = ""; open = 0 } }' "$header"
+       open {
+         text = text " " $0
+         if ($0 ~ /;$/) { sub(/;$/, " { __builtin_trap(); }", text); print text; text = ""; open = 0 }
+       }' "$header"
 } > "$work/stubs.c"
 cc -g -O0 -w -fPIC -shared -I "$(dirname -- "$header")/.." -Wl,-soname,libembree_cbvh.so.0 \
   -Wl,--version-script="$versions" "$work/stubs.c" -o "$work/libembree_cbvh.so.0"
