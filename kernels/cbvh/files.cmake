@@ -52,7 +52,7 @@ endif()
 # Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
-  # Upstream selects its subdivision builder from the lowest ISA and AVX, too. Without AVX, a higher ISA takes its place.
+  # Upstream also selects its subdivision builder from the lowest ISA and AVX. A higher ISA replaces a missing AVX.
   if(${isa} EQUAL ${AVX} OR (${isa} GREATER ${AVX} AND NOT EMBREE_ISA_AVX))
     list(APPEND ${target} cbvh/building/builder.cpp)
   endif()

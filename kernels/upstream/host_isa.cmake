@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Sets `result` to the best of upstream's ISAs that this machine runs.
+# Sets `result` to the best of upstream's ISAs that this machine supports.
 function(host_isa result)
   set(program "${CMAKE_BINARY_DIR}/CMakeFiles/host_isa.c")
   file(WRITE "${program}" [=[

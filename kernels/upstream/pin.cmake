@@ -1,14 +1,12 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The one version of upstream that this overlay fits.
+# The version of upstream for which the patches are made.
 #
 # origin   Intel Embree, https://www.embree.org, https://github.com/embree/embree
-# licence  Apache-2.0 (LICENSE.txt of the archive)
-# archive  source package `embree` of Debian, which repacks upstream's release
-#          without the PDF manuals: its checksum differs from upstream's own
-# suite    the release of Debian that has this version; other releases of Debian, and
-#          all of Ubuntu's that are supported, have an older or a newer one
+# license  Apache-2.0 (LICENSE.txt of the archive)
+# archive  Debian's source package `embree`, which differs from upstream's release: it has no PDF manuals
+# suite    the only Debian release with this version
 
 set(EMBREE_UPSTREAM_PACKAGE "embree")
 set(EMBREE_UPSTREAM_VERSION "3.13.5+dfsg")

@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Provides a patched tree of upstream's source inside the build directory:
+# Creates a patched tree of upstream's source in the build directory:
 #
 #   archive (registry, or EMBREE_UPSTREAM_ARCHIVE) -- checked against pin.cmake
 #      |                      or EMBREE_UPSTREAM_SOURCE_DIR, an unpacked tree
@@ -9,7 +9,7 @@
 #   <build>/upstream                              (one rename at the end)
 #      ^  our sources, linked in file by file
 #
-# Every failure is one FATAL_ERROR line and leaves the tree as it was.
+# A failure prints one FATAL_ERROR line and does not change the tree.
 
 include_guard(GLOBAL)
 include("${CMAKE_CURRENT_LIST_DIR}/pin.cmake")
@@ -23,12 +23,12 @@ set(EMBREE_UPSTREAM_CACHE "${UPSTREAM_DIR}/../../.upstream" CACHE PATH
   "Directory that keeps the downloaded archive, shared by all build directories.")
 mark_as_advanced(EMBREE_UPSTREAM_CACHE)
 
-# The leading blanks keep CMake from breaking the message into several lines.
+# Two leading blanks prevent CMake from wrapping the message.
 function(upstream_fail message)
   message(FATAL_ERROR "  upstream: ${message}")
 endfunction()
 
-# Stops unless `archive` is the pinned one.
+# Fails unless `archive` has the pinned checksum.
 function(upstream_check archive)
   if(NOT EXISTS "${archive}" OR IS_DIRECTORY "${archive}")
     upstream_fail("${archive}: no such file")
@@ -40,7 +40,7 @@ function(upstream_check archive)
   endif()
 endfunction()
 
-# Sets `result` to a checked archive, downloading it where none is at hand.
+# Sets `result` to the path of a checked archive. Downloads it if necessary.
 function(upstream_archive result)
   set(cached "${EMBREE_UPSTREAM_CACHE}/${EMBREE_UPSTREAM_PACKAGE}_${EMBREE_UPSTREAM_VERSION}.orig.tar.xz")
   get_filename_component(cached "${cached}" ABSOLUTE)
@@ -71,9 +71,11 @@ function(upstream_archive result)
       endif()
       string(REGEX REPLACE "\n+$" "" log "${log}")
       string(REGEX REPLACE "^.*\n" "" log "${log}")
-      string(CONCAT message "download of source package ${EMBREE_UPSTREAM_PACKAGE} ${EMBREE_UPSTREAM_VERSION} failed (${log}); "
-        "copy ${EMBREE_UPSTREAM_PACKAGE}_${EMBREE_UPSTREAM_VERSION}.orig.tar.xz from pool/main/e/embree of any mirror of Debian, "
-        "and set the environment variable EMBREE_UPSTREAM_FALLBACK, or the CMake variable EMBREE_UPSTREAM_ARCHIVE, to its path")
+      string(CONCAT message
+        "download of source package ${EMBREE_UPSTREAM_PACKAGE} ${EMBREE_UPSTREAM_VERSION} failed (${log}); "
+        "copy ${EMBREE_UPSTREAM_PACKAGE}_${EMBREE_UPSTREAM_VERSION}.orig.tar.xz from pool/main/e/embree of any mirror "
+        "of Debian, and set the environment variable EMBREE_UPSTREAM_FALLBACK, or the CMake variable "
+        "EMBREE_UPSTREAM_ARCHIVE, to its path")
       upstream_fail("${message}")
     endif()
     file(RENAME "${archive}" "${cached}.part")
@@ -89,14 +91,14 @@ function(upstream_archive result)
   set(${result} "${cached}" PARENT_SCOPE)
 endfunction()
 
-# Applies patches/series to `tree`; `cleanup` is removed before a failure is reported.
+# Applies the patches to `tree`. If that fails, removes the folder `cleanup`.
 function(upstream_patch tree cleanup patches)
   find_program(PATCH_PROGRAM patch)
   mark_as_advanced(PATCH_PROGRAM)
   foreach(patch IN LISTS patches)
     set(log "no program named patch")
     if(PATCH_PROGRAM)
-      # --fuzz=0: a hunk whose surroundings changed has to be looked at.
+      # --fuzz=0: changed context needs a review
       execute_process(
         COMMAND "${PATCH_PROGRAM}" --strip=1 --fuzz=0 --forward --batch --no-backup-if-mismatch
                 --reject-file=- --input=${UPSTREAM_PATCHES}/${patch}
@@ -114,7 +116,7 @@ function(upstream_patch tree cleanup patches)
   endforeach()
 endfunction()
 
-# Brings `tree` up to date with the archive and the patch series.
+# Creates or updates `tree` from the archive and the patch series.
 function(upstream_provide tree)
   set(UPSTREAM_PATCHES "${UPSTREAM_DIR}/patches")
   file(STRINGS "${UPSTREAM_PATCHES}/series" patches REGEX "^[^#]")
@@ -129,7 +131,7 @@ function(upstream_provide tree)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${UPSTREAM_PATCHES}/${patch}")
   endforeach()
 
-  # A named archive is checked even where its content is unpacked already.
+  # checked even if the tree is up to date
   if(NOT EMBREE_UPSTREAM_SOURCE_DIR AND EMBREE_UPSTREAM_ARCHIVE)
     upstream_archive(archive)
   endif()
@@ -169,8 +171,8 @@ function(upstream_provide tree)
     file(WRITE "${fresh}/.cbvh-stamp" "${identity}")
     file(RENAME "${fresh}" "${tree}")
   else()
-    # Another series: copy what differs, so that only that is compiled again.
-    # Without the stamp an interrupted copy is completed by the next configure.
+    # Copies only files that differ, so that only these are compiled again. The stamp is removed first, so that the next
+    # configure completes an interrupted copy.
     message(STATUS "Patch series changed, updating ${tree}")
     file(REMOVE "${stamp}")
     file(GLOB_RECURSE files RELATIVE "${fresh}" "${fresh}/*")
@@ -182,11 +184,11 @@ function(upstream_provide tree)
     file(WRITE "${stamp}" "${identity}")
   endif()
   file(REMOVE_RECURSE "${temporary}")
-  set(EMBREE_UPSTREAM_USED_ARCHIVE "${archive}" CACHE INTERNAL "What the tree was unpacked from, for the tests.")
+  set(EMBREE_UPSTREAM_USED_ARCHIVE "${archive}" CACHE INTERNAL "Archive of the tree, for the tests.")
 endfunction()
 
-# Links the files of `from` into `to`, file by file: through a link to the
-# directory, `#include "../common/..."` would look beside ours, not upstream's.
+# Links single files of `from` into `to`. Through a link to the folder, `#include "../common/..."` would not find
+# upstream's headers.
 function(upstream_link from to)
   file(GLOB_RECURSE sources RELATIVE "${from}" CONFIGURE_DEPENDS "${from}/*.h" "${from}/*.cpp" "${from}/*.cmake")
   file(GLOB_RECURSE present RELATIVE "${to}" "${to}/*")
@@ -205,8 +207,7 @@ function(upstream_link from to)
   endforeach()
 endfunction()
 
-# Public headers are copied: upstream installs the directory they go to, and
-# links would be installed as links.
+# Copies public headers, because upstream installs their folder and would install links as links.
 function(upstream_headers from to)
   file(GLOB headers RELATIVE "${from}" CONFIGURE_DEPENDS "${from}/*.h")
   foreach(header IN LISTS headers)

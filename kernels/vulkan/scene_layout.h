@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A scene in the memory of a Vulkan device, as C++ writes and GLSL reads it. Everything is found
- * from the address of a SceneData. Blocks lie in memory byte for byte as kernels/cbvh builds them. */
+/* Layout of a scene in device memory, shared by C++ and GLSL. The address of a SceneData leads to everything else.
+ * Blocks are the same bytes as on the CPU. */
 
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
@@ -17,10 +17,10 @@
 
 CBVH_BEGIN
 
-/*! bytes of a node: four lower and four upper planes an axis, four references */
+/*! bytes of a node: four lower and four upper planes per axis, four references */
 CVERT_CONSTANT uint32_t nodeBytes = 112u;
 
-/*! of one whose children move: besides the differences of planes over time, and when children are there */
+/*! bytes of a node with moving children: also the motion of the planes and the time interval of each child */
 CVERT_CONSTANT uint32_t movingNodeBytes = 240u;
 
 struct SceneData
@@ -28,58 +28,57 @@ struct SceneData
   CBVH_ADDRESS nodes;
   CBVH_ADDRESS movingNodes;
   CBVH_ADDRESS blocks;       //!< BlockData
-  CBVH_ADDRESS cells;        //!< two words each: of GRID the index of a grid in blocks and a vertex, of triangles geomID and primID
+  CBVH_ADDRESS cells;        //!< pairs: index in `blocks` and vertex (cell of GRID), or geomID and primID (triangle)
   CBVH_ADDRESS geometries;   //!< GeometryData
   uint32_t root;             //!< reference
-  float lower[3], upper[3];  //!< bounds of all that is traced
+  float lower[3], upper[3];  //!< bounds of the scene
   uint32_t padding[3];
-  /* of a scene for ray queries */
-  CBVH_ADDRESS topLevel;     //!< the driver's structure
-  CBVH_ADDRESS placed;       //!< PlacedBoxes, by the custom index of the structure's instances
+  /* only for ray queries */
+  CBVH_ADDRESS topLevel;     //!< acceleration structure
+  CBVH_ADDRESS placed;       //!< PlacedBoxes, indexed by the custom index of an instance in topLevel
 };
 
-/*! A leaf of the tree as a ray query finds it, by the number of its box. */
+/*! A leaf of the tree for ray queries, indexed by the number of the primitive. */
 struct LeafBox
 {
   float lower[3], upper[3];
-  uint32_t reference;        //!< reference.h; of the scene, not of a part
+  uint32_t reference;        //!< base/reference.h; its index counts in the whole scene
   uint32_t padding;
 };
 CVERT_CONSTANT uint32_t leafBoxBytes = 32u;
 
-/*! Boxes in one place of the driver's top level. */
+/*! The boxes that one instance of the top level places. */
 struct PlacedBoxes
 {
   CBVH_ADDRESS boxes;        //!< LeafBox
-  uint32_t instID;           //!< the instance that places them, or all bits: then they are the scene's own
-  uint32_t firstGeometry;    //!< as GeometryData has it
+  uint32_t instID;           //!< Embree's instance; all bits set if the boxes belong to the scene itself
+  uint32_t firstGeometry;    //!< see GeometryData
 };
 CVERT_CONSTANT uint32_t placedBoxesBytes = 16u;
 
-/*! of a block, or of a grid of GRID */
+/*! A block, or a grid of GRID. */
 struct BlockData
 {
   CBVH_ADDRESS address;      //!< aligned to blockAlignment
-  uint32_t geomID;           //!< in the scene that has it
+  uint32_t geomID;           //!< in the scene that contains the geometry
   uint32_t padding;
 };
 
-/*! of a triangle mesh or an instance; of subdivision surfaces only the mask */
+/*! A triangle mesh or an instance. For other geometries only the mask is set. */
 struct GeometryData
 {
   CBVH_ADDRESS vertices, indices;
   uint32_t vertexStride, indexStride;  //!< words
   uint32_t mask;
-  uint32_t isRobust;         //!< the test of triangles is Embree's robust one
-  /* of an instance */
-  float worldToLocal[12];    //!< column by column
-  uint32_t root;             //!< of the instanced scene
-  uint32_t firstGeometry;    //!< the instanced scene's geometry 0
-  /* of one that moves: at its time steps, linear between them */
-  uint32_t numSteps;         //!< 1 of one that does not
-  float begin, end;          //!< times of the first step and of the last
+  uint32_t isRobust;         //!< whether triangles are tested as in Embree's robust scenes
+  float worldToLocal[12];    //!< 3x4, column by column
+  uint32_t root;             //!< reference to the root of the instanced scene
+  uint32_t firstGeometry;    //!< index in `geometries` of the instanced scene's geometry 0
+  /* moving instance: transforms are linear between the steps */
+  uint32_t numSteps;         //!< 1 if it does not move
+  float begin, end;          //!< times of the first and the last step
   uint32_t padding;
-  CBVH_ADDRESS transforms;   //!< 12 floats each, as worldToLocal, but to the world
+  CBVH_ADDRESS transforms;   //!< local to world, one 3x4 matrix of 12 floats per step
 };
 CVERT_CONSTANT uint32_t geometryBytes = 112u;
 

@@ -40,7 +40,7 @@ public:
   StandIn* const standIn;
   const RTCGeometry substitute;
 
-  /* Builds the committed input, if that is necessary. Returns false if progress cancelled it. */
+  /* Builds the committed input, if that is necessary. Returns false if `progress` canceled it. */
   bool build(const Progress& progress);
   bool wantsBuild() const { return isCommitted && isEnabled; }
 

@@ -20,5 +20,7 @@
 
 #if defined(__ARM_NEON)
 __forceinline __m128i _mm_sllv_epi32 (__m128i a, __m128i counts) { return vshlq_s32(a,counts); }
-__forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) { return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a),vnegq_s32(counts))); }
+__forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
+  return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a),vnegq_s32(counts)));
+}
 #endif

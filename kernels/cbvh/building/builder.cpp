@@ -287,7 +287,7 @@ namespace embree
           std::cerr << geometry << total.sums.numInvalidQuads
                     << " quads with vertices that are not finite are left out" << std::endl;
         if (total.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on that
-          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, the first of which is face "
+          std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, beginning with face "
                     << total.firstUnsupportedFace << ", are left out: expected 3 to "
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
                     << MAX_RING_FACE_VALENCE << " faces per vertex" << std::endl;

@@ -12,10 +12,10 @@
  *
  * Each child has one z interval, from a codebook of 8.
  *
- * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. Whether it is contracted to a fused
- * multiply-add or not, one step is off by at most one ulp of a number below 2, and 8 levels together by less than
- * 2^-20. The encoder keeps every decoded plane at least containmentSlack away from the geometry. Bounds therefore
- * contain the geometry on every ISA, whatever the compiler contracts.
+ * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. One step, fused to a multiply-add or not,
+ * is off by at most one ulp of a number below 2, and 8 levels together by less than 2^-20. The encoder keeps every
+ * decoded plane at least containmentSlack away from the geometry. Bounds therefore contain the geometry on every ISA,
+ * whatever the compiler contracts.
  *
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
  * shared planes). */

@@ -21,7 +21,7 @@ namespace embree
 
     struct LeafSurfaces
     {
-      /*! Of each leaf: lower x and y of its box, and the reciprocals of its extents in x and y. */
+      /*! Per leaf: lower x and y of its box, and the reciprocals of its extents in x and y. */
       alignas(64) float footprint[16][4];
       float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3], where u and v are the position in the box
       float reach[16];                //!< half of the thickness, in z

@@ -18,12 +18,14 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readBehind = 16;             // the bits of cVERT's blocks are read in words; kernels/cbvh has memory there
-constexpr size_t ownBufferBytes = 1 << 20;    // a surface of so much has buffers of its own, which are freed with it
+constexpr size_t readBehind = 16;             // readable bytes after a block, which shaders read in whole words
+constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size do not share buffers
 
-bool isVert(const FlatBlock& block) { return block.type == blockReference(kindVert) || block.type == movingBlockReference; }
+bool isVert(const FlatBlock& block) {
+  return block.type == blockReference(kindVert) || block.type == movingBlockReference;
+}
 
-/* whether shaders read a block in words, which may reach over its end */
+/* True if shaders may read beyond the end of the block. */
 bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }
 
 void requireValid(const FlatBlock& block)
@@ -45,7 +47,7 @@ void requireValid(const FlatBlock& block)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
 
-/* what of a block is copied: of grids not their own trees, which are in the scene's */
+/* The bytes of a block to upload. Grids are uploaded without their trees, which are part of the scene's tree. */
 struct Source
 {
   uint32_t header[gridDataWord];
@@ -74,13 +76,13 @@ size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
   return bytes;
 }
 
-/* Buffers that blocks are written to one behind the other: as large as the device allows, and as what is expected needs. */
+/* Uploads blocks one after another to buffers for `expected` bytes in total. */
 class BlockWriter
 {
 public:
-  BlockWriter(Device& device, Uploader& uploader, size_t expected) : device(device), uploader(uploader), rest(expected) {}
+  BlockWriter(Device& device, Uploader& uploader, size_t expected)
+    : device(device), uploader(uploader), rest(expected) {}
 
-  /* Sets the address. */
   void write(PlacedBlock& placed)
   {
     requireValid(*placed.block);
@@ -110,7 +112,7 @@ private:
   size_t rest, used = 0, end = 0;
 };
 
-/* A scene may have a surface twice, itself and in what it instances. */
+/* Uploads each block once, even if the scene contains the surface both directly and in an instanced scene. */
 std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
 {
   const auto surface = std::make_shared<UploadedSurface>();
@@ -121,13 +123,15 @@ std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const s
       writer.write(*block);
       address = block->address;
       surface->places.push_back({block->block->data, address});
-      if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back()) surface->buffers.push_back(writer.buffers.back());
+      if (surface->buffers.empty() || surface->buffers.back() != writer.buffers.back())
+        surface->buffers.push_back(writer.buffers.back());
     }
     block->address = address;
   }
-  std::sort(surface->places.begin(), surface->places.end(), [](const UploadedSurface::Place& a, const UploadedSurface::Place& b) {
-    return std::less<const void*>()(a.data, b.data);
-  });
+  std::sort(surface->places.begin(), surface->places.end(),
+            [](const UploadedSurface::Place& a, const UploadedSurface::Place& b) {
+              return std::less<const void*>()(a.data, b.data);
+            });
   return surface;
 }
 
@@ -135,7 +139,9 @@ std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const s
 
 VkDeviceAddress UploadedSurface::addressOf(const void* data) const
 {
-  const auto place = std::lower_bound(places.begin(), places.end(), data, [](const Place& a, const void* b) { return std::less<const void*>()(a.data, b); });
+  const auto place = std::lower_bound(places.begin(), places.end(), data, [](const Place& a, const void* b) {
+    return std::less<const void*>()(a.data, b);
+  });
   return place != places.end() && place->data == data ? place->address : 0;
 }
 
@@ -163,7 +169,8 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~(alignment - 1);
   std::vector<Range> joined;
   for (const Range& range : ranges) {
-    if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest) joined.back().end = std::max(joined.back().end, range.end);
+    if (!joined.empty() && range.begin <= joined.back().end && range.end - joined.back().begin <= longest)
+      joined.back().end = std::max(joined.back().end, range.end);
     else joined.push_back(range);
   }
   BlockBuffers out;
@@ -173,7 +180,9 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   }
   for (PlacedBlock& placed : blocks) {
     const size_t begin = size_t(placed.block->data);
-    const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) { return at < range.begin; }) - joined.begin()) - 1;
+    const size_t r = size_t(std::upper_bound(joined.begin(), joined.end(), begin, [](size_t at, const Range& range) {
+      return at < range.begin;
+    }) - joined.begin()) - 1;
     placed.address = out.own[r]->address + (begin - joined[r].begin);
   }
   return out;
@@ -212,7 +221,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
   BlockWriter writer(device, uploader, smallBytes);
   for (const auto& build : small) surfaces[build.first] = writeSurface(writer, build.second);
 
-  uploader.flush(); // from here on another scene may use them
+  uploader.flush(); // other scenes may use the surfaces as soon as they are added
   for (const auto& surface : surfaces) {
     device.uploads.add(surface.first, surface.second);
     out.surfaces.push_back(surface.second);

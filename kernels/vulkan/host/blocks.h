@@ -3,50 +3,50 @@
 
 #pragma once
 
-/* Blocks of scenes in the memory of a device. Those of a compressed surface are sent once, whichever scenes have it, until the
- * surface changes; the others belong to the scene that sends them. */
+/* Blocks in device memory. Scenes share the uploaded blocks of a compressed surface until it is built anew. Other
+ * blocks belong to the scene that uploads them. */
 
 #include "memory.h"
 #include "kernels/cbvh/flat/flat_scene.h"
 
 namespace embree { namespace vulkan {
 
-/* A block that a scene needs, and where the device has it. */
 struct PlacedBlock
 {
   const cbvh::FlatBlock* block;
-  uint64_t build;                // of its surface (FlatGeometry), or 0
+  uint64_t build;                // FlatGeometry::build of its surface; 0 if scenes do not share it
   VkDeviceAddress address = 0;
 };
 
-/* One build of a surface on a device. */
+/* The uploaded blocks of one build of a surface. */
 struct UploadedSurface
 {
   struct Place { const void* data; VkDeviceAddress address; };
 
-  std::vector<std::shared_ptr<Buffer>> buffers;   // small surfaces share them
-  std::vector<Place> places;                      // of its blocks, in the order of their host's addresses
+  std::vector<std::shared_ptr<Buffer>> buffers;   // shared between small surfaces
+  std::vector<Place> places;                      // sorted by host address
 
+  /* Returns the device address of a block, or 0 if the surface does not contain it. */
   VkDeviceAddress addressOf(const void* data) const;
 };
 
-/* What a scene's blocks are in. */
+/* Keeps the memory of a scene's blocks alive. */
 struct BlockBuffers
 {
   std::vector<std::shared_ptr<Buffer>> own;
   std::vector<std::shared_ptr<const UploadedSurface>> surfaces;
   size_t importedBytes = 0;
 
-  size_t bytes() const;   // of all, each buffer once
+  size_t bytes() const;   // counts shared buffers once
 };
 
-/* Both throw VulkanError if the header of a block that is new to the device does not hold: a device reads what it says, wherever
- * that is. */
+/* Both functions set the addresses. They validate each block that is new to the device and throw VulkanError if it is
+ * damaged, because shaders read at offsets from the block without checks. */
 
-/* Uses blocks where they lie in the host's memory. Sets the addresses. */
+/* Imports the host memory of the blocks, without a copy. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);
 
-/* Sends what the device has not yet. Sets the addresses. */
+/* Uploads the blocks that are not on the device yet. */
 BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks);
 
 }} // namespace embree::vulkan

@@ -18,7 +18,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* SPIR-V of trace.comp, as glslc writes it. Devices without 64-bit floats have no use for cVERT's. */
+/* SPIR-V as glslc writes it. The Float32 variants are for devices without shaderFloat64. */
 const uint32_t closestHit[] =
 #include "trace_closest.inc"
 ;
@@ -65,10 +65,16 @@ struct Code
 
 Code codeOf(Query query, bool byQuery, bool hasFloat64)
 {
-  if (byQuery && hasFloat64) return query == CLOSEST_HIT ? Code{closestHitByQuery, sizeof(closestHitByQuery)} : Code{anyHitByQuery, sizeof(anyHitByQuery)};
-  if (byQuery) return query == CLOSEST_HIT ? Code{closestHitByQueryFloat32, sizeof(closestHitByQueryFloat32)} : Code{anyHitByQueryFloat32, sizeof(anyHitByQueryFloat32)};
-  if (hasFloat64) return query == CLOSEST_HIT ? Code{closestHit, sizeof(closestHit)} : Code{anyHit, sizeof(anyHit)};
-  return query == CLOSEST_HIT ? Code{closestHitFloat32, sizeof(closestHitFloat32)} : Code{anyHitFloat32, sizeof(anyHitFloat32)};
+  if (byQuery && hasFloat64)
+    return query == CLOSEST_HIT ? Code{closestHitByQuery, sizeof(closestHitByQuery)}
+                                : Code{anyHitByQuery, sizeof(anyHitByQuery)};
+  if (byQuery)
+    return query == CLOSEST_HIT ? Code{closestHitByQueryFloat32, sizeof(closestHitByQueryFloat32)}
+                                : Code{anyHitByQueryFloat32, sizeof(anyHitByQueryFloat32)};
+  if (hasFloat64)
+    return query == CLOSEST_HIT ? Code{closestHit, sizeof(closestHit)} : Code{anyHit, sizeof(anyHit)};
+  return query == CLOSEST_HIT ? Code{closestHitFloat32, sizeof(closestHitFloat32)}
+                              : Code{anyHitFloat32, sizeof(anyHitFloat32)};
 }
 
 } // namespace
@@ -86,7 +92,8 @@ Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(),
   handles.hasHostImport = capabilities.hasHostImport;
   handles.hasRayQuery = capabilities.info.hasRayQuery;
   try {
-    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport, handles.hasRayQuery);
+    vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport,
+                         handles.hasRayQuery);
     vk.GetDeviceQueue(handles.device, handles.queueFamily, 0, &handles.queue);
     open();
   } catch (...) {
@@ -100,20 +107,24 @@ Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree)
   instanceFunctions = InstanceFunctions(handles.getInstanceProcAddr, handles.instance);
   capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
   if (capabilities.info.unsupported[0])
-    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("the Vulkan device ") + capabilities.info.name + " cannot be used: " + capabilities.info.unsupported);
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("the Vulkan device ") + capabilities.info.name
+                      + " cannot be used: " + capabilities.info.unsupported);
   auto checkEnabled = [&](bool isEnabled, bool isThere, const char* name, const char* member) {
     if (isEnabled && !isThere)
-      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + member + ": the Vulkan device " + capabilities.info.name + " has no " + name);
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + member + ": the Vulkan device "
+                        + capabilities.info.name + " has no " + name);
   };
   checkEnabled(handles.hasFloat64, capabilities.info.hasFloat64, "shaderFloat64", "hasFloat64");
-  checkEnabled(handles.hasHostImport, capabilities.hasHostImport, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME, "hasHostImport");
+  checkEnabled(handles.hasHostImport, capabilities.hasHostImport, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME,
+               "hasHostImport");
   checkEnabled(handles.hasRayQuery, capabilities.info.hasRayQuery, VK_KHR_RAY_QUERY_EXTENSION_NAME, "hasRayQuery");
   uint32_t count = 0;
   instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   instanceFunctions.GetPhysicalDeviceQueueFamilyProperties(handles.physicalDevice, &count, families.data());
   if (handles.queueFamily >= count || !(families[handles.queueFamily].queueFlags & VK_QUEUE_COMPUTE_BIT))
-    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid queueFamily " + std::to_string(handles.queueFamily) + ": it cannot compute, or is none of the device's " + std::to_string(count));
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid queueFamily " + std::to_string(handles.queueFamily)
+                      + ": it cannot compute, or is none of the device's " + std::to_string(count));
   capabilities.timestampBits = families[handles.queueFamily].timestampValidBits;
   vk = DeviceFunctions(instanceFunctions.GetDeviceProcAddr, handles.device, handles.hasHostImport, handles.hasRayQuery);
   try {
@@ -130,7 +141,8 @@ void Device::open()
   poolInfo.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   poolInfo.queueFamilyIndex = handles.queueFamily;
   check(vk.CreateCommandPool(handles.device, &poolInfo, nullptr, &pool), "creating a command pool");
-  VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, uint32_t(std::max(sizeof(TraceArguments), sizeof(OrderArguments)))};
+  VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                               uint32_t(std::max(sizeof(TraceArguments), sizeof(OrderArguments)))};
   VkPipelineLayoutCreateInfo layoutInfo = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layoutInfo.pushConstantRangeCount = 1;
   layoutInfo.pPushConstantRanges = &range;
@@ -141,7 +153,7 @@ void Device::open()
 
 Device::~Device()
 {
-  try { writeCache(); } catch (const std::exception&) {} // for want of memory: the next one will
+  try { writeCache(); } catch (const std::exception&) {} // out of memory: the cache is not needed
   destroy();
   if (embree) rtcReleaseDevice(embree);
 }
@@ -159,7 +171,8 @@ void Device::destroy()
     if (pool) vk.DestroyCommandPool(handles.device, pool, nullptr);
   }
   if (machine && handles.device) {
-    const auto destroyDevice = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
+    const auto destroyDevice
+      = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
     if (destroyDevice) destroyDevice(handles.device, nullptr);
   }
 }
@@ -200,11 +213,13 @@ void Device::wait(const Submission& submission) const
   check(vk.WaitForFences(handles.device, 1, &submission.fence, VK_TRUE, UINT64_MAX), "waiting for the device");
 }
 
-bool Device::isDone(const Submission& submission) const { return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY; }
+bool Device::isDone(const Submission& submission) const
+{
+  return vk.GetFenceStatus(handles.device, submission.fence) != VK_NOT_READY;
+}
 
-/* A wait can fail because the host is out of memory. The device goes on meanwhile, and nothing that it uses may be freed:
- * neither the fence and the commands, nor the caller's buffers. So this returns only when the device has ended the work, or
- * is lost. */
+/* A wait may fail because the host is out of memory, while the device still uses the fence, the commands and the
+ * caller's buffers. Therefore this function retries until the device is done or lost. */
 void Device::recycle(const Submission& submission)
 {
   auto hasEnded = [](VkResult result) { return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST; };
@@ -233,7 +248,7 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
 VkPipeline Device::pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize)
 {
   std::lock_guard<std::mutex> lock(mutex);
-  VkPipeline& found = pipelines[std::make_tuple(query, byQuery, kinds, stackSize)]; // none until it could be made
+  VkPipeline& found = pipelines[std::make_tuple(query, byQuery, kinds, stackSize)]; // NULL until compile succeeds
   if (found) return found;
 
   const Code code = codeOf(query, byQuery, handles.hasFloat64);
@@ -247,7 +262,8 @@ VkPipeline Device::pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t 
 const VkPipeline* Device::makeOrderPipelines()
 {
   std::lock_guard<std::mutex> lock(mutex);
-  const Code codes[4] = {{orderKeys, sizeof(orderKeys)}, {orderCounts, sizeof(orderCounts)}, {orderSums, sizeof(orderSums)}, {orderScatter, sizeof(orderScatter)}};
+  const Code codes[4] = {{orderKeys, sizeof(orderKeys)}, {orderCounts, sizeof(orderCounts)},
+                         {orderSums, sizeof(orderSums)}, {orderScatter, sizeof(orderScatter)}};
   for (int stage = 0; stage < 4; stage++)
     if (!orderPipelines[stage]) orderPipelines[stage] = compile(codes[stage].words, codes[stage].bytes, nullptr);
   return orderPipelines;
@@ -274,7 +290,7 @@ VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpeciali
   return pipeline;
 }
 
-/* Compiled shaders are kept from run to run in the user's cache folder; that they are there is never needed. */
+/* Returns the file that keeps compiled pipelines between runs, or "" if there is no cache folder. */
 std::string Device::cachePath() const
 {
   const char* folder = std::getenv("XDG_CACHE_HOME");
@@ -287,7 +303,7 @@ std::string Device::cachePath() const
   return path + "/vulkan-" + id;
 }
 
-/* FNV-1a. A file that is cut or damaged is nothing to hand to a driver. */
+/* FNV-1a. Drivers may crash on a truncated or damaged cache. */
 uint64_t Device::checksum(const std::vector<char>& data)
 {
   uint64_t sum = 0xcbf29ce484222325;
@@ -302,7 +318,8 @@ void Device::readCache()
   if (!path.empty()) {
     std::ifstream file(path, std::ios::binary);
     uint64_t sum = 0;
-    if (file.read(reinterpret_cast<char*>(&sum), sizeof(sum))) data.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    if (file.read(reinterpret_cast<char*>(&sum), sizeof(sum)))
+      data.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
     if (checksum(data) != sum) data.clear();
   }
   VkPipelineCacheCreateInfo info = {VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
@@ -316,7 +333,8 @@ void Device::writeCache() const
 {
   const std::string path = cachePath();
   size_t bytes = 0;
-  if (path.empty() || vk.GetPipelineCacheData(handles.device, cache, &bytes, nullptr) != VK_SUCCESS || bytes <= cacheBytes) return;
+  if (path.empty() || vk.GetPipelineCacheData(handles.device, cache, &bytes, nullptr) != VK_SUCCESS ||
+      bytes <= cacheBytes) return;
   std::vector<char> data(bytes);
   if (vk.GetPipelineCacheData(handles.device, cache, &bytes, data.data()) != VK_SUCCESS) return;
   data.resize(bytes);
@@ -329,7 +347,7 @@ void Device::writeCache() const
     const int error = cvert::writeAll(file.descriptor(), &sum, sizeof(sum));
     if (!error && cvert::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
   }
-  catch (const std::exception&) {} // drivers compile again without it
+  catch (const std::exception&) {} // the next run compiles again
 }
 
 }} // namespace embree::vulkan

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An open Vulkan device: its queue, one command at a time on it, and the pipelines that trace. */
+/* An open Vulkan device with its queue, command pool and pipelines. */
 
 #include "opening.h"
 #include "structures.h"
@@ -19,7 +19,7 @@ namespace embree { namespace vulkan {
 
 enum Query { CLOSEST_HIT, ANY_HIT };
 
-/* Counts its users; made with one. */
+/* Reference-counted base class. The count starts at 1. */
 class Shared
 {
 public:
@@ -33,7 +33,6 @@ private:
   std::atomic<size_t> users{1};
 };
 
-/* Keeps something that is shared. */
 template<typename T>
 class Held
 {
@@ -47,17 +46,15 @@ private:
   T& object;
 };
 
+/* Several threads may call member functions. */
 class Device : public Shared
 {
 public:
-  /* Throws VulkanError. */
   Device(RTCDevice embree, const char* which);
   Device(RTCDevice embree, const RTCVulkanHandles& handles);
 
-  /* Records with the closure, submits and waits. */
   void run(const std::function<void(VkCommandBuffer)>& record);
 
-  /* A command buffer that is submitted, and its fence. */
   struct Submission
   {
     VkCommandBuffer commands = VK_NULL_HANDLE;
@@ -66,16 +63,19 @@ public:
   Submission submit(const std::function<void(VkCommandBuffer)>& record);
   void wait(const Submission& submission) const;
   bool isDone(const Submission& submission) const;
-  void recycle(const Submission& submission); // once it is done, or the device is lost: waits for that
 
-  /* Pipeline for scenes of these kinds of leaves and a stack of so many entries, or that goes by ray queries; made when it is first asked for. */
+  /* Frees a submission. First waits until it is done or the device is lost. */
+  void recycle(const Submission& submission);
+
+  /* Returns the pipeline that traces scenes with the given kinds of leaves, compiling it on the first call. byQuery:
+   * use ray queries instead of a stack of stackSize entries. */
   VkPipeline pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
-  /* Pipelines of the stages of ray_order.comp, made when they are first asked for. */
+  /* Returns the four pipelines of ray_order.comp, compiling them on the first call. */
   const VkPipeline* makeOrderPipelines();
 
-  const RTCDevice embree;         // gets errors; retained
+  const RTCDevice embree;         // receives errors; retained, may be NULL
   RTCVulkanHandles handles;
   Capabilities capabilities;
   InstanceFunctions instanceFunctions;
@@ -93,8 +93,8 @@ private:
   std::string cachePath() const;
   static uint64_t checksum(const std::vector<char>& data);
 
-  std::unique_ptr<Machine> machine;  // of a device that was opened here
-  std::mutex mutex;                  // of the queue, the command pool and the pipelines
+  std::unique_ptr<Machine> machine;  // NULL if the application passed its own handles
+  std::mutex mutex;                  // guards the queue, the command pool and the pipelines
   VkCommandPool pool = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
@@ -103,14 +103,13 @@ private:
   VkPipeline orderPipelines[4] = {};
 };
 
-/* Push constants of trace.comp. order: 0 for rays as they come. */
+/* Push constants of trace.comp. order is 0 if rays are not sorted. */
 struct TraceArguments
 {
   VkDeviceAddress scene, rays, order;
   uint32_t first, count;
 };
 
-/* Push constants of ray_order.comp. */
 struct OrderArguments
 {
   VkDeviceAddress rays, from, to, counts, scene;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Errors are thrown inside, and handed to the RTCDevice at the C boundary. */
+/* Constructors and functions of host/ throw VulkanError. rtcore_vulkan.cpp passes it to the RTCDevice. */
 
 #include <embree3/rtcore.h>
 

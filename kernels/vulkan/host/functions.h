@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The functions of Vulkan that are called, of one instance and one device: an application may
- * have several of each, and a loader of its own, so there is no table for the process. */
+/* Vulkan's functions, loaded per instance and per device: an application may have several of each, and its own
+ * loader. */
 
 #include "error.h"
 
@@ -20,14 +20,17 @@ namespace embree { namespace vulkan {
 #define CBVH_DEVICE_FUNCTIONS(F) \
   F(DestroyDevice) F(GetDeviceQueue) F(DeviceWaitIdle) F(QueueSubmit) \
   F(CreateBuffer) F(DestroyBuffer) F(GetBufferMemoryRequirements) F(BindBufferMemory) F(GetBufferDeviceAddress) \
-  F(AllocateMemory) F(FreeMemory) F(MapMemory) F(UnmapMemory) F(FlushMappedMemoryRanges) F(InvalidateMappedMemoryRanges) \
+  F(AllocateMemory) F(FreeMemory) F(MapMemory) F(UnmapMemory) \
+  F(FlushMappedMemoryRanges) F(InvalidateMappedMemoryRanges) \
   F(CreateShaderModule) F(DestroyShaderModule) F(CreatePipelineLayout) F(DestroyPipelineLayout) \
   F(CreateComputePipelines) F(DestroyPipeline) F(CreatePipelineCache) F(DestroyPipelineCache) F(GetPipelineCacheData) \
-  F(CreateCommandPool) F(DestroyCommandPool) F(AllocateCommandBuffers) F(FreeCommandBuffers) F(BeginCommandBuffer) F(EndCommandBuffer) \
-  F(CmdBindPipeline) F(CmdPushConstants) F(CmdDispatch) F(CmdPipelineBarrier) F(CmdCopyBuffer) F(CmdWriteTimestamp) F(CmdResetQueryPool) \
-  F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
+  F(CreateCommandPool) F(DestroyCommandPool) F(AllocateCommandBuffers) F(FreeCommandBuffers) \
+  F(BeginCommandBuffer) F(EndCommandBuffer) F(CmdBindPipeline) F(CmdPushConstants) F(CmdDispatch) \
+  F(CmdPipelineBarrier) F(CmdCopyBuffer) F(CmdWriteTimestamp) F(CmdResetQueryPool) \
+  F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) \
+  F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
 
-/* where the extension is enabled */
+/* NULL unless VK_KHR_acceleration_structure is enabled. */
 #define CBVH_STRUCTURE_FUNCTIONS(F) \
   F(CreateAccelerationStructureKHR) F(DestroyAccelerationStructureKHR) F(GetAccelerationStructureBuildSizesKHR) \
   F(GetAccelerationStructureDeviceAddressKHR) F(CmdBuildAccelerationStructuresKHR)
@@ -40,17 +43,21 @@ struct InstanceFunctions
 
   InstanceFunctions() = default;
 
-  /* Throws VulkanError that names a function which the loader does not have. */
+  /* Throws VulkanError with the name of a missing function. */
   InstanceFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance)
   {
-#define CBVH_LOAD(NAME) NAME = PFN_vk##NAME(getInstanceProcAddr(instance, "vk" #NAME)); check(PFN_vkVoidFunction(NAME), "vk" #NAME);
+#define CBVH_LOAD(NAME) \
+    NAME = PFN_vk##NAME(getInstanceProcAddr(instance, "vk" #NAME)); \
+    check(PFN_vkVoidFunction(NAME), "vk" #NAME);
     CBVH_INSTANCE_FUNCTIONS(CBVH_LOAD)
 #undef CBVH_LOAD
   }
 
   static void check(PFN_vkVoidFunction function, const char* name)
   {
-    if (!function) throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("Vulkan's loader or driver has no ") + name + ": Vulkan 1.2 is needed");
+    if (!function)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                        std::string("Vulkan's loader or driver has no ") + name + ": Vulkan 1.2 is needed");
   }
 };
 
@@ -58,25 +65,30 @@ struct DeviceFunctions
 {
   CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
   CBVH_STRUCTURE_FUNCTIONS(CBVH_DECLARE)
-  PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr; // where the extension is enabled
+  /* NULL unless VK_EXT_external_memory_host is enabled */
+  PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr;
 
   DeviceFunctions() = default;
 
   DeviceFunctions(PFN_vkGetDeviceProcAddr getDeviceProcAddr, VkDevice device, bool hasHostImport, bool hasRayQuery)
   {
-#define CBVH_LOAD(NAME) NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME);
+#define CBVH_LOAD(NAME) \
+    NAME = PFN_vk##NAME(getDeviceProcAddr(device, "vk" #NAME)); \
+    InstanceFunctions::check(PFN_vkVoidFunction(NAME), "vk" #NAME);
     CBVH_DEVICE_FUNCTIONS(CBVH_LOAD)
     if (hasRayQuery) { CBVH_STRUCTURE_FUNCTIONS(CBVH_LOAD) }
 #undef CBVH_LOAD
     if (!hasHostImport) return;
-    GetMemoryHostPointerPropertiesEXT = PFN_vkGetMemoryHostPointerPropertiesEXT(getDeviceProcAddr(device, "vkGetMemoryHostPointerPropertiesEXT"));
-    InstanceFunctions::check(PFN_vkVoidFunction(GetMemoryHostPointerPropertiesEXT), "vkGetMemoryHostPointerPropertiesEXT, whose extension is said to be enabled");
+    GetMemoryHostPointerPropertiesEXT = PFN_vkGetMemoryHostPointerPropertiesEXT(
+      getDeviceProcAddr(device, "vkGetMemoryHostPointerPropertiesEXT"));
+    InstanceFunctions::check(PFN_vkVoidFunction(GetMemoryHostPointerPropertiesEXT),
+                             "vkGetMemoryHostPointerPropertiesEXT, whose extension is said to be enabled");
   }
 };
 
 #undef CBVH_DECLARE
 
-/* Throws VulkanError with what failed and Vulkan's name of why. */
+/* Throws VulkanError if `result` is an error. doing: the failing action for the message, "creating a fence". */
 void check(VkResult result, const std::string& doing);
 
 }} // namespace embree::vulkan

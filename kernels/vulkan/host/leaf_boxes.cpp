@@ -32,7 +32,7 @@ Bounds boundsOfChild(const FlatNode& node, int child)
   return out;
 }
 
-/* At all times that a child is there: planes go straight. */
+/* Returns bounds over the time interval of the child. Its ends suffice, because planes move linearly. */
 Bounds boundsOfChild(const FlatMovingNode& node, int child)
 {
   Bounds out = Bounds::empty();
@@ -51,7 +51,7 @@ class Leaves
 public:
   explicit Leaves(const Tree& tree) : tree(tree) {}
 
-  /* By reference: one that moves may have several places in the tree, and becomes one box. */
+  /* Returns each leaf once, sorted by reference. The tree may contain a moving leaf once per time interval. */
   std::vector<std::pair<uint32_t, Bounds>> joined()
   {
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -70,7 +70,8 @@ public:
     if (type == nodeReference)
       for (int i = 0; i < 4; i++) gather(tree.nodes[index].children[i], boundsOfChild(tree.nodes[index], i));
     else if (type == movingNodeReference)
-      for (int i = 0; i < 4; i++) gather(tree.movingNodes[index].atZero.children[i], boundsOfChild(tree.movingNodes[index], i));
+      for (int i = 0; i < 4; i++)
+        gather(tree.movingNodes[index].atZero.children[i], boundsOfChild(tree.movingNodes[index], i));
     else found.push_back({reference, b});
   }
 
@@ -79,7 +80,7 @@ private:
   std::vector<std::pair<uint32_t, Bounds>> found;
 };
 
-/* every third of 63 bits */
+/* Moves bit i to bit 3i, for 21 bits. */
 uint64_t spread(uint64_t x)
 {
   x &= 0x1FFFFF;
@@ -90,9 +91,9 @@ uint64_t spread(uint64_t x)
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/* A driver computes where a ray passes a plane, (plane - origin)/direction, in floats, with three roundings: at a distance of D that is
- * D 2^-22 off at most. 2^-17 of the largest coordinate is enough for rays that start 20 times as far away, with some to spare for
- * its transforms of rays. */
+/* Bound of a driver's rounding errors. It computes (plane - origin)/direction in floats with three roundings, so that a
+ * plane at distance D is off by D 2^-22 at most. 2^-17 of the largest coordinate suffices for rays that start 20 times
+ * as far away, with a margin for transforming the ray. */
 float widthOfErrors(const Bounds& all)
 {
   float largest = 0;
@@ -107,19 +108,22 @@ Bounds boundsOf(const std::vector<LeafBox>& boxes)
   return all;
 }
 
-/* Of equal codes the lesser reference comes first, which is the earlier block. */
+/* Ties are broken by reference, so that the order is deterministic. */
 void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 {
   std::vector<std::pair<uint64_t, LeafBox>> order;
   for (const LeafBox& box : boxes) {
     uint64_t code = 0;
     for (int k = 0; k < 3; k++) {
-      const double extent = double(all.upper[k]) - all.lower[k], x = 0.5*(double(box.lower[k]) + box.upper[k]) - all.lower[k];
+      const double extent = double(all.upper[k]) - all.lower[k],
+                   x = 0.5*(double(box.lower[k]) + box.upper[k]) - all.lower[k];
       code |= spread(uint64_t(extent > 0 ? x/extent*0x1FFFFF : 0)) << k;
     }
     order.push_back({code, box});
   }
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first || (a.first == b.first && a.second.reference < b.second.reference); });
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return a.first < b.first || (a.first == b.first && a.second.reference < b.second.reference);
+  });
   std::transform(order.begin(), order.end(), boxes.begin(), [](const auto& entry) { return entry.second; });
 }
 
@@ -138,11 +142,11 @@ std::vector<VkAabbPositionsKHR> LeafBoxes::forDriver(const std::function<Bounds(
   std::vector<VkAabbPositionsKHR> out;
   out.reserve(boxes.size());
   for (const Bounds& b : all)
-    out.push_back({b.lower[0] - width, b.lower[1] - width, b.lower[2] - width, b.upper[0] + width, b.upper[1] + width, b.upper[2] + width});
+    out.push_back({b.lower[0] - width, b.lower[1] - width, b.lower[2] - width,
+                   b.upper[0] + width, b.upper[1] + width, b.upper[2] + width});
   return out;
 }
 
-/* FNV-1a, a word at a time */
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes)
 {
   uint64_t sum = 0xcbf29ce484222325;
@@ -154,7 +158,8 @@ BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes)
   return {boxes.size(), sum};
 }
 
-std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree, const std::function<uint32_t(uint32_t)>& geomIDOf)
+std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
+                                   const std::function<uint32_t(uint32_t)>& geomIDOf)
 {
   Leaves leaves(tree);
   leaves.gather(subtree.root, subtree.bounds);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The leaves of a scene's tree as boxes, by geometry, as a driver's bottom levels have them. */
+/* Boxes of the leaves of a tree, per geometry: the input of bottom-level acceleration structures. */
 
 #include "structures.h"
 #include "tree.h"
@@ -15,19 +15,19 @@ namespace embree { namespace vulkan {
 
 using cbvh::LeafBox;
 
-/* Boxes of a geometry, in Morton order, each leaf once. */
 struct LeafBoxes
 {
-  uint32_t geomID;   // all bits for triangles of meshes, of which leaves have those of several
-  std::vector<LeafBox> boxes;
+  uint32_t geomID;              // all bits set for triangle meshes, because their leaves mix geometries
+  std::vector<LeafBox> boxes;   // in Morton order
 
-  /* What the driver gets: wider by what its arithmetic may lose. place: what becomes of bounds before. */
+  /* Returns the boxes after `place`, enlarged by the rounding errors of drivers. */
   std::vector<VkAabbPositionsKHR> forDriver(const std::function<Bounds(const Bounds&)>& place) const;
 };
 
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
 
-/* All below a subtree but instances. geomIDOf: of a reference. */
-std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree, const std::function<uint32_t(uint32_t)>& geomIDOf);
+/* Returns the leaves below a subtree, each once, without instances. geomIDOf: geomID of a reference. */
+std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
+                                   const std::function<uint32_t(uint32_t)>& geomIDOf);
 
 }} // namespace embree::vulkan

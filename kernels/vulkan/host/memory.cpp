@@ -10,8 +10,9 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* Type of memory that has all of the flags; the one that has most of what is liked besides. */
-uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemoryPropertyFlags needed, VkMemoryPropertyFlags liked, const char* what)
+/* Returns the allowed memory type with all needed and most liked flags. Throws VulkanError if there is none. */
+uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemoryPropertyFlags needed,
+                    VkMemoryPropertyFlags liked, const char* what)
 {
   uint32_t best = ~0u;
   int bestScore = -1;
@@ -21,12 +22,14 @@ uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemory
     const int score = __builtin_popcount(flags & liked);
     if (score > bestScore) { best = i; bestScore = score; }
   }
-  if (best == ~0u) throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: the device has no type of memory for ") + what);
+  if (best == ~0u)
+    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: the device has no type of memory for ") + what);
   return best;
 }
 
 constexpr VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
-constexpr VkBufferUsageFlags structures = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
+constexpr VkBufferUsageFlags structures = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR
+  | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
 constexpr VkBufferUsageFlags transfer = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 std::string sizeText(size_t bytes) { return std::to_string(bytes) + " bytes"; }
@@ -34,13 +37,15 @@ std::string sizeText(size_t bytes) { return std::to_string(bytes) + " bytes"; }
 void checkLimit(const Device& device, size_t bytes, const char* what)
 {
   if (bytes > device.capabilities.maxAllocation)
-    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: ") + what + " need " + sizeText(bytes) + ", and the device's maxMemoryAllocationSize is "
+    throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, std::string("Vulkan: ") + what + " need " + sizeText(bytes)
+                      + ", and the device's maxMemoryAllocationSize is "
                       + sizeText(device.capabilities.maxAllocation));
 }
 
 } // namespace
 
-Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what) : bytes(std::max(bytes, size_t(16))), device(device)
+Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what)
+  : bytes(std::max(bytes, size_t(16))), device(device)
 {
   checkLimit(device, this->bytes, what);
   try {
@@ -49,7 +54,8 @@ Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what) : byte
     device.vk.GetBufferMemoryRequirements(device.handles.device, handle, &requirements);
     const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const uint32_t type = kind == OnDevice
-      ? chooseType(device.capabilities, requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, device.capabilities.info.isDiscrete ? 0 : host, what)
+      ? chooseType(device.capabilities, requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+                   device.capabilities.info.isDiscrete ? 0 : host, what)
       : chooseType(device.capabilities, requirements.memoryTypeBits, host, VK_MEMORY_PROPERTY_HOST_CACHED_BIT, what);
     VkMemoryAllocateInfo info = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = requirements.size;
@@ -58,7 +64,8 @@ Buffer::Buffer(Device& device, size_t bytes, Kind kind, const char* what) : byte
     const VkMemoryPropertyFlags flags = device.capabilities.memory.memoryTypes[type].propertyFlags;
     if ((flags & host) == host) {
       void* data = nullptr;
-      check(device.vk.MapMemory(device.handles.device, memory, 0, VK_WHOLE_SIZE, 0, &data), "mapping " + sizeText(info.allocationSize) + " for " + what);
+      check(device.vk.MapMemory(device.handles.device, memory, 0, VK_WHOLE_SIZE, 0, &data),
+            "mapping " + sizeText(info.allocationSize) + " for " + what);
       mapped = static_cast<char*>(data);
     }
   } catch (...) {
@@ -76,7 +83,9 @@ Buffer::Buffer(Device& device, void* begin, size_t bytes) : bytes(bytes), device
     external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
     create(&external, what);
     VkMemoryHostPointerPropertiesEXT pointer = {VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT};
-    check(device.vk.GetMemoryHostPointerPropertiesEXT(device.handles.device, VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT, begin, &pointer), "importing " + sizeText(bytes) + " of the host's memory");
+    check(device.vk.GetMemoryHostPointerPropertiesEXT(
+            device.handles.device, VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT, begin, &pointer),
+          "importing " + sizeText(bytes) + " of the host's memory");
     VkMemoryRequirements requirements;
     device.vk.GetBufferMemoryRequirements(device.handles.device, handle, &requirements);
     VkImportMemoryHostPointerInfoEXT import = {VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT};
@@ -85,7 +94,8 @@ Buffer::Buffer(Device& device, void* begin, size_t bytes) : bytes(bytes), device
     VkMemoryAllocateInfo info = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.pNext = &import;
     info.allocationSize = bytes;
-    info.memoryTypeIndex = chooseType(device.capabilities, requirements.memoryTypeBits & pointer.memoryTypeBits, 0, 0, what);
+    info.memoryTypeIndex
+      = chooseType(device.capabilities, requirements.memoryTypeBits & pointer.memoryTypeBits, 0, 0, what);
     allocate(info, what, "importing ");
   } catch (...) {
     destroy();
@@ -99,7 +109,8 @@ void Buffer::create(const void* next, const char* what)
   info.pNext = next;
   info.size = bytes;
   info.usage = next ? usage : usage | transfer | (device.handles.hasRayQuery ? structures : 0);
-  check(device.vk.CreateBuffer(device.handles.device, &info, nullptr, &handle), "creating a buffer of " + sizeText(bytes) + " for " + what);
+  check(device.vk.CreateBuffer(device.handles.device, &info, nullptr, &handle),
+        "creating a buffer of " + sizeText(bytes) + " for " + what);
 }
 
 void Buffer::allocate(VkMemoryAllocateInfo info, const char* what, const char* doing)
@@ -110,7 +121,8 @@ void Buffer::allocate(VkMemoryAllocateInfo info, const char* what, const char* d
   info.pNext = &flags;
   check(device.vk.AllocateMemory(device.handles.device, &info, nullptr, &memory),
         doing + sizeText(info.allocationSize) + " for " + what);
-  check(device.vk.BindBufferMemory(device.handles.device, handle, memory, 0), "binding " + sizeText(info.allocationSize) + " for " + what);
+  check(device.vk.BindBufferMemory(device.handles.device, handle, memory, 0),
+        "binding " + sizeText(info.allocationSize) + " for " + what);
   VkBufferDeviceAddressInfo address = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = handle;
   this->address = device.vk.GetBufferDeviceAddress(device.handles.device, &address);
@@ -142,7 +154,8 @@ void Uploader::write(const Slice& to, size_t offset, const void* data, size_t by
     std::memcpy(staging->mapped + used, static_cast<const char*>(data) + done, n);
     const VkDeviceSize target = to.offset + offset + done;
     Copy* last = copies.empty() ? nullptr : &copies.back();
-    if (last && last->to == to.buffer->handle && last->region.dstOffset + last->region.size == target && last->region.srcOffset + last->region.size == used)
+    if (last && last->to == to.buffer->handle && last->region.dstOffset + last->region.size == target &&
+        last->region.srcOffset + last->region.size == used)
       last->region.size += n;
     else
       copies.push_back({to.buffer->handle, {used, target, n}});
@@ -159,7 +172,8 @@ void Uploader::flush()
     VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
-    device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+    device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                 0, 1, &barrier, 0, nullptr, 0, nullptr);
   });
   copies.clear();
   used = 0;
@@ -176,11 +190,11 @@ Buffer& Arena::add(size_t bytes, const char* what)
 
 Slice Arena::take(size_t bytes, const char* what)
 {
-  const size_t largest = std::min(size_t(16) << 20, device.capabilities.maxAllocation); // of buffers that are shared
+  const size_t largest = std::min(size_t(16) << 20, device.capabilities.maxAllocation);
   bytes = (bytes + 15) & ~size_t(15);
   if (bytes > largest/64) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {
-    /* each twice as large as the last: a small scene gets a small buffer, a large one few */
+    /* sizes double, so that small scenes need little memory and large scenes few buffers */
     const size_t size = shared == ~size_t(0) ? size_t(1) << 14 : 2*buffers[shared]->bytes;
     add(std::max(bytes, std::min(size, largest)), what);
     shared = buffers.size() - 1;

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Memory of a device: buffers with addresses, an arena that many small things share a buffer of,
- * and memory of the host that the device uses in place. */
+/* Device memory: buffers, imported host memory, uploads, and arenas. */
 
 #include "device.h"
 
@@ -12,20 +11,20 @@
 
 namespace embree { namespace vulkan {
 
-/* A buffer with memory of its own. */
+/* A buffer and its memory allocation. */
 class Buffer
 {
 public:
   enum Kind
   {
-    OnDevice,  // the device's own memory, mapped where it is the host's too
-    Staging    // the host's, mapped
+    OnDevice,  // device-local; also mapped if the host can see it
+    Staging
   };
 
-  /* Throws VulkanError that names `what` and its size. */
+  /* what: contents of the buffer, for messages. */
   Buffer(Device& device, size_t bytes, Kind kind, const char* what);
 
-  /* Uses memory of the host in place: begin and bytes are multiples of the device's importAlignment. */
+  /* Imports host memory. begin and bytes must be multiples of the device's importAlignment. */
   Buffer(Device& device, void* begin, size_t bytes);
 
   ~Buffer();
@@ -35,7 +34,7 @@ public:
   VkBuffer handle = VK_NULL_HANDLE;
   VkDeviceAddress address = 0;
   const size_t bytes;
-  char* mapped = nullptr;   // NULL if the host does not see it
+  char* mapped = nullptr;   // NULL if the memory is not host-visible
 
 private:
   void create(const void* next, const char* what);
@@ -46,7 +45,6 @@ private:
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
-/* A part of a buffer. */
 struct Slice
 {
   Buffer* buffer = nullptr;
@@ -55,32 +53,34 @@ struct Slice
   VkDeviceAddress address() const { return buffer->address + offset; }
 };
 
-/* Fills buffers of a device: through their mapping, or by way of a staging buffer. */
+/* Writes to buffers: directly if they are mapped, otherwise through a staging buffer. */
 class Uploader
 {
 public:
   explicit Uploader(Device& device) : device(device) {}
 
   void write(const Slice& to, size_t offset, const void* data, size_t bytes);
-  void flush();   // what was written is then in place
 
-  size_t written = 0;   // bytes, in all
+  /* Completes the writes and waits for the device. */
+  void flush();
+
+  size_t written = 0;   // total bytes
 
 private:
   Device& device;
   std::unique_ptr<Buffer> staging;
-  size_t used = 0;   // of it
+  size_t used = 0;
   struct Copy { VkBuffer to; VkBufferCopy region; };
   std::vector<Copy> copies;
 };
 
-/* Parts of large buffers; aligned to 16 bytes. */
+/* Allocates slices of shared buffers, aligned to 16 bytes. Large slices get their own buffer. */
 class Arena
 {
 public:
   explicit Arena(Device& device) : device(device) {}
 
-  /* what: for messages. */
+  /* what: contents of the slice, for messages. */
   Slice take(size_t bytes, const char* what);
 
   size_t bytes() const;
@@ -90,8 +90,8 @@ private:
 
   Device& device;
   std::vector<std::unique_ptr<Buffer>> buffers;
-  size_t used = 0;   // of the last shared one
-  size_t shared = ~size_t(0);
+  size_t used = 0;              // bytes of the current shared buffer
+  size_t shared = ~size_t(0);   // index of the current shared buffer, or all bits set
 };
 
 }} // namespace embree::vulkan

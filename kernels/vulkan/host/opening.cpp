@@ -49,7 +49,8 @@ void setText(char (&to)[N], const std::string& from)
 
 std::string versionText(uint32_t version)
 {
-  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." + std::to_string(VK_API_VERSION_PATCH(version));
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "."
+    + std::to_string(VK_API_VERSION_PATCH(version));
 }
 
 bool isMemory(VkResult result)
@@ -75,7 +76,9 @@ bool hasExtension(const InstanceFunctions& vk, VkPhysicalDevice device, const ch
   check(vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing extensions");
   std::vector<VkExtensionProperties> extensions(count);
   check(vk.EnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()), "listing extensions");
-  return std::any_of(extensions.begin(), extensions.begin() + count, [&](const VkExtensionProperties& e) { return !std::strcmp(e.extensionName, name); });
+  return std::any_of(extensions.begin(), extensions.begin() + count, [&](const VkExtensionProperties& e) {
+    return !std::strcmp(e.extensionName, name);
+  });
 }
 
 } // namespace
@@ -86,10 +89,11 @@ void check(VkResult result, const std::string& doing)
   const char* name = nameOf(result);
   throw VulkanError(isMemory(result) ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN,
                     "Vulkan: " + doing + " failed: " + (name ? name : "VkResult " + std::to_string(result))
-                    + (result == VK_ERROR_DEVICE_LOST ? "; the device is lost, release it and what was made with it" : ""));
+                    + (result == VK_ERROR_DEVICE_LOST
+                       ? "; the device is lost, release it and what was made with it" : ""));
 }
 
-/* --- the machine ------------------------------------------------------------------------ */
+/* --- loader and instance ---------------------------------------------------------------- */
 
 Machine::Machine()
 {
@@ -98,9 +102,14 @@ Machine::Machine()
   loader = dlopen(named ? named : "libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!loader && named) {
     const char* reason = dlerror();
-    throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, std::string("the loader of Vulkan that EMBREE_VULKAN_LOADER names, '") + named + "', cannot be loaded: " + (reason ? reason : "no reason is known"));
+    throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU,
+                      std::string("the loader of Vulkan that EMBREE_VULKAN_LOADER names, '") + named
+                      + "', cannot be loaded: " + (reason ? reason : "no reason is known"));
   }
-  if (!loader) throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan's loader, libvulkan.so.1, is not installed (Debian: libvulkan1, and mesa-vulkan-drivers or the vendor's driver)");
+  if (!loader)
+    throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU,
+                      "Vulkan's loader, libvulkan.so.1, is not installed "
+                      "(Debian: libvulkan1, and mesa-vulkan-drivers or the vendor's driver)");
   try {
     getInstanceProcAddr = PFN_vkGetInstanceProcAddr(dlsym(loader, "vkGetInstanceProcAddr"));
     InstanceFunctions::check(PFN_vkVoidFunction(getInstanceProcAddr), "vkGetInstanceProcAddr");
@@ -120,7 +129,9 @@ Machine::Machine()
     check(result, "creating an instance");
     vk = InstanceFunctions(getInstanceProcAddr, instance);
   } catch (...) {
-    if (const auto destroy = instance ? PFN_vkDestroyInstance(getInstanceProcAddr(instance, "vkDestroyInstance")) : nullptr) destroy(instance, nullptr);
+    if (const auto destroy
+        = instance ? PFN_vkDestroyInstance(getInstanceProcAddr(instance, "vkDestroyInstance")) : nullptr)
+      destroy(instance, nullptr);
     dlclose(loader);
     throw;
   }
@@ -157,16 +168,20 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
       out.info.memoryBytes = std::max(out.info.memoryBytes, size_t(out.memory.memoryHeaps[i].size));
   out.info.isDiscrete = out.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
   if (out.properties.apiVersion < VK_API_VERSION_1_2) {
-    setText(out.info.unsupported, "its driver has Vulkan " + versionText(out.properties.apiVersion) + ", 1.2 is needed");
+    setText(out.info.unsupported,
+            "its driver has Vulkan " + versionText(out.properties.apiVersion) + ", 1.2 is needed");
     return out;
   }
 
   out.hasHostImport = hasExtension(vk, device, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
-  VkPhysicalDeviceExternalMemoryHostPropertiesEXT host = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_MEMORY_HOST_PROPERTIES_EXT};
+  VkPhysicalDeviceExternalMemoryHostPropertiesEXT host =
+    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_MEMORY_HOST_PROPERTIES_EXT};
   VkPhysicalDeviceVulkan12Properties v12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
   VkPhysicalDeviceMaintenance3Properties maintenance = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
-  VkPhysicalDeviceAccelerationStructurePropertiesKHR structures = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
-  const bool hasRayQuery = std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions), [&](const char* name) { return hasExtension(vk, device, name); });
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR structures =
+    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  const bool hasRayQuery = std::all_of(std::begin(rayQueryExtensions), std::end(rayQueryExtensions),
+                                       [&](const char* name) { return hasExtension(vk, device, name); });
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
   properties.pNext = &maintenance;
   maintenance.pNext = &v12;
@@ -182,20 +197,23 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
 
   VkPhysicalDeviceVulkan12Features f12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structureFeatures = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structureFeatures =
+    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
   structureFeatures.pNext = &query;
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &f12;
   if (hasRayQuery) f12.pNext = &structureFeatures;
   vk.GetPhysicalDeviceFeatures2(device, &features);
   out.info.hasRayQuery = hasRayQuery && query.rayQuery && structureFeatures.accelerationStructure;
-  out.scratchAlignment = std::max(out.scratchAlignment, size_t(structures.minAccelerationStructureScratchOffsetAlignment));
+  out.scratchAlignment
+    = std::max(out.scratchAlignment, size_t(structures.minAccelerationStructureScratchOffsetAlignment));
   out.maxBoxes = structures.maxPrimitiveCount;
-  out.maxInstances = std::min(uint64_t(structures.maxInstanceCount), uint64_t(1) << 24); // of which a custom index has 24 bits
+  out.maxInstances = std::min(uint64_t(structures.maxInstanceCount), uint64_t(1) << 24); // bits of a custom index
   out.info.hasFloat64 = features.features.shaderFloat64;
   std::string missing;
   if (!f12.bufferDeviceAddress) missing = "it has no bufferDeviceAddress";
-  if (!f12.scalarBlockLayout) missing += (missing.empty() ? "it has no " : " and no ") + std::string("scalarBlockLayout");
+  if (!f12.scalarBlockLayout)
+    missing += (missing.empty() ? "it has no " : " and no ") + std::string("scalarBlockLayout");
 
   uint32_t count = 0;
   vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
@@ -206,7 +224,8 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
       out.computeFamily = i;
       out.timestampBits = families[i].timestampValidBits;
     }
-  if (out.computeFamily == ~0u) missing += std::string(missing.empty() ? "" : ", and ") + "it has no queue that computes";
+  if (out.computeFamily == ~0u)
+    missing += std::string(missing.empty() ? "" : ", and ") + "it has no queue that computes";
   setText(out.info.unsupported, missing);
   return out;
 }
@@ -214,7 +233,9 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
 VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which)
 {
   const std::vector<VkPhysicalDevice> devices = machine.devices();
-  if (devices.empty()) throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan finds no device on this machine (Debian: mesa-vulkan-drivers, or the vendor's driver)");
+  if (devices.empty())
+    throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan finds no device on this machine "
+                                                 "(Debian: mesa-vulkan-drivers, or the vendor's driver)");
   const bool isIndex = !which.empty() && which.find_first_not_of("0123456789") == std::string::npos;
   std::string known, unsupported;
   VkPhysicalDevice best = VK_NULL_HANDLE;
@@ -223,9 +244,13 @@ VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which)
   {
     const Capabilities c = capabilitiesOf(machine.vk, devices[i]);
     known += (known.empty() ? "" : ", ") + std::to_string(i) + " " + c.info.name;
-    const bool fits = isIndex ? std::to_string(i) == which : lowerCase(c.info.name).find(lowerCase(which)) != std::string::npos;
+    const bool fits = isIndex ? std::to_string(i) == which
+                              : lowerCase(c.info.name).find(lowerCase(which)) != std::string::npos;
     if (!fits) continue;
-    if (c.info.unsupported[0]) { unsupported = std::string(c.info.name) + " cannot be used: " + c.info.unsupported; continue; }
+    if (c.info.unsupported[0]) {
+      unsupported = std::string(c.info.name) + " cannot be used: " + c.info.unsupported;
+      continue;
+    }
     if (best && (isBestDiscrete || !c.info.isDiscrete)) continue;
     best = devices[i];
     isBestDiscrete = c.info.isDiscrete;
@@ -250,7 +275,8 @@ VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, co
   features.features.shaderFloat64 = capabilities.info.hasFloat64;
   VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
   query.rayQuery = VK_TRUE;
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures =
+    {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
   structures.pNext = &query;
   structures.accelerationStructure = VK_TRUE;
   std::vector<const char*> extensions;
@@ -266,7 +292,8 @@ VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice physical, co
   info.enabledExtensionCount = uint32_t(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   VkDevice device = VK_NULL_HANDLE;
-  check(vk.CreateDevice(physical, &info, nullptr, &device), std::string("opening the device ") + capabilities.info.name);
+  check(vk.CreateDevice(physical, &info, nullptr, &device),
+        std::string("opening the device ") + capabilities.info.name);
   return device;
 }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Finding and opening Vulkan devices: loader, instance, choice of a device, its features. */
+/* Opens Vulkan: loads the loader, creates an instance, chooses a physical device and queries its features. */
 
 #include "functions.h"
 #include <embree3/rtcore_vulkan.h>
@@ -14,7 +14,7 @@
 
 namespace embree { namespace vulkan {
 
-/* The machine's Vulkan: its loader and an instance. Throws VulkanError if there is none. */
+/* The installed Vulkan loader and an instance. The constructor throws VulkanError if Vulkan is not installed. */
 class Machine
 {
 public:
@@ -33,28 +33,28 @@ private:
   void* loader = nullptr;
 };
 
-/* What of a physical device matters here. */
+/* The properties of a physical device that this library uses. */
 struct Capabilities
 {
   RTCVulkanDeviceInfo info;
-  bool hasHostImport = false;
-  size_t scratchAlignment = 256;    // of builds of structures for ray queries
+  bool hasHostImport = false;       // VK_EXT_external_memory_host
+  size_t scratchAlignment = 256;    // of builds of acceleration structures
   uint64_t maxBoxes = 0, maxInstances = 0;
   uint32_t computeFamily = ~0u;
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
-  size_t maxAllocation = 0;         // bytes of a memory allocation
+  size_t maxAllocation = 0;         // bytes
   size_t importAlignment = 4096;
-  uint32_t timestampBits = 0;       // of the compute family
+  uint32_t timestampBits = 0;       // of the compute family; 0 if it has no timestamps
   uint8_t cacheID[VK_UUID_SIZE];
 };
 
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Device that `which` means, see rtcNewVulkanDevice. Throws VulkanError. */
+/* Returns the device that `which` selects, see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which);
 
-/* With what tracing needs enabled. Throws VulkanError. */
+/* Creates a device with one compute queue and the features that tracing needs. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
 }} // namespace embree::vulkan

@@ -18,7 +18,8 @@ VkTransformMatrixKHR matrixOf(const float* columns)
 
 } // namespace
 
-size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from, const std::function<Bounds(const Bounds&)>& place)
+size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from,
+                                        const std::function<Bounds(const Bounds&)>& place)
 {
   const std::vector<VkAabbPositionsKHR> forDriver = boxes.forDriver(place);
   WantedLevel want = {keyOf(forDriver), 0, nullptr, nullptr};
@@ -40,12 +41,13 @@ size_t QueryStructuresBuilder::addLevel(const LeafBoxes& boxes, const QueryStruc
 void QueryStructuresBuilder::addInstance(size_t level, const float* transform, const PlacedBoxes& place)
 {
   if (places.size() >= device.capabilities.maxInstances)
-    throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: " + std::to_string(device.capabilities.maxInstances) + " at most");
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene has too many instances for ray queries: "
+                      + std::to_string(device.capabilities.maxInstances) + " at most");
   VkAccelerationStructureInstanceKHR instance = {};
   instance.transform = matrixOf(transform);
   instance.instanceCustomIndex = uint32_t(places.size());
   instance.mask = 0xFF;
-  instance.accelerationStructureReference = level;   // its number, until it is built
+  instance.accelerationStructureReference = level;   // build() replaces the number by an address
   instances.push_back(instance);
   places.push_back(place);
 }
@@ -55,14 +57,16 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   uploader.flush();
   const BuildCounts counts = buildBottomLevels(device, wanted);
   input.reset();
-  std::map<const Structure*, size_t> bytes;   // geometries may share one
+  std::map<const Structure*, size_t> bytes;   // counts a shared structure once
   for (size_t i = 0; i < wanted.size(); i++) {
     const Structure& structure = *wanted[i].level->structure;
     out.levels[froms[i]] = wanted[i].level;
     bytes[&structure] = structure.bytes;
     statistics.numBoxes += wanted[i].key.count;
   }
-  for (auto& instance : instances) instance.accelerationStructureReference = wanted[instance.accelerationStructureReference].level->structure->address;
+  for (auto& instance : instances)
+    instance.accelerationStructureReference
+      = wanted[instance.accelerationStructureReference].level->structure->address;
   const size_t size = instances.size()*sizeof(instances[0]);
   const Slice slice = arena.take(std::max(size, size_t(1)), "instances for ray queries");
   uploader.write(slice, 0, instances.data(), size);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What ray queries need of a scene: bottom levels of boxes, and where instances place them. */
+/* The acceleration structures of a scene for ray queries: bottom levels of boxes, and a top level of instances. */
 
 #include "leaf_boxes.h"
 #include "memory.h"
@@ -17,40 +17,42 @@ using cbvh::PlacedBoxes;
 
 struct QueryStructures
 {
-  /* Where a bottom level comes from: 0 for the scene or the number of an instanced one, geomID there, and the ID of the instance, if that moves. */
+  /* Origin of a bottom level: number of the instanced scene (0: the scene itself), geomID there, and the ID of the
+   * instance if that moves. */
   typedef std::tuple<size_t, uint32_t, uint32_t> Place;
   std::map<Place, std::shared_ptr<const BottomLevel>> levels;
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::shared_ptr<Structure> topLevel;
 };
 
-/* Makes them: levels and instances are added, then all are built. */
+/* Add all levels and instances, then call build once. */
 class QueryStructuresBuilder
 {
 public:
-  /* previous: of a scene before an edit, or NULL. */
+  /* previous: structures of the scene before an edit, whose bottom levels are updated if possible; or NULL. */
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
     : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
 
-  /* A bottom level of boxes, where `place` takes their bounds. Returns its number. */
-  size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from, const std::function<Bounds(const Bounds&)>& place);
+  /* Adds a bottom level over boxes after `place`. Returns its number. */
+  size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from,
+                  const std::function<Bounds(const Bounds&)>& place);
 
-  /* transform: to the world, column by column. */
+  /* transform: level to world, a 3x4 matrix column by column. */
   void addInstance(size_t level, const float* transform, const PlacedBoxes& place);
 
-  /* Of the instances, in their order. */
+  /* Returns one entry per instance, in the order of addInstance. */
   const std::vector<PlacedBoxes>& placedBoxes() const { return places; }
 
-  /* arena: of the instances. statistics: of boxes and structures are written. Throws VulkanError. */
+  /* Writes the statistics of boxes and structures. arena: allocates the array of instances. */
   void build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics);
 
 private:
   Device& device;
   Uploader& uploader;
   const QueryStructures* const previous;
-  std::unique_ptr<Arena> input;   // of what is built; gone when it is
+  std::unique_ptr<Arena> input;                // boxes; freed after the build
   std::vector<WantedLevel> wanted;
-  std::vector<QueryStructures::Place> froms;   // of each
+  std::vector<QueryStructures::Place> froms;   // of each level in `wanted`
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::vector<PlacedBoxes> places;
 };

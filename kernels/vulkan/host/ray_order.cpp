@@ -10,7 +10,7 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t mostRays = size_t(1) << 27;   // whose words a 32-bit index reaches
+constexpr size_t mostRays = size_t(1) << 27;   // shaders index words with 32 bits
 
 size_t tilesOf(size_t count) { return (count + orderTile - 1)/orderTile; }
 size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }
@@ -20,31 +20,40 @@ size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }
 size_t rayOrderBytes(size_t count)
 {
   if (count > mostRays)
-    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": at most " + std::to_string(mostRays) + " rays are ordered at once");
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": at most "
+                      + std::to_string(mostRays) + " rays are ordered at once");
   return 2*pairBytes(count) + ((4*orderDigits*tilesOf(count) + 15) & ~size_t(15));
 }
 
-void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays)
+void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands,
+                    const RaysToOrder& rays)
 {
   const Device& device = scene.device;
   const DeviceFunctions& vk = device.vk;
-  const size_t groups = (rays.count + orderThreads - 1)/orderThreads, mostGroups = device.capabilities.properties.limits.maxComputeWorkGroupCount[0];
+  const size_t groups = (rays.count + orderThreads - 1)/orderThreads,
+               mostGroups = device.capabilities.properties.limits.maxComputeWorkGroupCount[0];
   if (groups > mostGroups)
-    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(rays.count) + ": at most " + std::to_string(mostGroups*orderThreads)
-                      + " rays are ordered at once, the device's maxComputeWorkGroupCount is " + std::to_string(mostGroups));
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(rays.count) + ": at most "
+                      + std::to_string(mostGroups*orderThreads)
+                      + " rays are ordered at once, the device's maxComputeWorkGroupCount is "
+                      + std::to_string(mostGroups));
   const size_t words = rays.rayBytes/4;
   if (words > (size_t(1) << 32)/rays.count)
-    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(rays.rayBytes) + " of " + std::to_string(rays.count) + " rays: they reach over 2^32 words");
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(rays.rayBytes) + " of "
+                      + std::to_string(rays.count) + " rays: they reach over 2^32 words");
   const uint32_t tiles = uint32_t(tilesOf(rays.count));
-  const VkDeviceAddress pairs[2] = {rays.scratch, rays.scratch + pairBytes(rays.count)}, counts = rays.scratch + 2*pairBytes(rays.count);
+  const VkDeviceAddress pairs[2] = {rays.scratch, rays.scratch + pairBytes(rays.count)},
+                        counts = rays.scratch + 2*pairBytes(rays.count);
   auto stage = [&](int which, const OrderArguments& arguments, uint32_t groups) {
     vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines[which]);
-    vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
+    vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments),
+                        &arguments);
     vk.CmdDispatch(commands, groups, 1, 1);
     VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
-    vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+    vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                          0, 1, &barrier, 0, nullptr, 0, nullptr);
   };
   const uint32_t count = uint32_t(rays.count);
   stage(0, {rays.rays, 0, pairs[0], counts, scene.address, count, uint32_t(words), 0}, uint32_t(groups));

@@ -3,26 +3,24 @@
 
 #pragma once
 
-/* Sorts the indices of rays on the device, so that neighbours see the same (shaders/ray_order.comp). */
+/* Sorts the indices of rays on the device, so that neighboring threads visit the same blocks. */
 
 #include "scene.h"
 
 namespace embree { namespace vulkan {
 
-/* Bytes of scratch that ordering so many rays takes: pairs of key and index twice, and counts. Throws
- * VulkanError for more rays than it can order. */
+/* Returns the bytes of scratch memory for `count` rays. Throws VulkanError if there are too many. */
 size_t rayOrderBytes(size_t count);
 
-/* Rays of a buffer; scratch: rayOrderBytes at an address that is a multiple of 16. */
 struct RaysToOrder
 {
   VkDeviceAddress rays;
   size_t rayBytes, count;
-  VkDeviceAddress scratch;
+  VkDeviceAddress scratch;   // rayOrderBytes(count), aligned to 16 bytes
 };
 
-/* Records the sort. pipelines: of Device::makeOrderPipelines. The order is then at the begin of scratch, a barrier behind its
- * last write included. Throws VulkanError, before anything is recorded, for more rays than the device orders at once. */
+/* Records the sort and a barrier after its last write. The sorted pairs (key, index) are at the beginning of scratch.
+ * pipelines: from Device::makeOrderPipelines. Throws before it records anything. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 
 }} // namespace embree::vulkan

@@ -21,7 +21,7 @@ void embree::core::invalidArgument(const std::string& text) { throw VulkanError(
 
 namespace {
 
-/* Runs what may throw; false, and the error set at the device, if it did. An error without a message was set already. */
+/* Returns false if the closure threw. Reports the error to the device. RTC_ERROR_NONE: already reported. */
 template<typename Closure>
 bool guarded(RTCDevice device, const Closure& closure)
 {
@@ -43,7 +43,6 @@ void require(const void* argument, const char* name)
   if (!argument) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string(name) + " is NULL");
 }
 
-/* Checks and writes a struct of the application. */
 template<typename T>
 void write(T* to, const T& from, const char* name)
 {
@@ -51,7 +50,7 @@ void write(T* to, const T& from, const char* name)
   core::writeStruct(to, from);
 }
 
-/* An array of structs that are as large as the application compiled them: all have the structSize of the first. */
+/* An array of the application, whose elements have the size with which the application was compiled. */
 class DeviceInfos
 {
 public:
@@ -87,10 +86,13 @@ RTCDevice embreeOf(RTCVulkanScene scene) { return scene ? sceneOf(scene)->device
 
 void requireAligned(VkDeviceAddress address, const char* name)
 {
-  if (address % 16) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + name + " " + std::to_string(address) + ": expected an address that is a multiple of 16");
+  if (address % 16)
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + name + " " + std::to_string(address)
+                      + ": expected an address that is a multiple of 16");
 }
 
-bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order = 0)
+bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
+            VkDeviceAddress order = 0)
 {
   return guarded(embreeOf(hscene), [&]() {
     require(hscene, "scene");
@@ -100,7 +102,8 @@ bool record(RTCVulkanScene hscene, Query query, VkCommandBuffer commands, VkDevi
     requireAligned(order, "order");
     if (order) rayOrderBytes(count);
     Scene& scene = *sceneOf(hscene);
-    scene.record(query, scene.device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize), commands, rays, count, order);
+    scene.record(query, scene.device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize), commands,
+                 rays, count, order);
   });
 }
 
@@ -129,7 +132,7 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
     const Machine machine;
     const std::vector<VkPhysicalDevice> devices = machine.devices();
     const size_t numWritten = infos ? std::min(size_t(capacity), devices.size()) : 0;
-    for (size_t i = 0; i < numWritten; i++) written.at(i); // nothing is written if one is wrong
+    for (size_t i = 0; i < numWritten; i++) written.at(i); // checks all sizes before anything is written
     for (size_t i = 0; i < numWritten; i++)
       core::writeStruct(written.at(i), capabilitiesOf(machine.vk, devices[i]).info);
     count = (unsigned int)devices.size();
@@ -192,19 +195,28 @@ RTC_API RTCVulkanScene rtcNewVulkanScene(RTCVulkanDevice device, RTCScene from, 
     require(device, "device");
     require(from, "scene");
     const RTCVulkanSceneArguments args = given ? core::readStruct(given) : RTCVulkanSceneArguments();
-    int memory, traversal; // an enumeration may not hold what the application may have written
+    int memory, traversal; // an enum with an invalid value would be undefined behavior
     std::memcpy(&memory, &args.memory, sizeof(memory));
     std::memcpy(&traversal, &args.traversal, sizeof(traversal));
-    if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid memory " + std::to_string(memory) + ": expected AUTO, COPY or IMPORT");
+    if (memory < RTC_VULKAN_MEMORY_AUTO || memory > RTC_VULKAN_MEMORY_IMPORT)
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT,
+                        "invalid memory " + std::to_string(memory) + ": expected AUTO, COPY or IMPORT");
     SceneOptions options;
     options.memory = RTCVulkanMemory(memory);
     options.previous = sceneOf(args.previous);
-    if (traversal < RTC_VULKAN_TRAVERSAL_COMPUTE || traversal > RTC_VULKAN_TRAVERSAL_RAY_QUERY) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid traversal " + std::to_string(traversal) + ": expected COMPUTE or RAY_QUERY");
+    if (traversal < RTC_VULKAN_TRAVERSAL_COMPUTE || traversal > RTC_VULKAN_TRAVERSAL_RAY_QUERY)
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT,
+                        "invalid traversal " + std::to_string(traversal) + ": expected COMPUTE or RAY_QUERY");
     options.byQuery = traversal == RTC_VULKAN_TRAVERSAL_RAY_QUERY;
     if (options.byQuery && !deviceOf(device)->handles.hasRayQuery)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the Vulkan device ") + deviceOf(device)->capabilities.info.name + " has no ray queries, or they are not enabled (VK_KHR_acceleration_structure, VK_KHR_ray_query)");
-    if (options.previous && (!options.byQuery || !options.previous->byQuery || &options.previous->device != deviceOf(device)))
-      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previous: it is not for ray queries, or of another device, or the scene is not for ray queries");
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                        std::string("the Vulkan device ") + deviceOf(device)->capabilities.info.name
+                        + " has no ray queries, or they are not enabled (VK_KHR_acceleration_structure, "
+                          "VK_KHR_ray_query)");
+    if (options.previous &&
+        (!options.byQuery || !options.previous->byQuery || &options.previous->device != deviceOf(device)))
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid previous: it is not for ray queries, or of another "
+                                                    "device, or the scene is not for ray queries");
     scene = new Scene(*deviceOf(device), from, options);
   });
   return reinterpret_cast<RTCVulkanScene>(scene);
@@ -234,12 +246,14 @@ RTC_API unsigned int rtcGetVulkanSceneKinds(RTCVulkanScene scene)
   return kinds;
 }
 
-RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances, unsigned int capacity)
+RTC_API unsigned int rtcGetVulkanSceneInstances(RTCVulkanScene scene, VkAccelerationStructureInstanceKHR* instances,
+                                                unsigned int capacity)
 {
   unsigned int count = 0;
   guarded(embreeOf(scene), [&]() {
     require(scene, "scene");
-    if (!sceneOf(scene)->byQuery) throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene is not for ray queries");
+    if (!sceneOf(scene)->byQuery)
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "the scene is not for ray queries");
     const auto& all = sceneOf(scene)->queryStructures().instances;
     count = (unsigned int)(all.size());
     if (instances) std::copy_n(all.begin(), std::min(count, capacity), instances);
@@ -257,11 +271,15 @@ RTC_API void rtcGetVulkanSceneStatistics(RTCVulkanScene scene, RTCVulkanSceneSta
 
 /* --- tracing ---------------------------------------------------------------------------- */
 
-RTC_API bool rtcRecordVulkanIntersect(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) {
+RTC_API bool rtcRecordVulkanIntersect(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+                                      size_t count)
+{
   return record(scene, CLOSEST_HIT, commands, rays, count);
 }
 
-RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count) {
+RTC_API bool rtcRecordVulkanOccluded(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+                                     size_t count)
+{
   return record(scene, ANY_HIT, commands, rays, count);
 }
 
@@ -272,26 +290,35 @@ RTC_API size_t rtcGetVulkanRayOrderBytes(size_t count)
   return bytes;
 }
 
-RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene hscene, VkCommandBuffer commands, VkDeviceAddress rays, size_t stride, size_t count, VkDeviceAddress order)
+RTC_API bool rtcRecordVulkanRayOrder(RTCVulkanScene hscene, VkCommandBuffer commands, VkDeviceAddress rays,
+                                     size_t stride, size_t count, VkDeviceAddress order)
 {
   return guarded(embreeOf(hscene), [&]() {
     require(hscene, "scene");
     require(commands, "commands");
     requireAligned(rays, "rays");
     requireAligned(order, "order");
-    if (count && (!rays || !order)) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays or of order is 0");
-    if (stride % 4 || stride < 28) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(stride) + ": expected a multiple of 4 that holds origin and direction");
+    if (count && (!rays || !order))
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "the address of rays or of order is 0");
+    if (stride % 4 || stride < 28)
+      throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(stride)
+                        + ": expected a multiple of 4 that holds origin and direction");
     rayOrderBytes(count);
     const Scene& scene = *sceneOf(hscene);
-    if (count) recordRayOrder(scene, sceneOf(hscene)->device.makeOrderPipelines(), commands, {rays, stride, count, order});
+    if (count)
+      recordRayOrder(scene, sceneOf(hscene)->device.makeOrderPipelines(), commands, {rays, stride, count, order});
   });
 }
 
-RTC_API bool rtcRecordVulkanIntersectInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order) {
+RTC_API bool rtcRecordVulkanIntersectInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+                                             size_t count, VkDeviceAddress order)
+{
   return record(scene, CLOSEST_HIT, commands, rays, count, order);
 }
 
-RTC_API bool rtcRecordVulkanOccludedInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order) {
+RTC_API bool rtcRecordVulkanOccludedInOrder(RTCVulkanScene scene, VkCommandBuffer commands, VkDeviceAddress rays,
+                                            size_t count, VkDeviceAddress order)
+{
   return record(scene, ANY_HIT, commands, rays, count, order);
 }
 
@@ -300,19 +327,29 @@ RTC_API void rtcSetVulkanSceneRaySort(RTCVulkanScene scene, bool enabled)
   guarded(embreeOf(scene), [&]() { require(scene, "scene"); sceneOf(scene)->sortsRays = enabled; });
 }
 
-RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const RTCRayHit* rays, size_t count) { return start(scene, CLOSEST_HIT, rays, count); }
-RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const RTCRay* rays, size_t count) { return start(scene, ANY_HIT, rays, count); }
+RTC_API RTCVulkanTrace rtcStartVulkanIntersect(RTCVulkanScene scene, const RTCRayHit* rays, size_t count)
+{
+  return start(scene, CLOSEST_HIT, rays, count);
+}
+
+RTC_API RTCVulkanTrace rtcStartVulkanOccluded(RTCVulkanScene scene, const RTCRay* rays, size_t count)
+{
+  return start(scene, ANY_HIT, rays, count);
+}
 
 RTC_API bool rtcIsVulkanTraceDone(RTCVulkanTrace trace)
 {
   bool done = false;
-  guarded(trace ? traceOf(trace)->device.embree : nullptr, [&]() { require(trace, "trace"); done = traceOf(trace)->isDone(); });
+  guarded(trace ? traceOf(trace)->device.embree : nullptr, [&]() {
+    require(trace, "trace");
+    done = traceOf(trace)->isDone();
+  });
   return done;
 }
 
 RTC_API bool rtcWaitVulkanTrace(RTCVulkanTrace htrace, void* rays, RTCVulkanTimes* times)
 {
-  /* the trace may be the last that keeps the RTCDevice, which gets the error */
+  /* deleting the trace may release the RTCDevice that receives the error */
   const RTCDevice embree = htrace ? traceOf(htrace)->device.embree : nullptr;
   if (embree) rtcRetainDevice(embree);
   const bool done = guarded(embree, [&]() {

@@ -18,7 +18,6 @@ struct FlatRelease { void operator()(const FlatScene* flat) const { rtcReleaseFl
 struct DeviceRelease { void operator()(RTCDevice device) const { rtcReleaseDevice(device); } };
 using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 
-/* The instanced scenes come behind the one that instances them. */
 struct Part
 {
   RTCScene scene;
@@ -32,7 +31,7 @@ std::string nameOf(const Part& part, const Part& top, size_t geomID)
   return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
 }
 
-/* as Embree: farther out boxes have no area in floats */
+/* Embree's limit for vertices. The area of larger boxes overflows. */
 bool isUsable(const float* p)
 {
   for (int k = 0; k < 3; k++)
@@ -40,7 +39,7 @@ bool isUsable(const float* p)
   return true;
 }
 
-/* Bounds of the instanced scene in the world, at all times: between two steps corners go straight. */
+/* Returns the bounds in the world at all times. The time steps suffice, because corners move linearly between them. */
 Bounds transformed(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
@@ -54,7 +53,7 @@ Bounds transformed(const FlatGeometry& instance, const float* lower, const float
       }
       out.extend(p);
     }
-  /* what rounding may lose there and back, by far */
+  /* generous bound of the rounding errors of both transforms */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
@@ -63,7 +62,7 @@ Bounds transformed(const FlatGeometry& instance, const float* lower, const float
   return out;
 }
 
-/* Whether the driver can have the instance: it inverts its matrix. */
+/* True if the driver can invert the transform of the instance. */
 bool isInvertible(const FlatGeometry& instance)
 {
   return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
@@ -71,7 +70,7 @@ bool isInvertible(const FlatGeometry& instance)
 
 } // namespace
 
-/* Everything that is made once. */
+/* Builds a Scene in its constructor. */
 class SceneUpload
 {
 public:
@@ -94,9 +93,11 @@ private:
     part.scene = scene;
     part.flat.reset(rtcFlattenScene(scene, flatSceneVersion));
     if (!part.flat) {
-      /* the scene's RTCDevice knows why */
+      /* rtcFlattenScene reported the error to the scene's RTCDevice */
       const bool isSame = HeldRTCDevice(rtcGetSceneDevice(scene)).get() == device.embree;
-      throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION, "the scene cannot be read: its own RTCDevice, not the Vulkan device's, has the error that says why");
+      throw VulkanError(isSame ? RTC_ERROR_NONE : RTC_ERROR_INVALID_OPERATION,
+                        "the scene cannot be read: its own RTCDevice, not the Vulkan device's, has the error that "
+                        "says why");
     }
     part.firstGeometry = numGeometries;
     numGeometries += uint32_t(part.flat->numGeometries);
@@ -110,8 +111,12 @@ private:
     {
       const FlatGeometry& geometry = parts[p].flat->geometries[i];
       if (geometry.type != FLAT_INSTANCE) continue;
-      if (p != 0) throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i) + " is an instance: scenes with instances cannot be instanced, RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
-      if (!geometry.instanced) throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i) + " instances no scene");
+      if (p != 0)
+        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i)
+                          + " is an instance: scenes with instances cannot be instanced, "
+                            "RTC_MAX_INSTANCE_LEVEL_COUNT is 1");
+      if (!geometry.instanced)
+        throw VulkanError(RTC_ERROR_INVALID_OPERATION, nameOf(parts[p], parts[0], i) + " instances no scene");
       addPart(geometry.instanced);
     }
   }
@@ -124,11 +129,21 @@ private:
         const FlatGeometry& geometry = part.flat->geometries[i];
         if (geometry.type == FLAT_NONE) continue;
         const std::string name = nameOf(part, parts[0], i);
-        if (geometry.type == FLAT_OTHER) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
-        if (!geometry.isTraced) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur (" + std::to_string(geometry.timeSteps) + " time steps), which Vulkan devices trace of compressed geometry, and of instances with linear transforms");
-        if (geometry.hasFilter) throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has a filter function, which a Vulkan device cannot call");
-        if (geometry.type == FLAT_TRIANGLES && (geometry.vertexStride % 4 || geometry.indexStride % 4 || size_t(geometry.vertices) % 4 || size_t(geometry.indices) % 4))
-          throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " has vertices or indices that are not aligned to 4 bytes");
+        if (geometry.type == FLAT_OTHER)
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                            name + " is " + geometry.typeName + ", which is not traced on Vulkan devices");
+        if (!geometry.isTraced)
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION, name + " is " + geometry.typeName + " with motion blur ("
+                            + std::to_string(geometry.timeSteps)
+                            + " time steps), which Vulkan devices trace of compressed geometry, and of instances "
+                              "with linear transforms");
+        if (geometry.hasFilter)
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                            name + " has a filter function, which a Vulkan device cannot call");
+        if (geometry.type == FLAT_TRIANGLES && (geometry.vertexStride % 4 || geometry.indexStride % 4 ||
+                                                size_t(geometry.vertices) % 4 || size_t(geometry.indices) % 4))
+          throw VulkanError(RTC_ERROR_INVALID_OPERATION,
+                            name + " has vertices or indices that are not aligned to 4 bytes");
       }
   }
 
@@ -153,8 +168,9 @@ private:
     const bool isShared = !device.capabilities.info.isDiscrete && device.handles.hasHostImport;
     bool import = isRequired || (memory == RTC_VULKAN_MEMORY_AUTO && isShared);
     if (import && !device.handles.hasHostImport)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ") + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
-    /* Drivers may refuse some memory: NVIDIA's refuses files that are mapped for reading only. */
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("memory cannot be imported: the Vulkan device ")
+                        + device.capabilities.info.name + " has no VK_EXT_external_memory_host, or it is not enabled");
+    /* Drivers may reject some memory. NVIDIA's rejects files that are mapped read-only. */
     if (import) {
       try {
         out.blocks = importBlocks(device, placed);
@@ -180,7 +196,8 @@ private:
       if (geometry.type == FLAT_TRIANGLES) addTriangles(geometry, uint32_t(i), triangles);
       if (geometry.type != FLAT_INSTANCE || !(geometry.lower[0] <= geometry.upper[0])) continue;
       out.statistics.numInstances++;
-      instances.push_back({transformed(geometry, geometry.lower, geometry.upper), uint32_t(i), RTC_INVALID_GEOMETRY_ID});
+      instances.push_back({transformed(geometry, geometry.lower, geometry.upper), uint32_t(i),
+                           RTC_INVALID_GEOMETRY_ID});
     }
     const HeldRTCDevice embree(rtcGetSceneDevice(part.scene));
     copyNodes(flat, p);
@@ -193,7 +210,8 @@ private:
       subtree.depth = from.depth;
       return subtree;
     };
-    part.tree = tree.join({copyTree(flat.still), copyTree(flat.moving), tree.buildTriangles(embree.get(), triangles), tree.buildInstances(embree.get(), instances)});
+    part.tree = tree.join({copyTree(flat.still), copyTree(flat.moving), tree.buildTriangles(embree.get(), triangles),
+                           tree.buildInstances(embree.get(), instances)});
   }
 
   static void addTriangles(const FlatGeometry& geometry, uint32_t geomID, std::vector<Item>& items)
@@ -212,14 +230,13 @@ private:
         valid = isUsable(p);
         item.bounds.extend(p);
       }
-      if (valid) items.push_back(item);   // as Embree leaves out the others
+      if (valid) items.push_back(item);   // Embree skips the others, too
     }
   }
 
-  /* Where a part's things begin among all. */
   struct Firsts { size_t node, movingNode, cell; };
 
-  /* References get the scene's own numbers. */
+  /* Appends the nodes and cells of a part. Renumbers their references. */
   void copyNodes(const FlatScene& flat, size_t p)
   {
     firsts.resize(parts.size());
@@ -235,12 +252,14 @@ private:
       tree.movingNodes.push_back(flat.movingNodes[i]);
       for (uint32_t& child : tree.movingNodes.back().atZero.children) child = renumbered(child, p);
     }
-    for (size_t i = 0; i < flat.numCells; i++) cells.push_back({firstBlock[p] + flat.cells[i].block, flat.cells[i].vertex});
+    for (size_t i = 0; i < flat.numCells; i++)
+      cells.push_back({firstBlock[p] + flat.cells[i].block, flat.cells[i].vertex});
     if (flat.numCells) out.kinds |= 1u << cellReference;
     if (flat.numMovingNodes) out.kinds |= 1u << movingNodeReference;
     out.statistics.numBlocks += flat.numBlocks;
   }
 
+  /* Converts a reference of part p to one of the scene. Adds its type to the scene's kinds. */
   uint32_t renumbered(uint32_t reference, size_t p)
   {
     if (reference == emptyReference) return reference;
@@ -254,7 +273,7 @@ private:
 
   /* --- writing --- */
 
-  /* Cells come first in their list, then triangles: references of runs count from there. */
+  /* Appends the triangles to the cells and adjusts the references to them. */
   void moveRuns()
   {
     if (tree.triangles.empty()) return;
@@ -285,7 +304,7 @@ private:
     data.isRobust = part.flat->isRobust;
     if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
     {
-      /* up to the last component that is read: what is behind may not be there */
+      /* the padding after the last element may not be readable */
       const size_t vertices = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
       const size_t indices = (geometry.numTriangles - 1)*geometry.indexStride + 12;
       data.vertices = writeArray(geometry.vertices, vertices, "vertices of a triangle mesh").address();
@@ -300,7 +319,8 @@ private:
       if (geometry.timeSteps > 1) {
         data.begin = geometry.begin;
         data.end = geometry.end;
-        data.transforms = writeArray(geometry.localToWorld, 12*size_t(geometry.timeSteps), "transforms of an instance").address();
+        data.transforms
+          = writeArray(geometry.localToWorld, 12*size_t(geometry.timeSteps), "transforms of an instance").address();
       }
       data.root = instanced.tree.root;
       data.firstGeometry = instanced.firstGeometry;
@@ -318,25 +338,27 @@ private:
     return blocks[type == cellReference ? cells[index][0] : index].geomID;
   }
 
-  /* Boxes of a geometry of a part. */
   struct PartBoxes
   {
     LeafBoxes boxes;
     VkDeviceAddress address;
-    size_t level;   // in their own space
+    size_t level;   // bottom level in the space of the instanced scene
   };
 
-  /* Bottom levels of all parts, and where instances place them. An instance that moves has bottom levels of its own, with boxes of
-   * where it is at any time. */
+  /* Adds the bottom levels and instances of all parts. A moving instance gets its own bottom levels, whose boxes bound
+   * it at all times. */
   void placeBoxes(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
     const auto where = [](const Bounds& b) { return b; };
     std::vector<std::vector<PartBoxes>> ofParts(parts.size());
     for (size_t p = 0; p < parts.size(); p++)
-      for (LeafBoxes& boxes : leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
-        const VkDeviceAddress address = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
-        const size_t level = builder.addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), where);
+      for (LeafBoxes& boxes
+           : leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
+        const VkDeviceAddress address
+          = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
+        const size_t level
+          = builder.addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), where);
         if (p == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
         else ofParts[p].push_back({std::move(boxes), address, level});
       }
@@ -351,7 +373,10 @@ private:
       {
         const PlacedBoxes place = {some.address, uint32_t(i), parts[p].firstGeometry};
         if (instance.timeSteps == 1) builder.addInstance(some.level, instance.localToWorld, place);
-        else builder.addInstance(builder.addLevel(some.boxes, QueryStructures::Place(p, some.boxes.geomID, uint32_t(i)), [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }), identity, place);
+        else builder.addInstance(
+          builder.addLevel(some.boxes, QueryStructures::Place(p, some.boxes.geomID, uint32_t(i)),
+                           [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }),
+          identity, place);
       }
     }
   }
@@ -362,25 +387,29 @@ private:
     std::vector<GeometryData> geometries;
     uint32_t below = 0;
     for (size_t p = 0; p < parts.size(); p++) {
-      for (size_t i = 0; i < parts[p].flat->numGeometries; i++) geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
+      for (size_t i = 0; i < parts[p].flat->numGeometries; i++)
+        geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
       if (p > 0) below = std::max(below, parts[p].tree.depth);
     }
-    /* of each node on the way three children wait, at most */
+    /* traversal pushes up to three children per node of a path */
     const uint32_t depth = parts[0].tree.depth + below;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
     const FlatNode noNode = FlatNode();
     static_assert(sizeof(FlatNode) == nodeBytes && sizeof(FlatMovingNode) == movingNodeBytes, "layout of a node");
     SceneData data = SceneData();
-    data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)), "nodes").address();
-    data.movingNodes = tree.movingNodes.empty() ? data.nodes : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "nodes of motion").address();
+    data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)),
+                            "nodes").address();
+    data.movingNodes = tree.movingNodes.empty() ? data.nodes
+      : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "nodes of motion").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
     data.cells = writeArray(cells.data(), cells.size(), "leaves").address();
     data.geometries = writeArray(geometries.data(), geometries.size(), "geometries").address();
     if (out.byQuery) {
       QueryStructuresBuilder builder(device, uploader, options.previous ? &options.previous->structures : nullptr);
       placeBoxes(builder);
-      data.placed = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "places of boxes").address();
+      data.placed
+        = writeArray(builder.placedBoxes().data(), builder.placedBoxes().size(), "places of boxes").address();
       builder.build(out.arena, out.structures, out.statistics);
       data.topLevel = out.structures.topLevel->address;
     }
@@ -393,10 +422,12 @@ private:
     RTCVulkanSceneStatistics& statistics = out.statistics;
     statistics.numNodes = tree.nodes.size() + tree.movingNodes.size();
     statistics.numGeometries = numGeometries;
-    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode) + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
+    statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode)
+      + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
     statistics.importedBytes = out.blocks.importedBytes;
     statistics.sentBytes = uploader.written;
-    statistics.deviceBytes = out.arena.bytes() + statistics.structureBytes + (statistics.importedBytes ? 0 : out.blocks.bytes());
+    statistics.deviceBytes = out.arena.bytes() + statistics.structureBytes
+      + (statistics.importedBytes ? 0 : out.blocks.bytes());
     if (statistics.importedBytes) {
       out.source = parts[0].scene;
       rtcRetainScene(out.source);
@@ -408,41 +439,45 @@ private:
   const SceneOptions options;
   const RTCVulkanMemory memory;
   Uploader uploader;
-  std::vector<Part> parts;
+  std::vector<Part> parts;            // the scene first
   std::map<RTCScene, size_t> partOf;
   uint32_t numGeometries = 0;
-  std::vector<uint32_t> firstBlock;   // by part
+  std::vector<uint32_t> firstBlock;   // per part
   std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
   std::vector<Firsts> firsts;
 };
 
-Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options) : device(device), held(device), byQuery(options.byQuery), arena(device)
+Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)
+  : device(device), held(device), byQuery(options.byQuery), arena(device)
 {
   SceneUpload(*this, scene, options);
 }
 
 Scene::~Scene()
 {
-  blocks = BlockBuffers();   // before the memory that they may use
+  blocks = BlockBuffers();   // these may import the memory of `source`
   if (source) rtcReleaseScene(source);
 }
 
-void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order) const
+void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
+                   VkDeviceAddress order) const
 {
   const DeviceFunctions& vk = device.vk;
   vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   const size_t group = 64;   // local_size_x of trace.comp
-  /* indices of words of rays have 32 bits */
-  const size_t most = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*group, size_t(1) << 26);
+  /* the shader indexes words of rays with 32 bits */
+  const size_t most = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*group,
+                               size_t(1) << 26);
   const size_t rayBytes = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
   for (size_t first = 0; first < count; first += most)
   {
     const size_t n = std::min(count - first, most);
     const TraceArguments arguments = order ? TraceArguments{address, rays, order, uint32_t(first), uint32_t(n)}
                                            : TraceArguments{address, rays + first*rayBytes, 0, 0, uint32_t(n)};
-    vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments), &arguments);
+    vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments),
+                        &arguments);
     vk.CmdDispatch(commands, uint32_t((n + group - 1)/group), 1, 1);
   }
 }

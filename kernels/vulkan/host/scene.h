@@ -16,35 +16,35 @@ struct SceneOptions
 {
   RTCVulkanMemory memory = RTC_VULKAN_MEMORY_AUTO;
   bool byQuery = false;
-  class Scene* previous = nullptr;   // see RTCVulkanSceneArguments
+  class Scene* previous = nullptr;
 };
 
 class Scene : public Shared
 {
 public:
-  /* Throws VulkanError that names the geometry, or the limit. */
+  /* Throws VulkanError with the name of the unsupported geometry or of the exceeded limit. */
   Scene(Device& device, RTCScene scene, const SceneOptions& options);
 
   Device& device;
-  const Held<Device> held;   // goes last
-  VkDeviceAddress address = 0;
-  uint32_t kinds = 0;
+  const Held<Device> held;       // declared early: the device must outlive the buffers
+  VkDeviceAddress address = 0;   // SceneData
+  uint32_t kinds = 0;            // mask of the types of references
   const bool byQuery;
   RTCVulkanSceneStatistics statistics{};
 
-  /* Records the trace of rays at an address. order: of recordRayOrder, or 0. */
-  void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count, VkDeviceAddress order = 0) const;
+  /* Records the trace of `count` rays. order: result of recordRayOrder, or 0. */
+  void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
+              VkDeviceAddress order = 0) const;
 
-  std::atomic<bool> sortsRays{false};   // of the host
+  std::atomic<bool> sortsRays{false};   // applies to Trace only
 
-  /* of a scene for ray queries */
-  const QueryStructures& queryStructures() const { return structures; }
+  const QueryStructures& queryStructures() const { return structures; }   // empty unless byQuery
 
 private:
   ~Scene() override;
 
   friend class SceneUpload;
-  RTCScene source = nullptr;   // retained where its memory is used
+  RTCScene source = nullptr;   // retained if its memory was imported, otherwise NULL
   QueryStructures structures;
   Arena arena;
   BlockBuffers blocks;

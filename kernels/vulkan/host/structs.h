@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Structs of include/embree3/rtcore_vulkan.h that may grow. core/struct_size.cpp is compiled into this library, as
- * libembree3 does not export it; its errors are VulkanErrors here. */
+/* The extensible structs of rtcore_vulkan.h. This library compiles core/struct_size.cpp, because libembree3 does not
+ * export it. */
 
 #include "kernels/cbvh/core/struct_size.h"
 

@@ -8,7 +8,7 @@
 
 namespace embree { namespace vulkan {
 
-/* --- what there is ------------------------------------------------------------------------ */
+/* --- structures of a device --------------------------------------------------------------- */
 
 std::shared_ptr<const BottomLevel> Structures::find(const BoxesKey& key) const
 {
@@ -26,10 +26,12 @@ void Structures::add(const std::shared_ptr<const BottomLevel>& level)
 void Structures::clean()
 {
   std::lock_guard<std::mutex> lock(mutex);
-  for (auto level = levels.begin(); level != levels.end();) level = level->second.expired() ? levels.erase(level) : std::next(level);
+  for (auto level = levels.begin(); level != levels.end();)
+    level = level->second.expired() ? levels.erase(level) : std::next(level);
 }
 
-Structure::Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory, size_t offset, size_t bytes)
+Structure::Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory,
+                     size_t offset, size_t bytes)
   : bytes(bytes), device(device), memory(memory)
 {
   VkAccelerationStructureCreateInfoKHR info = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
@@ -37,7 +39,8 @@ Structure::Structure(Device& device, VkAccelerationStructureTypeKHR type, const 
   info.offset = offset;
   info.size = bytes;
   info.type = type;
-  check(device.vk.CreateAccelerationStructureKHR(device.handles.device, &info, nullptr, &handle), "creating a structure of " + std::to_string(bytes) + " bytes for ray queries");
+  check(device.vk.CreateAccelerationStructureKHR(device.handles.device, &info, nullptr, &handle),
+        "creating a structure of " + std::to_string(bytes) + " bytes for ray queries");
   VkAccelerationStructureDeviceAddressInfoKHR ask = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
   ask.accelerationStructure = handle;
   address = device.vk.GetAccelerationStructureDeviceAddressKHR(device.handles.device, &ask);
@@ -49,26 +52,27 @@ Structure::~Structure() { device.vk.DestroyAccelerationStructureKHR(device.handl
 
 namespace {
 
-constexpr size_t structureAlignment = 256;   // Vulkan's, of a structure in its buffer
+constexpr size_t structureAlignment = 256;   // required by Vulkan
 
 size_t roundedUp(size_t bytes, size_t alignment) { return (bytes + alignment - 1)/alignment*alignment; }
 
-/* One structure to build. */
 struct Build
 {
   VkAccelerationStructureTypeKHR type;
   VkAccelerationStructureGeometryKHR geometry;
   uint32_t count;
-  VkAccelerationStructureKHR from;   // to update, or none
-  size_t bytes, scratch;             // what it takes
-  std::shared_ptr<Structure> structure;
+  VkAccelerationStructureKHR from;        // source of an update, or VK_NULL_HANDLE
+  size_t bytes, scratch;                  // set by measure()
+  std::shared_ptr<Structure> structure;   // set by buildTogether()
 
   VkAccelerationStructureBuildGeometryInfoKHR info() const
   {
-    VkAccelerationStructureBuildGeometryInfoKHR info = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+    VkAccelerationStructureBuildGeometryInfoKHR info =
+      {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
     info.type = type;
     info.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
-    if (type == VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR) info.flags |= VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
+    if (type == VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR)
+      info.flags |= VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
     info.mode = from ? VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR : VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
     info.srcAccelerationStructure = from;
     info.dstAccelerationStructure = structure ? structure->handle : VK_NULL_HANDLE;
@@ -81,13 +85,15 @@ struct Build
   {
     VkAccelerationStructureBuildSizesInfoKHR sizes = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
     const VkAccelerationStructureBuildGeometryInfoKHR geometryInfo = info();
-    device.vk.GetAccelerationStructureBuildSizesKHR(device.handles.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &geometryInfo, &count, &sizes);
+    device.vk.GetAccelerationStructureBuildSizesKHR(
+      device.handles.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &geometryInfo, &count, &sizes);
     bytes = size_t(sizes.accelerationStructureSize);
     scratch = size_t(from ? sizes.updateScratchSize : sizes.buildScratchSize);
   }
 };
 
-void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, VkPipelineStageFlags fromStage, VkAccessFlags to, VkPipelineStageFlags toStage)
+void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, VkPipelineStageFlags fromStage,
+                VkAccessFlags to, VkPipelineStageFlags toStage)
 {
   VkMemoryBarrier barrier = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   barrier.srcAccessMask = from;
@@ -95,7 +101,7 @@ void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, Vk
   device.vk.CmdPipelineBarrier(commands, fromStage, toStage, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
-/* Builds them together, in memory that they share. */
+/* Builds structures with one command, in one shared buffer. */
 void buildTogether(Device& device, Build* builds, size_t count)
 {
   const size_t alignment = device.capabilities.scratchAlignment;
@@ -120,9 +126,11 @@ void buildTogether(Device& device, Build* builds, size_t count)
   }
   for (const auto& range : ranges) pointers.push_back(&range);
   const VkPipelineStageFlags build = VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
-  const VkAccessFlags read = VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR, write = VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
+  const VkAccessFlags read = VK_ACCESS_ACCELERATION_STRUCTURE_READ_BIT_KHR,
+                      write = VK_ACCESS_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
   device.run([&](VkCommandBuffer commands) {
-    addBarrier(device, commands, VK_ACCESS_TRANSFER_WRITE_BIT | write, VK_PIPELINE_STAGE_TRANSFER_BIT | build, VK_ACCESS_SHADER_READ_BIT | read, build);
+    addBarrier(device, commands, VK_ACCESS_TRANSFER_WRITE_BIT | write, VK_PIPELINE_STAGE_TRANSFER_BIT | build,
+               VK_ACCESS_SHADER_READ_BIT | read, build);
     device.vk.CmdBuildAccelerationStructuresKHR(commands, uint32_t(infos.size()), infos.data(), pointers.data());
     addBarrier(device, commands, write, build, read, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | build);
   });
@@ -130,7 +138,8 @@ void buildTogether(Device& device, Build* builds, size_t count)
 
 void buildAll(Device& device, std::vector<Build>& builds)
 {
-  const size_t most = std::min(size_t(64) << 20, device.capabilities.maxAllocation); // bytes at once, of structures and of scratch each
+  /* bytes per batch, for structures and for scratch memory each */
+  const size_t most = std::min(size_t(64) << 20, device.capabilities.maxAllocation);
   for (Build& build : builds) build.measure(device);
   for (size_t first = 0; first < builds.size();) {
     size_t last = first, bytes = 0, scratch = 0;
@@ -156,7 +165,9 @@ BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
   {
     if (want.level || buildOf.count(want.key)) continue;
     if (want.key.count > device.capabilities.maxBoxes)
-      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a geometry has " + std::to_string(want.key.count) + " blocks, and the device's maxPrimitiveCount is " + std::to_string(device.capabilities.maxBoxes));
+      throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a geometry has " + std::to_string(want.key.count)
+                        + " blocks, and the device's maxPrimitiveCount is "
+                        + std::to_string(device.capabilities.maxBoxes));
     Build build = Build();
     build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
     build.geometry = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};

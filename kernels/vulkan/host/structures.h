@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The driver's structures for ray queries: bottom levels of boxes, which scenes share, and a top level. */
+/* Vulkan acceleration structures for ray queries: bottom levels of boxes, which scenes share, and top levels. */
 
 #include "functions.h"
 
@@ -20,12 +20,13 @@ class Buffer;
 class Device;
 class Uploader;
 
-/* A structure of the driver's, in a buffer that others may lie in, too. */
+/* An acceleration structure in a buffer that it may share with others. */
 class Structure
 {
 public:
-  /* Not built yet. Throws VulkanError. */
-  Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory, size_t offset, size_t bytes);
+  /* Creates the structure without building it. */
+  Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory, size_t offset,
+            size_t bytes);
   ~Structure();
   Structure(const Structure&) = delete;
   Structure& operator=(const Structure&) = delete;
@@ -39,11 +40,13 @@ private:
   const std::shared_ptr<Buffer> memory;
 };
 
-/* What a bottom level is known by: how many boxes it has, and a sum over them. */
+/* Identifies a bottom level by its boxes. */
 struct BoxesKey
 {
-  uint64_t count, sum;
-  bool operator<(const BoxesKey& other) const { return count < other.count || (count == other.count && sum < other.sum); }
+  uint64_t count, sum;   // sum: hash of the boxes
+  bool operator<(const BoxesKey& other) const {
+    return count < other.count || (count == other.count && sum < other.sum);
+  }
 };
 
 struct BottomLevel
@@ -52,34 +55,33 @@ struct BottomLevel
   std::shared_ptr<Structure> structure;
 };
 
-/* The bottom levels that a device has, for scenes that come later. */
+/* The bottom levels on a device, kept for reuse while a scene uses them. Thread-safe. */
 class Structures
 {
 public:
-  std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;
+  std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // NULL if there is none
   void add(const std::shared_ptr<const BottomLevel>& level);
-  void clean();   // forgets those that no scene has any more
+  void clean();   // removes entries of freed levels
 
 private:
   mutable std::mutex mutex;
   std::map<BoxesKey, std::weak_ptr<const BottomLevel>> levels;
 };
 
-/* A bottom level that a scene needs. */
 struct WantedLevel
 {
   BoxesKey key;
-  VkDeviceAddress boxes;                               // VkAabbPositionsKHR each
-  std::shared_ptr<const BottomLevel> previous;         // of as many boxes, to update; or NULL
-  std::shared_ptr<const BottomLevel> level;            // where the device has it; else set by buildBottomLevels
+  VkDeviceAddress boxes;                         // array of VkAabbPositionsKHR
+  std::shared_ptr<const BottomLevel> previous;   // level with the same number of boxes to update from, or NULL
+  std::shared_ptr<const BottomLevel> level;      // NULL until it is built
 };
 
 struct BuildCounts { size_t built = 0, updated = 0; }; // boxes
 
-/* Updates or builds those that there are not. Boxes are on the device. Throws VulkanError. */
+/* Updates or builds the levels that are still NULL. Boxes of equal keys are built once. */
 BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);
 
-/* Builds. instances: their address on the device. */
+/* instances: array of VkAccelerationStructureInstanceKHR on the device. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);
 
 }} // namespace embree::vulkan

@@ -10,9 +10,10 @@
 namespace embree { namespace vulkan {
 namespace {
 
-constexpr uint32_t numStamps = 5;   // before copies, before sorting, before and behind the trace, behind copies
+constexpr uint32_t numStamps = 5;   // start; after the upload, the sort, the trace and the download
 
-void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to, VkAccessFlags read)
+void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written,
+             VkPipelineStageFlags to, VkAccessFlags read)
 {
   VkMemoryBarrier info = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   info.srcAccessMask = written;
@@ -23,7 +24,9 @@ void barrier(const DeviceFunctions& vk, VkCommandBuffer commands, VkPipelineStag
 size_t bytesOf(Query query, size_t count)
 {
   const size_t ray = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
-  if (count > SIZE_MAX/ray) throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": no memory has so many rays");
+  if (count > SIZE_MAX/ray)
+    throw VulkanError(RTC_ERROR_INVALID_ARGUMENT,
+                      "invalid count " + std::to_string(count) + ": no memory has so many rays");
   return count*ray;
 }
 
@@ -35,7 +38,8 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
 {
   onDevice.reset(new Buffer(device, bytes, Buffer::OnDevice, "rays"));
   if (!onDevice->mapped) staging.reset(new Buffer(device, bytes, Buffer::Staging, "rays"));
-  if (scene.sortsRays && count > 1) order.reset(new Buffer(device, rayOrderBytes(count), Buffer::OnDevice, "the order of rays"));
+  if (scene.sortsRays && count > 1)
+    order.reset(new Buffer(device, rayOrderBytes(count), Buffer::OnDevice, "the order of rays"));
   if (bytes) std::memcpy(staging ? staging->mapped : onDevice->mapped, rays, bytes);
   try {
     if (device.capabilities.timestampBits) {
@@ -44,7 +48,7 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       info.queryCount = numStamps;
       check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
     }
-    /* before the submission, which holds the device's lock */
+    /* compiled here because submit holds the device's mutex while it records */
     const VkPipeline pipeline = device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize);
     const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
     submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });
@@ -57,13 +61,16 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
 void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeline* sorting)
 {
   const DeviceFunctions& vk = device.vk;
-  auto stamp = [&](uint32_t i, VkPipelineStageFlagBits stage) { if (clock) vk.CmdWriteTimestamp(commands, stage, clock, i); };
+  auto stamp = [&](uint32_t i, VkPipelineStageFlagBits stage) {
+    if (clock) vk.CmdWriteTimestamp(commands, stage, clock, i);
+  };
   if (clock) vk.CmdResetQueryPool(commands, clock, 0, numStamps);
   stamp(0, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
   const VkBufferCopy all = {0, 0, bytes};
   if (staging) {
     vk.CmdCopyBuffer(commands, staging->handle, onDevice->handle, 1, &all);
-    barrier(vk, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+    barrier(vk, commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+            VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
   }
   stamp(1, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT);
   if (order) recordRayOrder(scene, sorting, commands, {onDevice->address, bytes/count, count, order->address});
@@ -71,19 +78,22 @@ void Trace::record(VkCommandBuffer commands, VkPipeline pipeline, const VkPipeli
   scene.record(query, pipeline, commands, onDevice->address, count, order ? order->address : 0);
   stamp(3, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   if (staging) {
-    barrier(vk, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+    barrier(vk, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+            VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
     vk.CmdCopyBuffer(commands, onDevice->handle, staging->handle, 1, &all);
   }
   stamp(4, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT);
   barrier(vk, commands, staging ? VK_PIPELINE_STAGE_TRANSFER_BIT : VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-          staging ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+          staging ? VK_ACCESS_TRANSFER_WRITE_BIT : VK_ACCESS_SHADER_WRITE_BIT,
+          VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
 }
 
 RTCVulkanTimes Trace::readTimes() const
 {
   RTCVulkanTimes times = RTCVulkanTimes();
   uint64_t stamps[numStamps];
-  if (!clock || device.vk.GetQueryPoolResults(device.handles.device, clock, 0, numStamps, sizeof(stamps), stamps, sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) return times;
+  if (!clock || device.vk.GetQueryPoolResults(device.handles.device, clock, 0, numStamps, sizeof(stamps), stamps,
+                                              sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) != VK_SUCCESS) return times;
   const uint32_t bits = device.capabilities.timestampBits;
   const uint64_t mask = bits >= 64 ? ~uint64_t(0) : (uint64_t(1) << bits) - 1;
   const double tick = 1e-9*double(device.capabilities.properties.limits.timestampPeriod);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Rays of the host, traced on a device. */
+/* Traces rays in host memory on a device, asynchronously. */
 
 #include "scene.h"
 
@@ -12,7 +12,7 @@ namespace embree { namespace vulkan {
 class Trace
 {
 public:
-  /* Starts. Throws VulkanError. */
+  /* Copies the rays and submits the trace. */
   Trace(Scene& scene, Query query, const void* rays, size_t count);
   ~Trace();
   Trace(const Trace&) = delete;
@@ -20,7 +20,7 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits; writes rays and times unless NULL. Throws VulkanError. */
+  /* Waits until the trace is done. rays, times: may be NULL. */
   void finish(void* rays, RTCVulkanTimes* times);
 
   Device& device;
@@ -33,8 +33,8 @@ private:
   Scene& scene;
   const Query query;
   const size_t count, bytes;
-  std::unique_ptr<Buffer> staging, onDevice;   // staging: unless the host sees the device's
-  std::unique_ptr<Buffer> order;               // of rays that are sorted
+  std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL if onDevice is mapped
+  std::unique_ptr<Buffer> order;               // NULL if rays are not sorted
   VkQueryPool clock = VK_NULL_HANDLE;
   Device::Submission submission;
 };

@@ -35,7 +35,9 @@ void Bounds::extend(const Bounds& other)
 void requireReferences(size_t count, const char* what)
 {
   const size_t most = size_t(cbvh::referenceMask) + 1;
-  if (count > most) throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has more ") + what + " than references count, " + std::to_string(most));
+  if (count > most)
+    throw VulkanError(RTC_ERROR_INVALID_OPERATION, std::string("the scene has more ") + what
+                      + " than references count, " + std::to_string(most));
 }
 
 uint32_t Tree::addNode()
@@ -61,14 +63,14 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
   }
 }
 
-/* What rtcBuildBVH makes: a leaf has items, a node children. Where Embree had no memory for one it is NULL. */
+/* A node or a leaf of rtcBuildBVH, in Embree's memory. Pointers to children are NULL if that memory ran out. */
 struct BuildNode
 {
   bool isLeaf;
   unsigned count = 0;
   RTCBounds bounds[4];
   BuildNode* children[4];
-  std::array<uint32_t, 2> items[4];
+  std::array<uint32_t, 2> items[4];   // geomID and primID
 };
 
 void* createNode(RTCThreadLocalAllocator allocator, unsigned, void*)
@@ -107,7 +109,6 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* ite
 
 struct BVHRelease { void operator()(RTCBVHTy* bvh) const { rtcReleaseBVH(bvh); } };
 
-/* Copies a tree that was built. */
 class Flattening
 {
 public:
@@ -117,7 +118,8 @@ public:
 
   uint32_t reference(const BuildNode* from, uint32_t above)
   {
-    if (!from) throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "Embree has no memory for a tree over triangles or instances");
+    if (!from)
+      throw VulkanError(RTC_ERROR_OUT_OF_MEMORY, "Embree has no memory for a tree over triangles or instances");
     if (from->isLeaf) return leaf(from);
     depth = std::max(depth, above + 1);
     const uint32_t n = tree.addNode();
@@ -130,10 +132,9 @@ public:
   }
 
 private:
-  /* an instance has no primitive */
   uint32_t leaf(const BuildNode* from)
   {
-    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) {
+    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // an instance
       requireReferences(size_t(from->items[0][0]) + 1, "geometries");
       return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
     }
@@ -181,7 +182,11 @@ Subtree Tree::build(RTCDevice device, std::vector<Item>& items, unsigned maxLeaf
   return out;
 }
 
-Subtree Tree::buildTriangles(RTCDevice device, std::vector<Item>& items) { return build(device, items, cbvh::maxTriangleRun); }
+Subtree Tree::buildTriangles(RTCDevice device, std::vector<Item>& items)
+{
+  return build(device, items, cbvh::maxTriangleRun);
+}
+
 Subtree Tree::buildInstances(RTCDevice device, std::vector<Item>& items) { return build(device, items, 1); }
 
 Subtree Tree::join(const std::vector<Subtree>& subtrees)

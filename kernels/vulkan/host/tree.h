@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The tree above everything that is traced: what libembree3 has for surfaces, and by
- * rtcBuildBVH the same over triangles and instances. */
+/* The tree of a scene. It joins libembree3's trees over blocks with trees over triangles and instances, which
+ * rtcBuildBVH builds. */
 
 #include "error.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -28,22 +28,21 @@ struct Bounds
   bool isEmpty() const { return !(lower[0] <= upper[0]); }
 };
 
-/* A node or a leaf, and what is below it. */
 struct Subtree
 {
   uint32_t root = cbvh::emptyReference;
   Bounds bounds = Bounds::empty();
-  uint32_t depth = 0;   // nodes on the longest way down
+  uint32_t depth = 0;   // nodes on the longest path
 };
 
-/* Something with bounds that a leaf refers to. */
+/* A triangle, or an instance: its primID is RTC_INVALID_GEOMETRY_ID. */
 struct Item
 {
   Bounds bounds;
   uint32_t geomID, primID;
 };
 
-/* Throws VulkanError if so many things of a type have no reference each. */
+/* Throws VulkanError if a reference cannot represent all indices below `count`. */
 void requireReferences(size_t count, const char* what);
 
 class Tree
@@ -51,13 +50,13 @@ class Tree
 public:
   std::vector<FlatNode> nodes;
   std::vector<FlatMovingNode> movingNodes;
-  std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID of those in runs
+  std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves refer to runs of them
 
-  /* Trees over triangles and over instances. Throw VulkanError. */
+  /* Add a tree over the items, which they clear. */
   Subtree buildTriangles(RTCDevice device, std::vector<Item>& items);
   Subtree buildInstances(RTCDevice device, std::vector<Item>& items);
 
-  /* One node over up to four. */
+  /* Adds a node over up to four subtrees, without the empty ones. */
   Subtree join(const std::vector<Subtree>& subtrees);
 
   uint32_t addNode();

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The surfaces that a device has, by their builds, for scenes that come later. */
+/* The surfaces on a device, by their builds, kept for reuse while a scene uses them. Thread-safe. */
 
 #include <cstdint>
 #include <map>
@@ -17,7 +17,7 @@ struct UploadedSurface;
 class Uploads
 {
 public:
-  /* NULL if no scene on the device has it */
+  /* Returns NULL if no scene on the device uses the surface. */
   std::shared_ptr<const UploadedSurface> find(uint64_t build) const
   {
     std::lock_guard<std::mutex> lock(mutex);
@@ -31,7 +31,7 @@ public:
     surfaces[build] = surface;
   }
 
-  /* Forgets those that no scene has any more. */
+  /* Removes entries of freed surfaces. */
   void clean()
   {
     std::lock_guard<std::mutex> lock(mutex);

@@ -1,33 +1,31 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tracing rays in a shader, installed as embree3/cbvh.glsl. A scene is the address that rtcGetVulkanSceneAddress returns, as two
- * words; nothing has to be bound. Of the device's features the shader needs bufferDeviceAddress,
- * scalarBlockLayout. With shaderFloat64 distances of cVERT are those of the processor.
+/* Traces rays in a shader. Installed as embree3/cbvh.glsl. A scene is the address from rtcGetVulkanSceneAddress, as two
+ * words; nothing is bound. The device needs bufferDeviceAddress and scalarBlockLayout. With shaderFloat64, cVERT's
+ * distances are the same as on the CPU.
  *
- *   #define CBVH_KINDS ...        optional: kinds of leaves that scenes have, from rtcGetVulkanSceneKinds;
- *                                 a constant or a specialization constant. What is not named is not compiled.
- *   #define CBVH_STACK ...        optional: entries of a ray's stack, as many as stackSize of
- *                                 rtcGetVulkanSceneStatistics says
- *   #define CBVH_FLOAT64          where shaderFloat64 is there
- *   #define CBVH_RAY_QUERY        optional: ray queries, below
+ *   #define CBVH_KINDS ...        optional: (specialization) constant with all bits of rtcGetVulkanSceneKinds; other
+ *                                 kinds of leaves are not compiled
+ *   #define CBVH_STACK ...        optional: stackSize of rtcGetVulkanSceneStatistics or more
+ *   #define CBVH_FLOAT64          if the device has shaderFloat64
+ *   #define CBVH_RAY_QUERY        optional: ray queries, see below
  *   #include <embree3/cbvh.glsl>
  *
- *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, time); // before the time is the mask
+ *   CbvhRay ray = CbvhRay(origin, tnear, direction, tfar, mask, time);
  *   CbvhHit hit;
  *   if (cbvhIntersect(scene, ray, hit)) ...
  *   if (cbvhOccluded(scene, ray)) ...
  *
- * The traversal is compiled into each place that calls it: a loop around one call compiles sooner than
- * several calls.
+ * Each call inlines the traversal. A loop around one call compiles faster than several calls.
  *
- * Where the driver has ray queries, its own structures may take the place of the tree above blocks: of scenes that were made
- * with RTC_VULKAN_TRAVERSAL_RAY_QUERY. By the library's top level:
+ * Scenes created with RTC_VULKAN_TRAVERSAL_RAY_QUERY can be traced through the driver's acceleration structures, either
+ * with the library's top level:
  *
  *   if (cbvhQueryIntersect(scene, ray, hit)) ...
  *   if (cbvhQueryOccluded(scene, ray)) ...
  *
- * or by a top level of your own, beside your own triangles, that has the instances of rtcGetVulkanSceneInstances:
+ * or with your own top level, which contains your triangles and the instances from rtcGetVulkanSceneInstances:
  *
  *   CbvhCandidates found = cbvhNoCandidates(ray);
  *   rayQueryEXT query;
@@ -36,7 +34,8 @@
  *     if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionAABBEXT)
  *       cbvhIntersectCandidate(query, scene, ray, found);
  *     else rayQueryConfirmIntersectionEXT(query);
- *   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionGeneratedEXT) hit = cbvhHitOf(found);
+ *   if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionGeneratedEXT)
+ *     hit = cbvhHitOf(found);
  */
 
 #ifndef CBVH_GLSL
@@ -58,15 +57,17 @@
 
 bool cbvhHasKind (uint type) { return (uint(CBVH_KINDS) & (1u << type)) != 0u; }
 
-bool cbvhIsNode (uint type) { return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference); }
+bool cbvhIsNode (uint type) {
+  return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference);
+}
 
-/* whether a scene has blocks of a kind and of no other with a frame */
+/* True if all framed blocks of a scene have this kind. */
 bool cbvhHasOnly (uint kind)
 {
   return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
-/* A node at a time. isThere: children that are, at that time */
+/* Returns a node at a time. isThere: whether each child exists then. */
 CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isThere)
 {
   CbvhNode now = node.atZero;
@@ -78,12 +79,12 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isThere)
   return now;
 }
 
-/* Relative error of a distance to a plane: half an ulp each of the difference and the product, and 2.5 of the
- * reciprocal, as Vulkan allows for quotients. Embree's robust traversal has 3 ulps, as its quotients are exact. */
+/* Relative error of a distance to a plane: half an ulp each for the difference and the product, and the 2.5 ulps that
+ * Vulkan allows for quotients. Embree's robust traversal uses 3 ulps, because its quotients are exact. */
 const float cbvhNodeSlack = 4.0*floatUlp;
 
-/* Children that the ray meets, nearest first: keys whose upper bits are the distance, and whose lower two say
- * the child, cbvhChildOfKey; those that it does not meet come last. Of two as near Embree takes the later one. */
+/* Returns sorted keys of the children, nearest first: the distance, with the child in the lower two bits. Missed
+ * children have the key 0xFFFFFFFF. Of two at the same distance, the later one comes first, as in Embree. */
 uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
@@ -103,12 +104,14 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* A leaf of the tree that is no instance; true if something nearer is hit. framed: see cbvhReport; nearest: of cVERT */
-bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit, inout vec2 framed, inout CbvhVertNearest nearest)
+/* Intersects a leaf that is not an instance. framed: see cbvhReport. */
+bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit,
+                    inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
   if (cbvhHasKind(cellReference) && type == cellReference) return cbvhTraceCell(scene, ray, index, anyHit, hit);
-  if (cbvhHasKind(triangleReference) && isRunType(type)) return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
+  if (cbvhHasKind(triangleReference) && isRunType(type))
+    return cbvhTraceRun(scene, ray, index, countOfRun(type), anyHit, hit);
   if (cbvhHasKind(blockReference(kindVert)) && type == blockReference(kindVert))
     return cbvhTraceVert(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if (cbvhHasKind(movingBlockReference) && type == movingBlockReference)
@@ -116,7 +119,8 @@ bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool 
   if (cbvhHasKind(meshBlockReference) && type == meshBlockReference)
     return cbvhTraceMesh(scene, cbvhPointer(scene, index), ray, anyHit, hit, nearest);
   if ((uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == 0u) return false;
-  uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
+  uint kind = cbvhHasOnly(kindLeaf) ? kindLeaf : cbvhHasOnly(kindVoxel) ? kindVoxel
+            : cbvhHasOnly(kindGrid) ? kindGrid : type - firstBlockReference;
   return cbvhTraceFramed(scene, cbvhPointer(scene, index), kind, ray, anyHit, hit, framed);
 }
 
@@ -135,13 +139,12 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
 
-  uvec2 stack[CBVH_STACK];       // references, and where the ray enters their boxes
-  int top = 0, instanceTop = -1; // the stack's height where an instance was entered
+  uvec2 stack[CBVH_STACK];       // reference, key
+  int top = 0, instanceTop = -1; // instanceTop: value of `top` when the ray entered an instance
   uint current = scene.root;
 
   while (true)
   {
-    /* down to a leaf */
     while (current != emptyReference && cbvhIsNode(referenceType(current)))
     {
       bvec4 isThere = bvec4(true);
@@ -186,7 +189,6 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
       }
     }
 
-    /* back to what waits and is not behind a hit */
     do {
       if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
       if (top == 0) {
@@ -201,10 +203,9 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   return found;
 }
 
-/* Closest hit. False if there is none; hit.t is then the ray's tfar, and its IDs are CBVH_NONE. */
+/* Finds the closest hit. If there is none, returns false with hit.t = ray.tfar and IDs of CBVH_NONE. */
 bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
 
-/* Whether the ray hits anything. */
 bool cbvhOccluded (uvec2 scene, CbvhRay ray)
 {
   CbvhHit hit;

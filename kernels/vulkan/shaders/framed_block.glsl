@@ -1,15 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cGRID, cVOXEL or cLEAF: kernels/cbvh/framed says what the bytes are and
- * where a ray hits, this is the walk.
+/* Intersects a ray with a block of cGRID, cVOXEL or cLEAF. Headers of kernels/cbvh/framed define bytes and hits.
  *
- * The walk keeps 4 bits a level of children that are still to come, and as many of those that the
- * ray passes over or under. Boxes are not kept: on the way up a node's box is decoded again, from
- * the root along the path, which costs less than memory for boxes of every level.
+ * The traversal keeps two masks of 4 bits per level: pending children, and pending children that the ray passes over or
+ * under. It does not keep boxes. Going up, it decodes a box again along the path from the root, which is faster than a
+ * stack of boxes.
  *
- * Children come in the order along the ray: with x and y mirrored so that it ascends, 0, then 1 and
- * 2 (the one entered first), then 3. Bits are in that order: bit i is child i ^ flip. */
+ * Children are visited in order along the ray. Mirrored so that x and y ascend, this is 0, then 1 and 2 by entry, then
+ * 3. Bit i of a mask is child i ^ flip. */
 
 #ifndef CBVH_FRAMED_BLOCK_GLSL
 #define CBVH_FRAMED_BLOCK_GLSL
@@ -19,24 +18,22 @@
 #include "../../cbvh/framed/leaf/crossing.h"
 #include "../../cbvh/framed/normal.h"
 
-/* The ray in the frame of a block. */
 struct CbvhLocalRay
 {
   Segment segment;
-  vec3 lower, upper;  // start, less and plus epsilon
+  vec3 lower, upper;  // start minus and plus epsilon
   vec3 rcp;
-  uint flip;          // bits of x and y
-  float scale;        // world parameters along a direction whose largest component is 1, to those of the ray
+  uint flip;          // bit k is set if the direction descends along axis k (x, y)
+  float scale;        // 1/largest component of the direction; factor from the segment's distances to the ray's
 };
 
 struct CbvhSlabs
 {
-  vec4 enter, leave;      // of the boxes of children 0 to 3
-  vec4 enterXY, leaveXY;  // of their columns
+  vec4 enter, leave;      // boxes of children 0 to 3
+  vec4 enterXY, leaveXY;  // their x and y planes only
   vec4 leaveZ;
 };
 
-/* where the ray passes the planes of a slab */
 vec2 cbvhPlanes (CbvhLocalRay ray, int axis, float lower, float upper)
 {
   float a = (lower - ray.upper[axis])*ray.rcp[axis], b = (upper - ray.lower[axis])*ray.rcp[axis];
@@ -54,7 +51,6 @@ CbvhSlabs cbvhJoin (vec2 x0, vec2 x1, vec2 y0, vec2 y1, vec4 enterZ, vec4 leaveZ
   return slabs;
 }
 
-/* The four children of a node. */
 CbvhSlabs cbvhNodeSlabs (CbvhLocalRay ray, uint word, NodeBox box)
 {
   vec2 xy[4];
@@ -74,13 +70,13 @@ CbvhSlabs cbvhNodeSlabs (CbvhLocalRay ray, uint word, NodeBox box)
   return cbvhJoin(xy[0], xy[1], xy[2], xy[3], enterZ, leaveZ);
 }
 
-/* The four leaves of a group. */
 CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox box)
 {
   if (isLoose(heights)) return cbvhNodeSlabs(ray, word, box);
   vec2 xy[4];
   for (int axis = 0; axis < 2; axis++) {
-    float p0 = latticePlane(word, axis, 0, box), p1 = latticePlane(word, axis, 1, box), p2 = latticePlane(word, axis, 2, box);
+    float p0 = latticePlane(word, axis, 0, box), p1 = latticePlane(word, axis, 1, box),
+          p2 = latticePlane(word, axis, 2, box);
     xy[2*axis] = cbvhPlanes(ray, axis, p0, p1);
     xy[2*axis + 1] = cbvhPlanes(ray, axis, p1, p2);
   }
@@ -96,7 +92,7 @@ CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox 
 
 uint cbvhMask (bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
 
-/* A mask of children with its bits in the order of the ray, and back: child i in place i ^ flip. */
+/* Moves bit i of a mask to bit i ^ flip. */
 uint cbvhToOrder (uint mask, uint flip)
 {
   if ((flip & 1u) != 0u) mask = ((mask & 5u) << 1) | ((mask >> 1) & 5u);
@@ -122,9 +118,11 @@ BlockHeader cbvhReadHeader (CbvhPointer block)
 
 const uint CBVH_FIRST_NODE = blockHeaderBytes/4u;
 
-uint cbvhNodeWord (CbvhPointer block, uint level, uint m) { return cbvhWord(block, CBVH_FIRST_NODE + nodesOfLevels(level) + m); }
+uint cbvhNodeWord (CbvhPointer block, uint level, uint m) {
+  return cbvhWord(block, CBVH_FIRST_NODE + nodesOfLevels(level) + m);
+}
 
-/* Decoded box of node m of a level, from the root along the path to it. */
+/* Decodes the boxes from the root to node m of a level. */
 NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
 {
   NodeBox box = rootBox();
@@ -142,22 +140,24 @@ struct CbvhLeafHit
   uint leaf;
   float u, v;           // position in the leaf
   float slopeX, slopeY;
-  uint from;            // side, hit_rule.h
+  uint from;            // side of the surface, leaf/hit_rule.h
 };
 
-/* True if the hit comes before what the ray has, whatever it met first: what counts is where a hit is, but not
- * before the ray enters the bounds of its block; of equals the nearer hit counts. That is hit.t while a ray is
- * traced. framed: it and the hit's own distance, which hit.t becomes in the end. As the processor's
- * nearest_hit.h, but for equals that are as near. */
-bool cbvhReport (BlockHeader header, uint geomID, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at, inout CbvhHit hit, inout vec2 framed)
+/* Stores the hit and returns true if it is nearer than the stored one by the rule of framed/nearest_hit.h, except for
+ * its order of faces. framed: `t` and `own` of that rule, for the stored hit. */
+bool cbvhReport (BlockHeader header, uint geomID, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at,
+                 inout CbvhHit hit, inout vec2 framed)
 {
-  float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar), t = min(max(own, ray.enter), ray.tfar);
+  float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar),
+        t = min(max(own, ray.enter), ray.tfar);
   if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
   framed = vec2(t, own);
   uint height = heightOf(header.info);
   float size = float(1u << height)/float(numLeaves); // of a leaf, in quads
-  float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, size*(float(mortonX(at.leaf)) + at.u));
-  float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, size*(float(mortonY(at.leaf)) + at.v));
+  float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height,
+                          size*(float(mortonX(at.leaf)) + at.u));
+  float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height,
+                          size*(float(mortonY(at.leaf)) + at.v));
   Vector p;
   for (int k = 0; k < 3; k++) p.x[k] = segmentAt(local.segment, k, at.s);
   Vector n = worldNormal(header, p, at.slopeX, at.slopeY);
@@ -172,8 +172,10 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhTravel ray, CbvhLocalRay l
   return true;
 }
 
-/* s of t, or a little behind */
-float cbvhBehind (Segment s, float t) { return t < s.t1 && s.t0 < s.t1 ? localShare(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0; }
+/* Returns the segment's parameter for world distance t, rounded up. */
+float cbvhBehind (Segment s, float t) {
+  return t < s.t1 && s.t0 < s.t1 ? localShare(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
+}
 
 LeafPatch cbvhSolidLeaf (NodeBox box)
 {
@@ -192,8 +194,8 @@ CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, flo
   return CbvhLeafHit(s, leaf, u, v, patchSlope(patch_, 0, v), patchSlope(patch_, 1, u), from);
 }
 
-/* The quads of a leaf of cGRID; true if a triangle is hit. */
-bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhTravel ray, uint leaf, const bool anyHit, inout CbvhHit hit)
+bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhTravel ray, uint leaf,
+                   const bool anyHit, inout CbvhHit hit)
 {
   uint height = heightOf(header.info), width = (1u << height) + 1u, plane = width*width, first = leafOffset/4u;
   uint side = (1u << height)/numLeaves, quads = side*side;
@@ -205,22 +207,25 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
     bool second = (triangle & 1u) != 0u;
     uvec3 corners = cbvhQuadTriangle(i, width, second);
     CbvhTriangleHit at;
-    if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(block, first, plane, corners.x), cbvhGridVertex(block, first, plane, corners.y),
+    if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(block, first, plane, corners.x),
+                      cbvhGridVertex(block, first, plane, corners.y),
                       cbvhGridVertex(block, first, plane, corners.z), at)) continue;
     found = true;
     float w = 1.0 - at.u - at.v, X = float(x), Y = float(y);
     float px = second ? w*X + at.u*(X + 1.0) + at.v*(X + 1.0) : w*X + at.u*(X + 1.0) + at.v*X;
     float py = second ? w*(Y + 1.0) + at.u*Y + at.v*(Y + 1.0) : w*Y + at.u*Y + at.v*(Y + 1.0);
-    cbvhSetHit(hit, ray, at.t, faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, px),
-               faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, py), at.Ng, header.primID, block.geomID);
+    cbvhSetHit(hit, ray, at.t,
+               faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height, px),
+               faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height, py),
+               at.Ng, header.primID, block.geomID);
     if (anyHit) return true;
   }
   return found;
 }
 
-/* kind: of the block, known when the shader is compiled where a scene has one kind only. True if
- * something is hit nearer than hit.t, which is lowered; with anyHit whatever comes first. */
-bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout vec2 framed)
+/* kind: constant if the scene has only one. */
+bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit,
+                      inout CbvhHit hit, inout vec2 framed)
 {
   BlockHeader header = cbvhReadHeader(block);
   if (!cbvhIsSeen(scene, ray, block.geomID)) return false;
@@ -232,7 +237,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
   WorldRay world;
   for (int k = 0; k < 3; k++) { world.org[k] = ray.org[k]; world.dir[k] = ray.dir[k]*local.scale; }
   world.tnear = ray.tnear*rcpScale;
-  world.tfar = ray.tfar*rcpScale; // what is hit in other blocks does not bear on what is met where
+  world.tfar = ray.tfar*rcpScale; // not hit.t, so that hits do not depend on the order of blocks
   local.segment = enterBlock(header, world, 1.0);
   if (!local.segment.valid || local.segment.t0 > hit.t*rcpScale) return false;
 
@@ -252,21 +257,25 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
   uint nodeLevels = layout_.nodeLevels;
   WalkState state = startOfWalk();
   CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
-  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhBehind(local.segment, hit.t*rcpScale), 1.0) : 1.0; // s of the nearest hit
+  /* parameter of the nearest hit */
+  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhBehind(local.segment, hit.t*rcpScale), 1.0) : 1.0;
   bool found = false;
 
   uint depth = 0u, m = 0u, hits = 0u, passed = 0u;
   NodeBox box = rootBox();
   bool isBoxKnown = true, isOpen = false;
 
-  if (nodeLevels == 0u) // the block is one leaf, of cGRID or cVOXEL
+  if (nodeLevels == 0u) // a single leaf of cGRID or cVOXEL
   {
     if (!isOnSegment(rangeInBox(local.segment, box, 3))) return false;
-    if (kind == kindGrid) return cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, 0u, anyHit, hit);
+    if (kind == kindGrid)
+      return cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, 0u, anyHit, hit);
     if (kind == kindVoxel) {
       Range range = rangeInBox(local.segment, box, 3);
       if (local.segment.startClipped && range.lower < 0.0) return false;
-      return cbvhReport(header, block.geomID, ray, local, 1u, cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown), hit, framed);
+      return cbvhReport(header, block.geomID, ray, local, 1u,
+                        cbvhHitOnPatch(local, cbvhSolidLeaf(box), 0u, max(range.lower, 0.0), sideUnknown),
+                        hit, framed);
     }
     return false;
   }
@@ -279,7 +288,10 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     uint word = cbvhNodeWord(block, depth, m);
     Heights heights;
     heights.low = heights.high = 0u;
-    if (isGroup) { heights.low = cbvhWord(block, layout_.leafOffset/4u + 2u*m); heights.high = cbvhWord(block, layout_.leafOffset/4u + 2u*m + 1u); }
+    if (isGroup) {
+      heights.low = cbvhWord(block, layout_.leafOffset/4u + 2u*m);
+      heights.high = cbvhWord(block, layout_.leafOffset/4u + 2u*m + 1u);
+    }
     CbvhSlabs slabs;
     if (isGroup) slabs = cbvhGroupSlabs(local, word, heights, box);
     else slabs = cbvhNodeSlabs(local, word, box);
@@ -287,7 +299,8 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     if (!isOpen) {
       isOpen = true;
       uint met = cbvhMask(lessThanEqual(max(slabs.enter, vec4(0.0)), min(slabs.leave, vec4(best))));
-      uint shared_ = cbvhMask(lessThanEqual(max(slabs.enterXY, vec4(0.0)), min(slabs.leaveXY, vec4(best)))) & ~met;
+      uint shared_
+        = cbvhMask(lessThanEqual(max(slabs.enterXY, vec4(0.0)), min(slabs.leaveXY, vec4(best)))) & ~met;
       hits |= cbvhToOrder(met, local.flip) << shift;
       if (kind == kindLeaf) passed |= cbvhToOrder(shared_, local.flip) << shift;
     }
@@ -300,12 +313,14 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
       if (events == 0u) break;
       uint i = uint(findLSB(events));
       uint before = (2u << i) - 1u;
-      if (i == 1u && ((isHit | isPassed) & 4u) != 0u && slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) {
-        /* the second of the two is entered first */
+      if (i == 1u && ((isHit | isPassed) & 4u) != 0u &&
+          slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) {
+        /* the ray enters child 2 before child 1 */
         if ((events & 4u) != 0u) { i = 2u; before = 5u; }
         else before = 7u;
       }
-      else if (i == 2u && ((isHit | isPassed) & 2u) != 0u && slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) before = 5u;
+      else if (i == 2u && ((isHit | isPassed) & 2u) != 0u &&
+               slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) before = 5u;
       hits &= ~(before << shift);
       passed &= ~(before << shift);
 
@@ -317,7 +332,8 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         state = v.next;
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
-        if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true; // what is behind counts for the walk
+        /* the traversal continues with this hit even if another block has a nearer one */
+        if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true;
         if (anyHit) return true;
         best = exit_.s;
         state = afterHit(state);
@@ -346,9 +362,10 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
       {
         float s = max(slabs.enter[child], 0.0);
         if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
-        if (found ? !(s < best) : !(s <= best)) continue; // of those as near, the first along the ray
+        if (found ? !(s < best) : !(s <= best)) continue; // of ties, the first along the ray
         if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
-                       cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown), hit, framed)) found = true;
+                       cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown),
+                       hit, framed)) found = true;
         if (anyHit) return true;
         best = s;
       }
@@ -367,7 +384,8 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
         if (isMet && !(state.found && !(s < best))) {
-          if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
+          if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
+                         cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
           if (anyHit) return true;
           best = s;
           state = afterHit(state);
@@ -379,7 +397,6 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     }
     if (descends) continue;
 
-    /* up, to the next level that has something to come */
     bool isDone = true;
     while (true)
     {

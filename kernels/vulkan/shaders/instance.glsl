@@ -1,18 +1,19 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays in the space of an instance, which may move. */
+/* Instances, which may move. */
 
 #ifndef CBVH_INSTANCE_GLSL
 #define CBVH_INSTANCE_GLSL
 
 #include "ray.glsl"
 
-/* x, y, z: what axes become; translation */
+/* Columns of a 3x4 matrix. */
 struct CbvhTransform { vec3 x, y, z, translation; };
 
 CbvhTransform cbvhTransformOf (float m[12]) {
-  return CbvhTransform(vec3(m[0], m[1], m[2]), vec3(m[3], m[4], m[5]), vec3(m[6], m[7], m[8]), vec3(m[9], m[10], m[11]));
+  return CbvhTransform(vec3(m[0], m[1], m[2]), vec3(m[3], m[4], m[5]), vec3(m[6], m[7], m[8]),
+                       vec3(m[9], m[10], m[11]));
 }
 
 CbvhTransform cbvhInverse (CbvhTransform t)
@@ -26,7 +27,7 @@ CbvhTransform cbvhInverse (CbvhTransform t)
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhTransforms { CbvhTransform at[]; };
 
-/* Of an instance at a time, from the world; false if it is not there then. */
+/* Returns false if the instance does not exist at the time. */
 bool cbvhWorldToLocal (GeometryData instance, float time, out CbvhTransform local)
 {
   local = cbvhTransformOf(instance.worldToLocal);
@@ -35,8 +36,10 @@ bool cbvhWorldToLocal (GeometryData instance, float time, out CbvhTransform loca
   float steps = (time - instance.begin)/(instance.end - instance.begin)*float(instance.numSteps - 1u);
   uint before = min(uint(steps), instance.numSteps - 2u);
   float f = clamp(steps - float(before), 0.0, 1.0), e = 1.0 - f;
-  CbvhTransform a = CbvhTransforms(instance.transforms).at[before], b = CbvhTransforms(instance.transforms).at[before + 1u];
-  local = cbvhInverse(CbvhTransform(e*a.x + f*b.x, e*a.y + f*b.y, e*a.z + f*b.z, e*a.translation + f*b.translation));
+  CbvhTransform a = CbvhTransforms(instance.transforms).at[before],
+                b = CbvhTransforms(instance.transforms).at[before + 1u];
+  local = cbvhInverse(CbvhTransform(e*a.x + f*b.x, e*a.y + f*b.y, e*a.z + f*b.z,
+                                    e*a.translation + f*b.translation));
   return true;
 }
 

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Reading a scene: everything is behind addresses, nothing is bound. */
+/* Reads a scene by buffer addresses. */
 
 #ifndef CBVH_MEMORY_GLSL
 #define CBVH_MEMORY_GLSL
@@ -17,12 +17,12 @@ struct CbvhNode
   uvec4 children;
 };
 
-/* planes at a time are at it times their differences from here */
+/* A plane at time t is atZero + t*difference. */
 struct CbvhMovingNode
 {
   CbvhNode atZero;
   vec4 lowerDifference[3], upperDifference[3];
-  vec4 begin, end;   // times between which a child is there, the last not included
+  vec4 begin, end;   // a child exists if begin <= t < end
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhSceneAt { SceneData scene; };
@@ -32,7 +32,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Cbv
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhGeometries { GeometryData at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhQuadwords { uvec4 at[]; };
 
-/* A block, and the ID of its geometry in the scene that has it: the block itself has a number that is the same in all scenes. */
+/* A block, and its geomID in the scene. */
 struct CbvhPointer { uvec2 address; uint geomID; };
 
 CbvhPointer cbvhPointer (SceneData scene, uint index)

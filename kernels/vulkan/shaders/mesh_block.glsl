@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a mesh block, kernels/cvert/format/mesh_block.h, by the rule of other blocks of cVERT. A ray decodes
- * the boxes of all groups. Of a group that it meets it decodes the vertices in the order of the strips, and tests each
- * triangle when its last vertex comes. */
+/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h). It decodes the boxes of all groups. For each
+ * group that the ray hits, it decodes the vertices in the order of the strips and tests each triangle at its last
+ * vertex. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
 #define CBVH_MESH_BLOCK_GLSL
@@ -25,18 +25,18 @@ struct CbvhMeshBlock
   uint topologyBegin, verticesBegin, numbersBegin; // first bits of sections, from the start of the block
 };
 
-/* Where each group of a block is, in bits from the start of a section, and the fields of its vertices:
+/* Bit offsets of each group in the sections of the block, and the fields of its vertices:
  *
  *   x   lower half: topology, upper half: fields of vertices
- *   y   lower half: numbers, upper half: number in the block of the first vertex that belongs to the group
+ *   y   lower half: numbers, upper half: index in the block of the first vertex that the group owns
  *   z   lower planes of its box on x, y and z, 8 bits each
- *   w   bits of a field on x, y and z, 8 bits each */
+ *   w   bits per field on x, y and z, 8 bits each */
 uvec4 cbvhMeshGroups[maxMeshGroups];
 
-/* Where the ray enters the box of each group. */
+/* distances at which the ray enters the boxes */
 float cbvhMeshEntries[maxMeshGroups];
 
-/* Vertices and numbers also need cbvhFindMeshGroups. */
+/* cbvhFindMeshGroups sets verticesBegin and numbersBegin. */
 CbvhMeshBlock cbvhReadMeshBlock (CbvhPointer at)
 {
   CbvhMeshBlock block;
@@ -55,30 +55,26 @@ CbvhMeshBlock cbvhReadMeshBlock (CbvhPointer at)
   return block;
 }
 
-/* Byte i of a word. */
 uint cbvhByteOf (uint word, int i) { return (word >> (8*i)) & 255u; }
 
-/* Byte of group g in the header, and its record. */
 uint cbvhMeshGroupByte (CbvhMeshBlock block, uint g) {
   return cbvhByteOf(CVERT_AT(MeshHeader, block.at).groups[g >> 2], int(g & 3u));
 }
 uint cbvhMeshRecord (CbvhMeshBlock block, uint g) { return halfAt(block.at, meshHeaderBytes + meshRecordBytes*g); }
 
-/* Up to 32 bits of a block from a bit on. */
 uint cbvhMeshBits (CbvhMeshBlock block, uint begin, uint count)
 {
   uint mask = count == 0u ? 0u : 0xFFFFFFFFu >> (32u - count);
   return bitsAt(block.at, begin, count) & mask;
 }
 
-/* Position in the world of a coordinate on axis k. On the sheared axis it may be negative, modulo 2^32. */
+/* Returns the world position of a coordinate on axis k. On the sheared axis it may be negative (modulo 2^32). */
 float cbvhMeshPosition (CbvhMeshBlock block, int k, uint coordinate)
 {
   if (hasRanks(block.spacings, uint(k))) return floatOfRank(rankOfFloat(block.origin[k]) + coordinate);
   return block.origin[k] + float(int(coordinate))*meshSpacing(block.spacings, uint(k));
 }
 
-/* True if the boxes and the coordinates of one axis are sheared. */
 bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlope(form, 2u) != 0; }
 
 /* --- boxes ------------------------------------------------------------------------------ */
@@ -86,19 +82,19 @@ bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlop
 /* Axes of the boxes of a block, and the ray along the sheared one, from the block's origin. */
 struct CbvhMeshAxes
 {
-  int sheared;               // axis; 3 if none is
-  bool isBounded;            // boxes bound the sheared coordinate
-  vec3 extent;               // of the block from its origin, at least; 0 on an axis of ranks
-  float org, rcp, error;     // of the ray along the sheared coordinate
+  int sheared;               // axis; 3 if none
+  bool isBounded;            // whether boxes bound the sheared coordinate
+  vec3 extent;               // upper bound of the block's extent from its origin; 0 on an axis of ranks
+  float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* Ratios of spacings beyond 2^30 would not be exact: boxes do not bound the sheared coordinate then. */
+/* Boxes do not bound the sheared coordinate if a ratio of spacings exceeds 2^30, because it would not be exact. */
 const int cbvhMaxMeshRatio = 30;
 
 CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert)
 {
   CbvhMeshAxes axes = CbvhMeshAxes(3, true, vec3(0.0), 0.0, 1.0, 0.0);
-  vec3 reach; // of coordinates; planes have 8 bits
+  vec3 reach; // bound of coordinates; planes have 8 bits
   for (int k = 0; k < 3; k++) {
     reach[k] = float(256u << meshBoxShift(block.spacings, block.form, uint(k)));
     axes.extent[k] = reach[k]*meshSpacing(block.spacings, uint(k));
@@ -126,7 +122,7 @@ CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert
   return axes;
 }
 
-/* Clips the ray by the planes of a group's box on axis k: lower plane and extent, as stored. */
+/* Clips the ray by a group's box on axis k. plane, extent: as stored. */
 RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert,
                                      CbvhMeshAxes axes, uint plane, uint extent, int k)
 {
@@ -142,7 +138,7 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
   }
   else {
     float spacing = meshSpacing(block.spacings, uint(k)), origin = isSheared ? 0.0 : block.origin[k];
-    // coordinates were rounded when they were sheared
+    // -0.5: sheared coordinates were rounded
     planes.lower = origin + (float(begin) - (isSheared ? 0.5 : 0.0))*spacing;
     planes.upper = origin + float(end)*spacing;
   }
@@ -152,8 +148,8 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* Finds the groups of a block: sets its sections, and cbvhMeshGroups. Returns those whose boxes the ray meets, bit g
- * each, and sets their cbvhMeshEntries. */
+/* Sets the sections of the block, cbvhMeshGroups and cbvhMeshEntries. Returns the mask of groups whose boxes the ray
+ * hits. */
 uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhTravel ray, float tfar)
 {
   CbvhVertRay vert = cbvhVertRay(ray);
@@ -168,7 +164,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhTravel ray, float tfar)
     {
       uint plane = byteAt(block.at, block.boxes + uint(k)*block.groups + g);
       uint extent = byteAt(block.at, block.boxes + uint(k + 3)*block.groups + g);
-      /* meshFieldBits: a field has the bits of the extent, and the shift's */
+      /* same as meshFieldBits */
       uint field = uint(findMSB(extent) + 1) + meshBoxShift(block.spacings, block.form, uint(k));
       planes |= plane << (8*k);
       fields |= field << (8*k);
@@ -224,20 +220,19 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
   return group;
 }
 
-/* bits below bit i of a mask, i up to 31 */
+/* Counts the bits below bit i <= 31. */
 uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) - 1u))); }
 
-/* Decodes the vertex that entry i of a group's stream is. */
 vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 {
   bool isLow = i < 32u;
   uint news = isLow ? group.news.x : group.news.y;
   uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // entries that are new
-  uint vertex = before; // its number in the group
+  uint vertex = before; // index in the group
   if (((news >> (i & 31u)) & 1u) == 0u)
     vertex = cbvhMeshBits(block, group.repeats + (i - before)*group.repeatBits, group.repeatBits);
 
-  uint owner = group.g, number = cbvhBitsBelow(group.owns, vertex); // of those that belong to the owner
+  uint owner = group.g, number = cbvhBitsBelow(group.owns, vertex); // index among the owner's vertices
   if (((group.owns >> vertex) & 1u) == 0u) {
     number = cbvhMeshBits(block, group.others + (vertex - number)*group.otherBits, group.otherBits);
     while (owner > 0u && number < cbvhMeshGroups[owner].y >> 16) owner--;
@@ -264,8 +259,7 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 
 /* --- triangles -------------------------------------------------------------------------- */
 
-/* Returns the triangles of a group that may have the ray's line in them, as a mask. The order of corners does not
- * matter here. */
+/* Returns the mask of triangles that the line of the ray may pass, ignoring their orientation. */
 uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear)
 {
   uint mask = 0u, t = 0u;
@@ -286,7 +280,7 @@ uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray
   return mask;
 }
 
-/* Number of triangle t of group g, as of primitiveOfMesh. */
+/* Returns the argument of primitiveOfMesh for triangle t of group g. */
 uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
 {
   uint baseBits = baseNumberBits(block.counts), bits = groupNumberBits(cbvhMeshRecord(block, g));
@@ -295,7 +289,6 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
     + cbvhMeshBits(block, first + baseBits + t*bits, bits);
 }
 
-/* Triangle t of a group; true if it is hit. */
 bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear, uint t,
                           inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -319,7 +312,7 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel r
   return true;
 }
 
-/* Returns the group of a mask, which is not 0, that the ray enters first. */
+/* Returns the group of a nonzero mask that the ray enters first. */
 uint cbvhFirstMeshGroup (uint open)
 {
   uint first = uint(findLSB(open));
@@ -330,7 +323,7 @@ uint cbvhFirstMeshGroup (uint open)
   return first;
 }
 
-/* True if something is hit nearer than hit.t, which is lowered. Loops have one way out, as in vert_block.glsl. */
+/* Loops have one exit, see cbvhTraceGroup. */
 bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
@@ -357,7 +350,7 @@ bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
         }
       }
     }
-    else open = 0u; // others begin behind the hit, too
+    else open = 0u; // the other groups are farther
   }
   return found;
 }

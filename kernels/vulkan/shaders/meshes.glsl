@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves in full precision: runs of triangles of NAIVE, cells of 2 x 2 quads of GRID. */
+/* Leaves in full precision: runs of triangles, and GRID's cells of 2 x 2 quads. */
 
 #ifndef CBVH_MESHES_GLSL
 #define CBVH_MESHES_GLSL
@@ -15,7 +15,6 @@ vec3 cbvhMeshVertex (GeometryData geometry, uint i)
               floatAt(geometry.vertices, first + 2u));
 }
 
-/* True if a triangle of the run is hit; with anyHit the first one that is. */
 bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint first, uint count, const bool anyHit, inout CbvhHit hit)
 {
   bool found = false;
@@ -29,7 +28,8 @@ bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint first, uint count, cons
     vec3 b = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 1u));
     vec3 c = cbvhMeshVertex(geometry, wordAt(geometry.indices, k + 2u));
     CbvhTriangleHit at;
-    bool met = geometry.isRobust != 0u ? cbvhPluecker(ray, hit.t, a, b, c, at) : cbvhMoellerTrumbore(ray, hit.t, a, b, c, at);
+    bool met = geometry.isRobust != 0u ? cbvhPluecker(ray, hit.t, a, b, c, at)
+                                       : cbvhMoellerTrumbore(ray, hit.t, a, b, c, at);
     if (!met) continue;
     found = true;
     cbvhSetHit(hit, ray, at.t, at.u, at.v, at.Ng, id.y, id.x);
@@ -38,7 +38,7 @@ bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint first, uint count, cons
   return found;
 }
 
-/* 16 bits each, of which 1 is an eighth */
+/* u and v have 16 bits, in units of 8/65536. */
 vec2 cbvhGridParameters (CbvhPointer grid, uint first, uint plane, uint i)
 {
   uint uv = cbvhWord(grid, first + 3u*plane + i);
@@ -60,10 +60,12 @@ bool cbvhTraceCell (SceneData scene, CbvhTravel ray, uint index, const bool anyH
     uint q = triangle >> 1, i = cell.y + (q/quadsX)*width + q%quadsX;
     uvec3 corners = cbvhQuadTriangle(i, width, (triangle & 1u) != 0u);
     CbvhTriangleHit at;
-    if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(grid, first, plane, corners.x), cbvhGridVertex(grid, first, plane, corners.y),
+    if (!cbvhPluecker(ray, hit.t, cbvhGridVertex(grid, first, plane, corners.x),
+                      cbvhGridVertex(grid, first, plane, corners.y),
                       cbvhGridVertex(grid, first, plane, corners.z), at)) continue;
     found = true;
-    vec2 uv = at.u*cbvhGridParameters(grid, first, plane, corners.y) + at.v*cbvhGridParameters(grid, first, plane, corners.z)
+    vec2 uv = at.u*cbvhGridParameters(grid, first, plane, corners.y)
+            + at.v*cbvhGridParameters(grid, first, plane, corners.z)
             + (1.0 - at.u - at.v)*cbvhGridParameters(grid, first, plane, corners.x);
     cbvhSetHit(hit, ray, at.t, uv.x, uv.y, at.Ng, cbvhWord(grid, gridPrimitiveWord), geomID);
     if (anyHit) return true;

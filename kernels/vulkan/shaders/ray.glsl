@@ -1,7 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays and hits of the shader interface, and what kernels know of a ray. */
+/* Rays and hits.
+ *
+ * Functions that intersect a ray return true and update `hit` if they find a hit nearer than hit.t. With anyHit, a
+ * compile-time constant, they return at the first one. */
 
 #ifndef CBVH_RAY_GLSL
 #define CBVH_RAY_GLSL
@@ -9,9 +12,9 @@
 #include "memory.glsl"
 #include "../../cbvh/framed/local_ray.h"
 
-/* As RTCRay: tnear and tfar in units of the direction, which need not be of length 1; a ray whose
- * tnear is not at most tfar, or whose origin or direction is not finite, hits nothing. mask: geometries
- * whose mask shares a bit are seen. time: 0 to 1; surfaces that move are seen as they are then. */
+/* Same as RTCRay. tnear and tfar are multiples of the direction, which need not be normalized. Rays with tnear > tfar
+ * and rays whose origin or direction is not finite hit nothing. A ray hits geometries whose mask shares a bit with its
+ * own, at `time` in [0,1]. */
 struct CbvhRay
 {
   vec3 origin;
@@ -22,10 +25,11 @@ struct CbvhRay
   float time;
 };
 
-/* A ray that sees all geometries, at time 0. */
-CbvhRay cbvhRay (vec3 origin, float tnear, vec3 direction, float tfar) { return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0); }
+CbvhRay cbvhRay (vec3 origin, float tnear, vec3 direction, float tfar) {
+  return CbvhRay(origin, tnear, direction, tfar, 0xFFFFFFFFu, 0.0);
+}
 
-/* As RTCHit. In an instance Ng is in the space of the instanced scene. */
+/* Same as RTCHit. In an instance, Ng is in the space of the instanced scene. */
 struct CbvhHit
 {
   float t;
@@ -36,22 +40,21 @@ struct CbvhHit
 
 const uint CBVH_NONE = 0xFFFFFFFFu;
 
-/* A ray in the scene or the instance that is traversed. */
+/* A ray in the space of the traversed scene or instance. */
 struct CbvhTravel
 {
   vec3 org, dir;
   vec3 rcp;       // finite
   float tnear;    // not negative
-  float tfar;     // before anything was hit
-  float enter;    // where it enters the bounds of the leaf that is met, or before
+  float tfar;     // without hits
+  float enter;    // lower bound of the distance at which the ray enters the current leaf
   uint mask;
-  float time;     // finite; before all motion where the ray's is not
+  float time;     // finite; if the ray's is not, before all motion
   uint instID;
   uint firstGeometry;
 };
 
-/* Reciprocal of a component of a direction, whose largest is given, as in kernels/cvert/rule/reciprocal.h, but of the
- * sign of its zero. */
+/* Same as directionReciprocal of kernels/cvert/rule/reciprocal.h, except that it keeps the sign of zero. */
 float cbvhReciprocal (float d, float largest)
 {
   float size = min(max(abs(d), max(1e-18*largest, 1.17549435e-38)), 4.25352959e37);
@@ -61,7 +64,7 @@ float cbvhReciprocal (float d, float largest)
 bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
 bool cbvhIsNumber (float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
 
-/* Whether a ray may hit anything. By bits: shaders are compiled as if nothing were infinite or no number. */
+/* Returns false if the ray cannot hit anything. Tests bits, because shader compilers assume finite numbers. */
 bool cbvhMayHit (CbvhRay ray)
 {
   return cbvhIsFinite(ray.origin) && cbvhIsFinite(ray.direction) && cbvhIsNumber(ray.tnear) && cbvhIsNumber(ray.tfar) &&

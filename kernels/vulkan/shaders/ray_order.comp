@@ -1,14 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* An order of rays in which neighbours see the same of a scene: by place of the origin and then by
- * direction. Rays stay where they are, only their indices are sorted: a radix sort of 4 bits at a
- * time, stable, in three stages.
+/* Sorts the indices of rays by origin and direction, so that neighboring threads visit the same blocks. This is a
+ * stable radix sort with digits of 4 bits.
  *
- *   STAGE 0: keys and indices of rays
- *   STAGE 1: how many keys of a tile have each digit
- *   STAGE 2: sums of those in front, one workgroup
- *   STAGE 3: keys and indices to their places
+ *   STAGE 0: writes pairs (key, index)
+ *   STAGE 1: counts the digits in each tile
+ *   STAGE 2: prefix sums of the counts, in one workgroup
+ *   STAGE 3: moves the pairs to their places
  */
 
 #version 460
@@ -23,11 +22,11 @@ layout(local_size_x = 256) in; // orderThreads
 
 layout(push_constant, scalar) uniform Arguments
 {
-  uvec2 rays;       // STAGE 0: rays; else keys and indices, pairs
-  uvec2 from, to;   // keys and indices, pairs
-  uvec2 counts;
+  uvec2 rays;       // STAGE 0 only
+  uvec2 from, to;   // Pairs
+  uvec2 counts;     // [digit][tile]
   uvec2 scene;
-  uint count, rayWords, shift;
+  uint count, rayWords, shift;   // count: of rays; STAGE 2: of tiles
 } arguments;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Pairs { uvec2 at[]; };
@@ -45,7 +44,8 @@ uint spreadThree (uint x)
   return (x | (x << 2)) & 0x09249249u;
 }
 
-/* 6 bits an axis of the origin in Morton order, the octant of the direction, 3 more bits an axis. */
+/* Key of 30 bits: 6 bits of each coordinate of the origin in Morton order, octant of the direction, 3 more bits of each
+ * coordinate. */
 uint keyOfRay (vec3 origin, vec3 direction, vec3 lower, vec3 upper)
 {
   uvec3 cell = uvec3(clamp((origin - lower)/max(upper - lower, vec3(1e-30)), 0.0, 1.0)*511.0);
@@ -61,19 +61,20 @@ void makeKeys ()
   Floats ray = Floats(arguments.rays);
   uint first = i*arguments.rayWords;
   SceneData scene = SceneAt(arguments.scene).scene;
-  vec3 origin = vec3(ray.at[first], ray.at[first + 1u], ray.at[first + 2u]), direction = vec3(ray.at[first + 4u], ray.at[first + 5u], ray.at[first + 6u]);
-  vec3 lower = vec3(scene.lower[0], scene.lower[1], scene.lower[2]), upper = vec3(scene.upper[0], scene.upper[1], scene.upper[2]);
+  vec3 origin = vec3(ray.at[first], ray.at[first + 1u], ray.at[first + 2u]),
+       direction = vec3(ray.at[first + 4u], ray.at[first + 5u], ray.at[first + 6u]);
+  vec3 lower = vec3(scene.lower[0], scene.lower[1], scene.lower[2]),
+       upper = vec3(scene.upper[0], scene.upper[1], scene.upper[2]);
   Pairs(arguments.to).at[i] = uvec2(keyOfRay(origin, direction, lower, upper), i);
 }
 
 /* --- digits ---------------------------------------------------------------------------- */
 
-/* [digit][thread]: how many of a thread's keys have the digit, then how many in front of it do */
+/* [digit][thread]: counts, then exclusive prefix sums over the threads */
 shared uint sums[orderDigits*orderThreads];
 
 uint digitOf (uint key) { return (key >> arguments.shift) & (orderDigits - 1u); }
 
-/* Counts the keys of this tile; returns this thread's sum over digit gl_LocalInvocationID.x, if there is one. */
 void countTile ()
 {
   uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x*orderTile + thread*orderKeys;
@@ -83,7 +84,7 @@ void countTile ()
   barrier();
 }
 
-/* Sums in front of each thread, in place; a digit each for the first threads. */
+/* Turns counts into prefix sums. Returns the tile's count of digit gl_LocalInvocationID.x to the first threads. */
 uint sumThreads ()
 {
   uint thread = gl_LocalInvocationID.x, sum = 0u;
@@ -101,10 +102,11 @@ void countDigits ()
 {
   countTile();
   uint all = sumThreads();
-  if (gl_LocalInvocationID.x < orderDigits) Words(arguments.counts).at[gl_LocalInvocationID.x*gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
+  if (gl_LocalInvocationID.x < orderDigits)
+    Words(arguments.counts).at[gl_LocalInvocationID.x*gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
 }
 
-/* Counts of all tiles, digit by digit, become sums of those in front; count: of tiles. */
+/* sum of each thread's range of counts */
 shared uint partial[orderThreads];
 void sumDigits ()
 {
@@ -131,7 +133,8 @@ void scatter ()
     if (first + k < arguments.count) {
       uvec2 pair = Pairs(arguments.from).at[first + k];
       uint digit = digitOf(pair.x);
-      uint place = Words(arguments.counts).at[digit*gl_NumWorkGroups.x + gl_WorkGroupID.x] + sums[digit*orderThreads + thread]++;
+      uint place = Words(arguments.counts).at[digit*gl_NumWorkGroups.x + gl_WorkGroupID.x]
+                 + sums[digit*orderThreads + thread]++;
       Pairs(arguments.to).at[place] = pair;
     }
 }

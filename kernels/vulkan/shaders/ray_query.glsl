@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Ray queries, and intersection shaders of ray tracing pipelines: the driver finds boxes of leaves, what is in them is intersected here. */
+/* For ray queries and intersection shaders: intersects the leaves whose boxes the driver finds. */
 
 #ifndef CBVH_RAY_QUERY_GLSL
 #define CBVH_RAY_QUERY_GLSL
@@ -11,10 +11,9 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer CbvhPlacedBoxes { PlacedBoxes at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer CbvhLeafBoxes { LeafBox at[]; };
 
-/* What a ray has met of a scene so far. */
 struct CbvhCandidates
 {
-  CbvhHit hit;              // its distance is what others have to be nearer than
+  CbvhHit hit;
   vec2 framed;              // see cbvhReport
   CbvhVertNearest nearest;
 };
@@ -25,7 +24,7 @@ CbvhCandidates cbvhNoCandidates (CbvhRay ray)
   return CbvhCandidates(none, vec2(-1.0), cbvhNoVertNearest());
 }
 
-/* The hit, once all candidates were looked at. */
+/* Returns the hit after all candidates were intersected. */
 CbvhHit cbvhHitOf (CbvhCandidates found)
 {
   CbvhHit hit = found.hit;
@@ -33,7 +32,7 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
   return hit;
 }
 
-/* As cbvhSortChildren: the driver's box is wider. Sets ray.enter. */
+/* Tests the exact box, because the driver's is larger. Sets ray.enter. */
 bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhTravel ray)
 {
   float enter = ray.tnear, leave = tfar;
@@ -46,8 +45,8 @@ bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhTravel ray)
   return enter*(1.0 - 3.0*floatUlp) <= leave*(1.0 + 3.0*floatUlp);
 }
 
-/* A box that the driver has found: `placed` is the custom index of the instance that has it, box the number of the primitive. ray: in the
- * space of the scene. True if something nearer is hit. */
+/* Intersects the leaf of a box. placed: custom index of the instance. box: index of the primitive. ray: in the space of
+ * the scene. */
 bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhCandidates found)
 {
   if (!cbvhMayHit(ray)) return false;
@@ -70,18 +69,19 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
 }
 
-/* A candidate of a ray query that is a box of the scene. ray: what the query was begun with; in the space of the scene, where your top
- * level places the scene by a transform of its own. */
+/* Intersects the current candidate of a query, which must be a box of the scene. ray: the ray of the query. If your top
+ * level transforms the scene, transform the ray to the space of the scene. */
 void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout CbvhCandidates found)
 {
   if (rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT)
     found.hit.t = min(found.hit.t, rayQueryGetIntersectionTEXT(query, true));
-  uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)), box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+  uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),
+       box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
   if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
 }
 
-/* By the scene's own top level. Directions of any length: the driver gets one whose largest component is 1 to 2, and distances by
- * the same power of two, which rounds nothing. */
+/* Traces a ray with the library's top level. Scales the direction by a power of two, so that its largest component is
+ * in [1,2) and no rounding occurs. */
 bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
 {
   CbvhCandidates found = cbvhNoCandidates(ray);
@@ -95,11 +95,13 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   tmax = min(tmax, 3.40282347e38);
   rayQueryEXT query;
   rayQueryInitializeEXT(query, accelerationStructureEXT(CbvhSceneAt(address).scene.topLevel),
-                        anyHit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT, 0xFFu, ray.origin, tmin, direction, tmax);
+                        anyHit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT, 0xFFu, ray.origin, tmin,
+                        direction, tmax);
   bool isHit = false;
   while (rayQueryProceedEXT(query))
   {
-    uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)), box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+    uint placed = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false)),
+         box = uint(rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
     if (!cbvhIntersectBox(address, placed, box, ray, anyHit, found)) continue;
     isHit = true;
     rayQueryGenerateIntersectionEXT(query, clamp(found.hit.t*unit, tmin, tmax));
@@ -109,7 +111,7 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   return isHit;
 }
 
-/* As cbvhIntersect and cbvhOccluded. */
+/* Same contract as cbvhIntersect and cbvhOccluded. */
 bool cbvhQueryIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhQuery(scene, ray, false, hit); }
 
 bool cbvhQueryOccluded (uvec2 scene, CbvhRay ray)

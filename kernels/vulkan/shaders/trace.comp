@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays of a buffer: RTCRayHit in and out, or RTCRay with CBVH_ANY_HIT; by ray queries with CBVH_RAY_QUERY. */
+/* Traces a buffer of RTCRayHit, or of RTCRay with CBVH_ANY_HIT. CBVH_RAY_QUERY selects ray queries. */
 
 #version 460
 
@@ -25,7 +25,7 @@ layout(push_constant, scalar) uniform Arguments
 {
   uvec2 scene;
   uvec2 rays;
-  uvec2 order;     // pairs whose second word is the index of a ray, or 0: rays come as they are
+  uvec2 order;     // pairs (key, index of a ray), or 0
   uint first, count;
 } arguments;
 
@@ -47,7 +47,8 @@ void main ()
   i += arguments.first;
   if (arguments.order != uvec2(0u)) i = CbvhPairs(arguments.order).at[i].y;
   uint word = stride*i;
-  vec4 a = RaysIn(arguments.rays).at[word >> 2], b = RaysIn(arguments.rays).at[(word >> 2) + 1u], c = RaysIn(arguments.rays).at[(word >> 2) + 2u];
+  vec4 a = RaysIn(arguments.rays).at[word >> 2], b = RaysIn(arguments.rays).at[(word >> 2) + 1u],
+       c = RaysIn(arguments.rays).at[(word >> 2) + 2u];
   CbvhRay ray = CbvhRay(a.xyz, a.w, b.xyz, c.x, floatBitsToUint(c.y), b.w);
   Rays rays = Rays(arguments.rays);
 #ifdef CBVH_ANY_HIT

@@ -1,21 +1,21 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Embree's tests of a triangle, in its order of operations: Pluecker for grids and robust scenes,
- * Moeller and Trumbore for others. */
+/* Embree's triangle tests, with the same order of operations: Pluecker for grids and robust scenes, otherwise Moeller
+ * and Trumbore. */
 
 #ifndef CBVH_TRIANGLE_GLSL
 #define CBVH_TRIANGLE_GLSL
 
 #include "ray.glsl"
 
-/* A vertex of a grid whose coordinates lie in planes, of `plane` words each from word `first` on. */
+/* Vertex i of a grid, whose x, y and z are arrays of `plane` words from word `first` on. */
 vec3 cbvhGridVertex (CbvhPointer block, uint first, uint plane, uint i)
 {
   return vec3(cbvhFloat(block, first + i), cbvhFloat(block, first + plane + i), cbvhFloat(block, first + 2u*plane + i));
 }
 
-/* Vertices of one of the two triangles of a quad, whose vertex 00 is i: 00, 10, 01 and 01, 10, 11. */
+/* Indices of a triangle of the quad with vertex 00 at index i: 00, 10, 01 or 01, 10, 11. */
 uvec3 cbvhQuadTriangle (uint i, uint width, bool second)
 {
   return second ? uvec3(i + width, i + 1u, i + width + 1u) : uvec3(i, i + 1u, i + width);
@@ -28,7 +28,7 @@ struct CbvhTriangleHit
   vec3 Ng;
 };
 
-/* Normal from the pair of edges that loses less. */
+/* Normal from the pair of edges with less cancellation, as in Embree. */
 vec3 cbvhStableNormal (vec3 a, vec3 b, vec3 c)
 {
   vec3 ab = a.zxy*b.yzx, bc = b.zxy*c.yzx;

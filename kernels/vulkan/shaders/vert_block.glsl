@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray through a block of cVERT: kernels/cvert/rule/rule.h says by which rule its triangles are hit. Vertices of a block that does
- * not move are decoded a row at a time, and tested as they come; those of one that moves are kept, a group at a time. What a ray may hit is
- * then looked at again, exactly. */
+/* Intersects a ray with a block of cVERT by the rule of kernels/cvert/rule/rule.h. For static blocks it decodes one row
+ * of vertices at a time; for moving blocks it stores the vertices of a group. Float tests select triangles, which are
+ * then tested exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
@@ -11,7 +11,7 @@
 #include "vert_motion.glsl"
 #include "vert_triangle.glsl"
 
-/* Vertex i, j of group gx, gy in the world. moves: whether the block does, a constant; its group is decoded then */
+/* Returns vertex i, j of group gx, gy in the world. moves: constant; if true, needs cbvhDecodeGroup. */
 vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j,
                       const bool moves)
 {
@@ -26,7 +26,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 
 /* --- triangles ------------------------------------------------------------------------- */
 
-/* Quads of a group whose triangles may have the ray's line in them: bit 2q + 0 or 1 of quad q. */
+/* Returns the mask of triangles that the line of the ray may pass: bits 2q and 2q + 1 for quad q. */
 uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
                     const bool moves)
 {
@@ -34,12 +34,14 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShe
   int quadsX = int(quadsOfGroup(block.quadsX, gx)), quadsY = int(quadsOfGroup(block.quadsY, gy));
   vec2 below[5];
   CellRow first = rowOfCell(cell, 0);
-  [[unroll]] for (int i = 0; i < 5; i++) below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0, moves));
+  [[unroll]] for (int i = 0; i < 5; i++)
+    below[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, first, gx, gy, i, 0, moves));
   [[dont_unroll]] for (int j = 0; j < quadsY; j++)
   {
     vec2 row[5];
     CellRow above = rowOfCell(cell, j + 1);
-    [[unroll]] for (int i = 0; i < 5; i++) row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1, moves));
+    [[unroll]] for (int i = 0; i < 5; i++)
+      row[i] = cbvhSheared(shear, ray.org, cbvhGroupVertex(block, cell, above, gx, gy, i, j + 1, moves));
     vec2 lower = min(below[0], row[0]), upper = max(below[0], row[0]);
     [[unroll]] for (int i = 1; i < 5; i++) {
       lower = min(lower, min(below[i], row[i]));
@@ -47,7 +49,8 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShe
     }
     if (block.hasRaw || (all(lessThanEqual(lower, vec2(0.0))) && all(greaterThanEqual(upper, vec2(0.0)))))
     [[unroll]] for (int i = 0; i < 4; i++) {
-      float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]), bottom = cbvhSide(below[i], below[i + 1]);
+      float diag = cbvhSide(below[i + 1], row[i]), left = cbvhSide(row[i], below[i]),
+            bottom = cbvhSide(below[i], below[i + 1]);
       float right = cbvhSide(below[i + 1], row[i + 1]), top = cbvhSide(row[i + 1], row[i]);
       uint bit = 2u*uint(4*j + i);
       if (isInside(diag, left, bottom)) mask |= 1u << bit;
@@ -55,14 +58,14 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShe
     }
     [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
-  if (quadsX < 4) { // what is behind the last column has no area
+  if (quadsX < 4) { // quads after the last column are degenerate
     uint columns = (1u << (2*quadsX)) - 1u;
     mask &= columns*0x01010101u;
   }
   return mask;
 }
 
-/* Triangle h of a group, bits as of cbvhTriangles; true if it is hit. */
+/* h: bit of cbvhTriangles */
 bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h,
                       const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -83,19 +86,21 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhS
   return true;
 }
 
-/* Of groups that a ray may meet, bit x + 4 y each, mirrored so that the nearer ones tend to come first; alongX, alongY: of the block */
+/* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to visit near groups first. alongX, alongY:
+ * axes of the block. */
 uint cbvhMirror (CbvhTravel ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
 }
 
-/* groups of a block that does not move that the ray meets */
+/* Returns the mask of groups of a static block whose boxes the ray hits, with bit (x + 4y) ^ mirror. */
 uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
                  float tfar, uint mirror)
 {
   uint open = 0u;
   if (block.hasRaw) {
     for (uint g = 0u; g < block.groups; g++)
-      if (cbvhMeetsRawGroup(block, ray, vert, tfar, g)) open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
+      if (cbvhMeetsRawGroup(block, ray, vert, tfar, g))
+        open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
     return open;
   }
   ivec3 below[5];
@@ -107,16 +112,16 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertR
     CellRow above = rowOfCell(first, int(gy) + 1);
     [[unroll]] for (int i = 0; i < 5; i++) row[i] = vertexOfRow(block.at, first, above, i, int(gy) + 1);
     [[unroll]] for (int i = 0; i < 4; i++)
-      if (uint(i) < block.groupsX &&
-          cbvhMeetsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i), below[i], below[i + 1], row[i], row[i + 1]))
+      if (uint(i) < block.groupsX && cbvhMeetsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i),
+                                                    below[i], below[i + 1], row[i], row[i + 1]))
         open |= 1u << ((uint(i) + 4u*gy) ^ mirror);
     [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
   return open;
 }
 
-/* Triangles of a group; true if one is hit. There is one way out of loops here and below: lavapipe (Mesa 22.3) loses hits of
- * rays that return from several at once while others go on. */
+/* Loops here and below have one exit, because lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once
+ * while other rays continue. */
 bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
                      const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -133,8 +138,9 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhSh
   return found;
 }
 
-/* True if something is hit nearer than hit.t, which is lowered. */
-bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
+/* Intersects a static block. */
+bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
+                    inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
   CbvhVertBlock block = cbvhReadVertBlock(at);
@@ -167,8 +173,9 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
   return found;
 }
 
-/* the same of a block that moves */
-bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit, inout CbvhVertNearest nearest)
+/* Intersects a moving block. */
+bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
+                          inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
   CbvhVertBlock block = cbvhReadVertBlock(at);
@@ -188,7 +195,8 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const
   if (!block.hasRaw) {
     ivec3 corner = cbvhCornersAtEnds[0][0];
     vec3 spacing = cbvhSpacing(segment.begin);
-    mirror = cbvhMirror(ray, vec3(cbvhCornersAtEnds[0][block.groupsX] - corner)*spacing, vec3(cbvhCornersAtEnds[0][5u*block.groupsY] - corner)*spacing);
+    mirror = cbvhMirror(ray, vec3(cbvhCornersAtEnds[0][block.groupsX] - corner)*spacing,
+                        vec3(cbvhCornersAtEnds[0][5u*block.groupsY] - corner)*spacing);
   }
   bool found = false;
   [[dont_unroll]] for (uint i = 0u; i < maxVertGroups && !(anyHit && found); i++)

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray and the bounds of a block of cVERT, and the boxes of its groups. They only cull: planes are exact, or linear between exact ones, and
- * are widened as kernels/cvert/rule/rule.h says. */
+/* Tests a ray against the bounds of a block of cVERT and the boxes of its groups. The tests are conservative: planes
+ * are exact or interpolated between exact ones, and are widened by the slacks of kernels/cvert/rule/rule.h. */
 
 #ifndef CBVH_VERT_BOXES_GLSL
 #define CBVH_VERT_BOXES_GLSL
@@ -12,11 +12,10 @@
 #include "../../cvert/decoder/group_planes.h"
 #include "../../cvert/rule/rule.h"
 
-/* What of a ray all blocks need. */
 struct CbvhVertRay
 {
   vec3 rcp;        // finite
-  float largest;   // of the components of the direction
+  float largest;   // largest absolute component of the direction
 };
 
 CbvhVertRay cbvhVertRay (CbvhTravel ray)
@@ -28,16 +27,16 @@ CbvhVertRay cbvhVertRay (CbvhTravel ray)
   return vert;
 }
 
-/* Axes of the boxes of a block that is not raw, and the ray along the sheared one, from the block's origin. */
+/* Axes of the boxes of a block that is not raw, and the ray along the sheared axis relative to the block's origin. */
 struct CbvhVertAxes
 {
   uint boxForm;
   vec3 origin;
-  float extent;              // of the block from its origin, at least
-  float org, rcp, error;     // of the ray along the sheared coordinate
+  float extent;              // upper bound of the block's extent from its origin
+  float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* what component k counts in the sheared coordinate */
+/* Returns the factor of component k in the sheared coordinate. */
 float cbvhShearOf (uint boxForm, int k)
 {
   int m = shearedAxis(boxForm);
@@ -47,13 +46,15 @@ float cbvhShearOf (uint boxForm, int k)
 CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhTravel ray, CbvhVertRay vert)
 {
   ShearedCoordinate along = noShearedCoordinate();
-  for (int k = 0; k < 3; k++) along = addSheared(along, ray.org[k], ray.dir[k], origin[k], extent, cbvhShearOf(boxForm, k));
-  return CbvhVertAxes(boxForm, origin, extent, along.org, directionReciprocal(along.dir, vert.largest), shearedSlack(along.size));
+  for (int k = 0; k < 3; k++)
+    along = addSheared(along, ray.org[k], ray.dir[k], origin[k], extent, cbvhShearOf(boxForm, k));
+  return CbvhVertAxes(boxForm, origin, extent, along.org, directionReciprocal(along.dir, vert.largest),
+                      shearedSlack(along.size));
 }
 
 float cbvhSlack (CbvhVertAxes axes, CbvhTravel ray, int k) { return boxSlack(ray.org[k], axes.origin[k], axes.extent); }
 
-/* Whether the ray meets the bounds of a block. slack: what they may be too small by, on each axis */
+/* Widens the bounds of the block by `slack` on each axis. */
 bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack, float tfar)
 {
   int m = shearedAxis(axes.boxForm);
@@ -68,7 +69,6 @@ bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, Block
   return interval.from <= interval.to;
 }
 
-/* clips the ray by planes of a group's box */
 RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
                                  BoxPlanes planes, int k)
 {
@@ -78,7 +78,7 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertR
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* whether the ray meets the box of group g of a block that is not raw, whose corners are given */
+/* For a block that is not raw. c00 to c11: corners of group g. */
 bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g,
                      ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
@@ -91,7 +91,7 @@ bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, Cbvh
   return interval.from <= interval.to;
 }
 
-/* the same of a raw block */
+/* For a raw block. */
 bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);

@@ -1,25 +1,25 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A block of cVERT that moves as it is at a time: kernels/cvert/format/motion.h. Two steps are decoded, and what is between them
- * is interpolated, vertices and planes by the same expression, each of whose operations rounds monotonically: a plane that bounds vertices at
- * both ends bounds them between. */
+/* Decodes a moving block of cVERT (kernels/cvert/format/motion.h) at the time of a ray, between two time steps.
+ * Vertices and planes are interpolated by the same expression, whose operations round monotonically. Therefore planes
+ * that bound the vertices at both steps bound them in between. */
 
 #ifndef CBVH_VERT_MOTION_GLSL
 #define CBVH_VERT_MOTION_GLSL
 
 #include "vert_boxes.glsl"
 
-/* the segment between two steps that the ray's time is in */
+/* The steps before and after the ray's time. */
 struct CbvhSegment
 {
   StepView begin, end;
-  float fraction;           // how far the time is from begin to end
+  float fraction;           // of the time from begin to end
 };
 
-/* What is decoded of a block at both ends: corners of groups, in coordinates, row by row. */
+/* Lattice coordinates of the corners of groups at both steps, row by row. */
 ivec3 cbvhCornersAtEnds[2][cellVertices];
-/* What is decoded of a group: its vertices in the world, at the ray's time, row by row. */
+/* Vertices of the current group in the world at the ray's time, row by row. */
 vec3 cbvhVerticesNow[cellVertices];
 
 float cbvhBetween (float a, float b, float fraction)
@@ -35,13 +35,13 @@ vec3 cbvhBetween (vec3 a, vec3 b, float fraction) {
 
 /* --- steps ----------------------------------------------------------------------------- */
 
-/* False if the block is not there at the time. Sets block.hasRaw. */
+/* Returns false if the block does not exist at the time. Sets block.hasRaw. */
 bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment segment)
 {
   VertMotion motion = motionOf(block.at);
   if (!isThere(motion, time)) return false;
   TimeInMotion place = timeInMotion(motion, time);
-  segment.fraction = clamp(place.fraction, 0.0, 1.0); // divisions of devices are not exact
+  segment.fraction = clamp(place.fraction, 0.0, 1.0); // division on devices is not exact
   segment.begin = block.first;
   if (place.segment > 0u) segment.begin = viewOfLaterStep(block.at, block.region, place.segment);
   segment.end = viewOfLaterStep(block.at, block.region, place.segment + 1u);
@@ -77,7 +77,7 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
   }
 }
 
-/* Needs the corners. */
+/* Sets cbvhVerticesNow. Needs cbvhDecodeCorners. */
 void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy)
 {
   uint g = gy*block.groupsX + gx;
@@ -114,7 +114,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
   }
 }
 
-/* --- boxes, of segments without a raw end ---------------------------------------------- */
+/* --- boxes, unless a step is raw ------------------------------------------------------- */
 
 CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
 {
@@ -124,7 +124,7 @@ CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
                       ray, vert);
 }
 
-/* motionSlack on each axis; on the sheared one three are rounded apart */
+/* Returns motionSlack per axis. On the sheared axis, the errors of the three components add up. */
 vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
 {
   vec3 slack;
@@ -137,15 +137,16 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
   return slack;
 }
 
-/* whether the ray meets the bounds of a block */
-bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack, float tfar)
+bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
+                        float tfar)
 {
   BlockReach reach = reachBetween(reachAtBegin(segment.begin), reachAtEnd(segment.end, axes.boxForm), segment.fraction);
   return cbvhMeetsBounds(ray, vert, axes, reach, slack, tfar);
 }
 
-/* Whether the ray meets the box of a group. Needs the corners. slack: of the sheared axis is used */
-bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack, float tfar, uint gx, uint gy)
+/* Needs cbvhDecodeCorners. */
+bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
+                        vec3 slack, float tfar, uint gx, uint gy)
 {
   int c = 5*int(gy) + int(gx), m = shearedAxis(axes.boxForm);
   RayInterval interval = RayInterval(ray.tnear, tfar);

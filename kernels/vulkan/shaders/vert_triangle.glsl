@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A ray and a triangle of cVERT, by the rule of kernels/cvert/rule/rule.h, and the ray's nearest hit in such
- * triangles. */
+/* Intersects a ray with a triangle of cVERT by the rule of kernels/cvert/rule/rule.h. */
 
 #ifndef CBVH_VERT_TRIANGLE_GLSL
 #define CBVH_VERT_TRIANGLE_GLSL
@@ -10,14 +9,14 @@
 #include "ray.glsl"
 #include "../../cvert/rule/rule.h"
 
-/* The ray sheared to the z axis: kz is the axis of the direction's largest component. */
+/* The shear that maps the direction to axis kz, that of its largest component. */
 struct CbvhShear
 {
   int kz;
   float sx, sy;
 };
 
-/* components along kx, ky and kz */
+/* Rotates the components so that kz comes last. */
 vec3 cbvhTurn (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
 
 CbvhShear cbvhShear (vec3 dir)
@@ -53,8 +52,7 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
   return triangle;
 }
 
-/* The triangle of a ray's nearest hit, if that is one of cVERT: of hits at the same distance one counts, by its
- * name. */
+/* The nearest hit in triangles of cVERT. Ties at the same distance are broken by the names of the triangles. */
 struct CbvhVertNearest
 {
   bool isSet;
@@ -65,7 +63,6 @@ struct CbvhVertNearest
 
 CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
 
-/* A hit in a triangle. */
 struct CbvhVertHit
 {
   float t;
@@ -73,8 +70,8 @@ struct CbvhVertHit
   vec3 Ng;
 };
 
-/* Returns true if a ray hits a triangle nearer than tfar, the distance of its hit so far, or as near as `nearest` and
- * before it in the order of names. Sets `nearest` then. */
+/* Returns true and sets `nearest` if the ray hits the triangle nearer than tfar, or at the same distance as `nearest`
+ * and before it in the order of names. tfar: distance of the nearest hit of any kind. */
 bool cbvhMeetsTriangle (CbvhTravel ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleName name, float tfar,
                         inout CbvhVertNearest nearest, out CbvhVertHit at)
 {
