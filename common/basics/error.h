@@ -17,9 +17,9 @@ struct Error : std::runtime_error
 };
 
 /* The user pressed Ctrl-C. */
-struct Cancelled : Error
+struct Canceled : Error
 {
-  Cancelled() : Error("canceled") {}
+  Canceled() : Error("canceled") {}
 };
 
 } // namespace cbvh

@@ -82,7 +82,7 @@ struct PendingFile::Place
     else
     {
       file = std::make_unique<UnfinishedFile>(output);
-      file->takeOver();
+      file->copyPermissions();
     }
   }
 

@@ -53,7 +53,7 @@ void parallelFor(size_t n, size_t chunk, unsigned threads, const Body& body)
     t.join();
   if (failure)
     std::rethrow_exception(failure);
-  throwIfCancelled();
+  throwIfCanceled();
 }
 
 } // namespace cbvh

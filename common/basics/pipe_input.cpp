@@ -45,7 +45,7 @@ PipeInput::int_type PipeInput::underflow()
   const auto start = std::chrono::steady_clock::now();
   for (;;)
   {
-    throwIfCancelled();
+    throwIfCanceled();
     const ssize_t bytes = read(file, buffer.data(), buffer.size());
     if (bytes > 0)
     {

@@ -38,11 +38,11 @@ void onSignal(int signal)
 
 void onGraceOver(int)
 {
-  constexpr int cancelledStatus = 130; // 128 + SIGINT, as in shells
+  constexpr int canceledStatus = 130;  // 128 + SIGINT, as in shells
   if (unfinishedFile[0])
     unlink(unfinishedFile);
   (void)!write(STDERR_FILENO, cancelMessage, std::strlen(cancelMessage));
-  _exit(cancelledStatus);
+  _exit(canceledStatus);
 }
 
 /* Returns the remaining time, "about 12 min" or "about 40 s". `fraction` > 0 is done after `seconds`. */
@@ -96,10 +96,10 @@ bool cancelRequested()
   return interrupted() || requestFlag;
 }
 
-void throwIfCancelled()
+void throwIfCanceled()
 {
   if (cancelRequested())
-    throw Cancelled();
+    throw Canceled();
 }
 
 void setPhaseListener(PhaseListener listener)
@@ -110,7 +110,7 @@ void setPhaseListener(PhaseListener listener)
 Phase::Phase(const std::string& name, Display display)
   : name(name), display(display), start(std::chrono::steady_clock::now()), terminal(isatty(STDERR_FILENO))
 {
-  throwIfCancelled();
+  throwIfCanceled();
   print(false);
 }
 

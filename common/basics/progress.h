@@ -36,7 +36,7 @@ void clearCancel();
 /* True if the running work should stop. Thread-safe. */
 bool cancelRequested();
 
-void throwIfCancelled();
+void throwIfCanceled();
 
 /* Receives the name of a phase and the fraction done: 0 at the start, 1 at the end unless the phase was stopped.
  * Called on any thread, but never concurrently. Must not throw. */

@@ -49,7 +49,7 @@ void attachCopies(EmbreeDevice& device, RTCScene scene, const Model& model,
   {
     setSurface(contexts[i], model, i, level, rates);
     rtcAttachGeometry(scene, topology.makeGeometry(model.copies[i], contexts[i], compression, model.shapeOf(i)).get());
-    throwIfCancelled();
+    throwIfCanceled();
   }
 }
 

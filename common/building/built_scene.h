@@ -81,7 +81,7 @@ struct BuildReport
    * plus the width of gaps between faces. */
   float distanceFromMesh() const
   {
-    return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderGap);
+    return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderMismatch);
   }
 
   double bytesPerQuad() const { return quads ? double(liveBytes) / double(quads) : 0.0; }

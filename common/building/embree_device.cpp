@@ -56,7 +56,7 @@ void EmbreeDevice::check(const char* doing)
   errorCode = RTC_ERROR_NONE;
   /* A displacement function throws Canceled; Embree reports that as an unknown error. */
   if (code == RTC_ERROR_CANCELLED || cancelRequested())
-    throw Cancelled();
+    throw Canceled();
   throw Error(std::string("Embree, ") + doing + ": " + errorName(code) +
               (errorMessage.empty() ? "" : ": " + errorMessage));
 }

@@ -33,7 +33,7 @@ void BuiltScene::save(const std::string& path) const
     rtcAppendCompressedGeometry(writer.get(), rtcGetGeometry(scene.get(), unsigned(i)));
     device->check("saving");
     phase.update(double(i + 1) / double(numGeometries));
-    throwIfCancelled();
+    throwIfCanceled();
   }
   rtcCommitCompressedFile(writer.get());
   device->check("saving");

@@ -119,7 +119,7 @@ FileBuildReport buildToFile(const Model& model, const Representation& representa
       rtcAppendCompressedGeometry(writer.get(), geometry.get());
       device.check("saving");
       phase.update(double(i + 1 - report.found) / double(left));
-      throwIfCancelled();
+      throwIfCanceled();
     }
     rtcCommitCompressedFile(writer.get());
     device.check("saving");

@@ -71,7 +71,7 @@ StoredMesh BuiltScene::storedMesh(float time) const
     rtcForEachCompressedPartAtTime(rtcGetGeometry(scene.get(), unsigned(i)), time, Sum::add, &sum);
   }
   device->check("reading the surface");
-  throwIfCancelled();
+  throwIfCanceled();
   return std::move(sum.mesh);
 }
 

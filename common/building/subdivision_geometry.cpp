@@ -54,7 +54,7 @@ void displaceByVectors(const RTCDisplacementFunctionNArguments* args, const Disp
 
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
-  throwIfCancelled(); // early, because Embree calls its progress monitor rarely
+  throwIfCanceled();  // early, because Embree calls its progress monitor rarely
   const DisplacementContext& context = *static_cast<const DisplacementContext*>(args->geometryUserPtr);
   float u[batch], v[batch], levels[batch];
   for (size_t begin = 0; context.displacement && begin < args->N; begin += batch)

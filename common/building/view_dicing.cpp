@@ -67,7 +67,7 @@ public:
     rates.copies.resize(model.copies.size());
     for (size_t i = 0; i < model.copies.size(); i++)
     {
-      throwIfCancelled();
+      throwIfCanceled();
       DisplacementContext context;
       if (displaced)
       {

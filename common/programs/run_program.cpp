@@ -21,7 +21,7 @@ int runProgram(const char* name, const std::function<int()>& run)
     writeStandardOutput(""); // reports errors of unchecked output
     return status;
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     std::fprintf(stderr, "%s: canceled\n", name);
     return 130;

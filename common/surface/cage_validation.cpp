@@ -158,7 +158,7 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
 
 /* Turns faces beyond Embree's limits into holes. Embree would also leave out all faces that share a vertex
  * with a face of too many vertices. */
-void cutOut(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
+void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<char> isHole(cage.numFaces(), 0);
   for (unsigned face : cage.holes)
@@ -206,7 +206,7 @@ void validateCage(Cage& cage, std::string& warnings)
   warnOfEdges(cage, level, warnings);
   warnOfVertices(cage, level, warnings);
   warnOfCreases(cage, warnings);
-  cutOut(cage, level, warnings);
+  turnIntoHoles(cage, level, warnings);
 }
 
 } // namespace cbvh

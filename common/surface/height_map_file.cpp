@@ -108,7 +108,7 @@ struct Texels
   }
 };
 
-bool isCancelled(void*, float)
+bool isCanceled(void*, float)
 {
   return cancelRequested();
 }
@@ -119,8 +119,8 @@ Texels readImage(MapImage& input, int image, int first, int count, const std::st
   Texels texels{spec.width, spec.height, count, {}};
   texels.values.resize(size_t(spec.width) * size_t(spec.height) * size_t(count));
   const bool read = input.read_image(image, 0, first, first + count, OIIO::TypeDesc::FLOAT, texels.values.data(),
-                                     OIIO::AutoStride, OIIO::AutoStride, OIIO::AutoStride, isCancelled);
-  throwIfCancelled();
+                                     OIIO::AutoStride, OIIO::AutoStride, OIIO::AutoStride, isCanceled);
+  throwIfCanceled();
   if (!read)
     throw unreadable(path, input.geterror());
   const auto bad = std::find_if(texels.values.begin(), texels.values.end(), [](float x) { return !std::isfinite(x); });

@@ -118,7 +118,7 @@ void HeightTexture::fillCache() const
     for (int w = size[0], h = size[1]; w > 0 && h > 0; w /= 2, h /= 2)
       for (int y = 0; y < h; y += tileSize)
       {
-        throwIfCancelled();
+        throwIfCanceled();
         for (int x = 0; x < w; x += tileSize)
           sample(image, (float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h), 1.0f / float(w), 1.0f / float(h),
                  values);

@@ -92,7 +92,7 @@ void writeObj(const std::string& path, const std::vector<Vec3f>& vertices,
     if (i % 65536 == 0)
     {
       phase.update(0.5 * double(i) / double(vertices.size()));
-      throwIfCancelled();
+      throwIfCanceled();
     }
   }
   for (const std::array<unsigned, 4>& quad : quads)

@@ -78,7 +78,7 @@ private:
     }
     line.erase(line.find_last_not_of(" \t") + 1);
     if (lineNumber++ % 4096 == 0)
-      throwIfCancelled();
+      throwIfCanceled();
     return true;
   }
 

@@ -51,7 +51,7 @@ TraceTiming timeOnDevice(const std::vector<Ray>& rays, unsigned passes, const Tr
     for (size_t i = 0; i < rays.size(); i++)
       load(rays[i], batch[i]);
     timing.seconds += trace(batch.data(), batch.size()) / double(passes);
-    throwIfCancelled();
+    throwIfCanceled();
   }
   if (!rays.empty() && !(timing.seconds > 0.0))
     throw Error("measuring speed: the Vulkan device has no clock; expected a device with timestamps");
@@ -111,7 +111,7 @@ TraceTiming timeTrace(const TracedScene& scene, const std::vector<Ray>& rays, co
   TraceTiming timing;
   timing.seconds = (clock() - start) / double(settings.passes);
   timing.hits = hits / settings.passes;
-  throwIfCancelled();
+  throwIfCanceled();
   return timing;
 }
 

@@ -151,8 +151,8 @@ struct CbvhCage
 {
   size_t structSize CBVH_SIZE_OF(CbvhCage);
   size_t numFaces;
-  const unsigned int* faceVertices;  /* number of vertices of each face, at least 3 */
-  size_t numIndices;                 /* sum of faceVertices */
+  const unsigned int* faceVertexCounts; /* number of vertices of each face, at least 3 */
+  size_t numIndices;                 /* sum of faceVertexCounts */
   const unsigned int* indices;       /* of vertices, face by face */
   struct CbvhVertices vertices;
 
@@ -474,25 +474,26 @@ CBVH_API enum CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPar
 
 enum CbvhClusterFormat
 {
-  CBVH_CLUSTER_FLOAT3 = 0,      /* x, y, z of each vertex as floats */
-  CBVH_CLUSTER_COMPRESSED1 = 1, /* header and vertices of D3D12_VERTEX_FORMAT_COMPRESSED1 (DirectX Raytracing), padded
-                                 * to a multiple of 4 bytes */
-  CBVH_CLUSTER_DGF1 = 2         /* a block of 128 bytes of AMD's Dense Geometry Format, including the topology */
+  CBVH_CLUSTER_FORMAT_FLOAT3 = 0, /* x, y, z of each vertex as floats */
+  CBVH_CLUSTER_FORMAT_COMPRESSED1 = 1, /* header and vertices of D3D12_VERTEX_FORMAT_COMPRESSED1 (DirectX Raytracing),
+                                        * padded to a multiple of 4 bytes */
+  CBVH_CLUSTER_FORMAT_DGF1 = 2  /* a block of 128 bytes of AMD's Dense Geometry Format, including the topology */
 };
 
 /* Reason why a cluster stores floats instead of the requested format. */
 enum CbvhClusterReason
 {
-  CBVH_CLUSTER_FITS = 0,   /* the cluster has the requested format */
-  CBVH_CLUSTER_RAW = 1,    /* the block stores these vertices as floats */
-  CBVH_CLUSTER_MOVING = 2, /* the vertices are interpolated between two time steps and not on a lattice */
-  CBVH_CLUSTER_RANGE = 3   /* the vertices are over 2^23 spacings from the origin, or the spacing is below 2^-126 */
+  CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
+  CBVH_CLUSTER_REASON_RAW = 1,         /* the block stores these vertices as floats */
+  CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice */
+  CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, or the spacing is below
+                                        * 2^-126 */
 };
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; DGF has up to 64 of both. */
 struct CbvhCluster
 {
-  enum CbvhClusterFormat format; /* of data: the requested format, or CBVH_CLUSTER_FLOAT3 */
+  enum CbvhClusterFormat format; /* of data: the requested format, or CBVH_CLUSTER_FORMAT_FLOAT3 */
   enum CbvhClusterReason reason;
   unsigned int numVertices, numTriangles;
   const void* data;              /* aligned to 4 bytes */

@@ -22,11 +22,12 @@ enum RTCClusterFormat
 /* Reason why a cluster stores floats instead of the requested format. */
 enum RTCClusterReason
 {
-  RTC_CLUSTER_FITS = 0,   /* the cluster has the requested format */
-  RTC_CLUSTER_RAW = 1,    /* the geometry stores these vertices with the precision of floats: cGRID, and raw blocks of
-                           * cVERT */
-  RTC_CLUSTER_MOVING = 2, /* the vertices are interpolated between two time steps and not on a lattice */
-  RTC_CLUSTER_RANGE = 3   /* the vertices are more than 2^23 spacings from the origin, or the spacing is below 2^-126 */
+  RTC_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
+  RTC_CLUSTER_REASON_RAW = 1,         /* the geometry stores these vertices with the precision of floats: cGRID, and raw
+                                       * blocks of cVERT */
+  RTC_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice */
+  RTC_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, or the spacing is below
+                                       * 2^-126 */
 };
 
 /* A cluster: up to 8 x 8 quads with 81 vertices and 128 triangles; DGF has up to 64 of both. Later versions may append

@@ -202,13 +202,13 @@ struct RTCCompressionStatistics
 {
   size_t structSize RTC_SIZE_OF(RTCCompressionStatistics);
   size_t topLevelBytes;         // full-precision BVH over blocks and grids
-  size_t frameBytes;            // headers of all blocks: frame, IDs, parametrization
+  size_t headerBytes;           // headers of all blocks: frame, IDs, parametrization
   size_t nodeBytes;             // compressed inner nodes
   size_t leafBytes;             // leaves: heights (cLEAF), vertices (cGRID, cVERT), none (cVOXEL)
-  size_t gridBytes;             // Embree's grids of quads that are not compressed, see numGridQuads
+  size_t uncompressedBytes;     // Embree's grids of quads that are not compressed, see numUncompressedQuads
   size_t numBlocks;
   size_t numQuads;              // quads in blocks
-  size_t numGridQuads;          // quads in the same BVH that Embree's GRID traces instead
+  size_t numUncompressedQuads;  // quads in the same BVH that Embree's GRID traces instead
   size_t numInvalidQuads;       // quads left out because a vertex is not finite
   size_t numAffineBlocks;       // blocks that have an affine frame because a projective frame was not possible
   size_t numSolidLeaves;        // cLEAF leaves that heights cannot bound: rays hit their box
@@ -217,12 +217,12 @@ struct RTCCompressionStatistics
   float  maxVertexSpacing;      // cVERT, world units: largest spacing of a lattice
   float  maxVertexDeviation;    // cVERT, world units: largest distance of a stored vertex from the vertex that its face
                                 // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
-  float  maxBorderGap;          // cVERT, cLEAF, world units: largest distance between the vertices that two faces
+  float  maxBorderMismatch;     // cVERT, cLEAF, world units: largest distance between the vertices that two faces
                                 // evaluate at the same place; the stored surface has no such gap
   size_t numExactQuads;         // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::exactFaces
   size_t numFlippedQuads;       // quads whose stored normal differs from their vertices' normal by more than 90 degrees
   size_t numMeshQuads;          // quads of quad meshes in blocks, plus pairs of triangles of triangle meshes
-  size_t numLooseQuads;         // those of numMeshQuads that are in no grid of at least 4 x 4 quads
+  size_t numIrregularQuads;     // those of numMeshQuads that are in no grid of at least 4 x 4 quads
   size_t numMovingQuads;        // quads with several time steps
   size_t motionBytes;           // the part of leafBytes for all time steps but the first
   size_t numUnsupportedFaces;   // faces left out because Embree's subdivision does not support them: faces with more

@@ -191,7 +191,7 @@ struct RTCVulkanSceneStatistics
   size_t topLevelBytes;     /* tree above the blocks, and addresses of blocks */
   size_t numNodes, numBlocks, numGeometries, numInstances;
   unsigned int stackSize;   /* stack entries that a ray may need: the smallest CBVH_STACK of a shader */
-  size_t sentBytes;         /* bytes sent to the device for this scene, without shared ones */
+  size_t uploadedBytes;     /* bytes sent to the device for this scene, without shared ones */
   /* of scenes for ray queries */
   size_t structureBytes;    /* the driver's structures, part of deviceBytes, including structures that scenes share */
   size_t numBoxes;          /* in bottom-level structures */

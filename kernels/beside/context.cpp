@@ -125,7 +125,7 @@ CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void*
   if (!context) return refuse("context is NULL");
   Failure failure;
   try {
-    const std::string wrong = embree::whatIsWrongWith(settings);
+    const std::string wrong = embree::findDeviceStringError(settings);
     if (!wrong.empty())
       throw Failure{CBVH_ERROR_INVALID_ARGUMENT, std::string("settings '") + settings + "': " + wrong};
     *context = new CbvhContextTy(settings, function, userPtr);

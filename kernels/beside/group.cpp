@@ -50,8 +50,8 @@ void CbvhGroupTy::commit()
 void CbvhGroupTy::keepStatistics()
 {
   const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);
-  statistics.bytes = all.topLevelBytes + all.frameBytes + all.nodeBytes + all.leafBytes + all.gridBytes;
-  statistics.numQuads = all.numQuads + all.numGridQuads;
+  statistics.bytes = all.topLevelBytes + all.headerBytes + all.nodeBytes + all.leafBytes + all.uncompressedBytes;
+  statistics.numQuads = all.numQuads + all.numUncompressedQuads;
   statistics.numMovingQuads = all.numMovingQuads;
   statistics.numInvalidQuads = all.numInvalidQuads;
   statistics.maxVertexDeviation = all.maxVertexDeviation;

@@ -54,10 +54,10 @@ inline CbvhPart asPublic(const cbvh::StoredPart& part)
   return {part.primID, part.width, part.height, part.vertices, part.parameters, part.primIDs, part.primitivesPerQuad};
 }
 
-static_assert(CBVH_CLUSTER_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
-    && CBVH_CLUSTER_DGF1 == int(cbvh::ClusterFormat::DGF1), "values of CbvhClusterFormat");
-static_assert(CBVH_CLUSTER_RAW == int(cbvh::ClusterReason::RAW)
-    && CBVH_CLUSTER_MOVING == int(cbvh::ClusterReason::MOVING)
-    && CBVH_CLUSTER_RANGE == int(cbvh::ClusterReason::RANGE), "values of CbvhClusterReason");
+static_assert(CBVH_CLUSTER_FORMAT_COMPRESSED1 == int(cbvh::ClusterFormat::COMPRESSED1)
+    && CBVH_CLUSTER_FORMAT_DGF1 == int(cbvh::ClusterFormat::DGF1), "values of CbvhClusterFormat");
+static_assert(CBVH_CLUSTER_REASON_RAW == int(cbvh::ClusterReason::RAW)
+    && CBVH_CLUSTER_REASON_MOVING == int(cbvh::ClusterReason::MOVING)
+    && CBVH_CLUSTER_REASON_OUT_OF_RANGE == int(cbvh::ClusterReason::RANGE), "values of CbvhClusterReason");
 
 }} // namespace embree::beside

@@ -86,9 +86,9 @@ void checkTopology(const CbvhCage& cage)
   require(cage.vertices.count > 0, "there are no vertices");
   size_t sum = 0;
   for (size_t f = 0; f < cage.numFaces; f++) {
-    if (cage.faceVertices[f] < 3)
-      refuseValue(of("face", f, "has", cage.faceVertices[f]) + " vertices: expected 3 or more");
-    sum += cage.faceVertices[f];
+    if (cage.faceVertexCounts[f] < 3)
+      refuseValue(of("face", f, "has", cage.faceVertexCounts[f]) + " vertices: expected 3 or more");
+    sum += cage.faceVertexCounts[f];
     if (sum > cage.numIndices)
       refuseValue(of("face", f, "ends at index", sum) + ", but there are " + std::to_string(cage.numIndices)
         + " indices");
@@ -164,7 +164,7 @@ void CbvhSurfaceTy::keep(Owned input)
 void CbvhSurfaceTy::set(const CbvhCage& cage)
 {
   const Change change(*this);
-  require(cage.numFaces > 0 && cage.faceVertices && cage.indices, "the cage has no faces, or no indices");
+  require(cage.numFaces > 0 && cage.faceVertexCounts && cage.indices, "the cage has no faces, or no indices");
   require(cage.numFaces < 0xFFFFFFFFu && cage.numIndices < 0xFFFFFFFFu,
     "too many faces or indices: expected less than 4294967295");
   const size_t numRates = cage.rates ? cage.numIndices : 1;
@@ -183,9 +183,9 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   input->numPrimitives = unsigned(cage.numFaces);
   input->numEdges = cage.numIndices;
   for (size_t f = 0; cage.numAttributes && f < cage.numFaces; f++)
-    if (cage.faceVertices[f] != 4) input->otherFaces.emplace_back(unsigned(f), cage.faceVertices[f]);
+    if (cage.faceVertexCounts[f] != 4) input->otherFaces.emplace_back(unsigned(f), cage.faceVertexCounts[f]);
   setVertices(geometry, cage.vertices, true);
-  copyTo(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faceVertices, cage.numFaces);
+  copyTo(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faceVertexCounts, cage.numFaces);
   copyTo(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cage.indices, cage.numIndices);
   if (cage.rates) copyTo(geometry, RTC_BUFFER_TYPE_LEVEL, 0, RTC_FORMAT_FLOAT, cage.rates, cage.numIndices);
   else rtcSetGeometryTessellationRate(geometry, cage.rate);
@@ -375,7 +375,7 @@ void CbvhSurfaceTy::commitInput()
   const Failure failure = context->takeError(); // also set if a surface is stored without some of its input
   if (!core::hasBlocks(pending->inner())) {
     if (failure) throw failure;
-    const char* const why = core::whyNotCompressed(pending->inner());
+    const char* const why = core::reasonNotCompressed(pending->inner());
     if (!why) throw Failure{CBVH_ERROR_INVALID_OPERATION, "the surface is not stored"};
     throw Failure{CBVH_ERROR_INVALID_OPERATION, std::string("the mesh is not stored: its quads or triangles ") + why};
   }

@@ -127,7 +127,7 @@ struct CageInput
   {
     for (const auto& crease : from.creases) { creases.push_back(crease[0]); creases.push_back(crease[1]); }
     cage.numFaces = faces.size();
-    cage.faceVertices = faces.data();
+    cage.faceVertexCounts = faces.data();
     cage.numIndices = indices.size();
     cage.indices = indices.data();
     cage.vertices = steps.get(settings.begin, settings.end);
@@ -199,7 +199,8 @@ TEST(Beside, ClustersMatchOurEmbree)
   CageInput input(cage, settings);
   Surface surface(context);
   ASSERT_EQ(cbvhSetCage(surface, &input.cage), CBVH_OK);
-  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_OPERATION)
+  EXPECT_EQ(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr),
+    CBVH_ERROR_INVALID_OPERATION)
     << "not committed";
   context.reported.clear();
   ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK);
@@ -233,11 +234,13 @@ TEST(Beside, ClustersMatchOurEmbree)
     }
   size_t calls = 0;
   EXPECT_EQ(cbvhForEachCluster(
-              surface, 0, CBVH_CLUSTER_DGF1, [](void* n, const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls,
+              surface, 0, CBVH_CLUSTER_FORMAT_DGF1, [](void* n,
+                const CbvhCluster*) { return int(++*(size_t*)n < 3); }, &calls,
               nullptr),
             CBVH_OK);
   EXPECT_EQ(calls, 3u) << "a callback that returns 0 ends the calls";
-  EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, nullptr), CBVH_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, nullptr),
+    CBVH_ERROR_INVALID_ARGUMENT);
   context.reported.clear();
   context.expect(cbvhForEachCluster(surface, 0, CbvhClusterFormat(7), nullptr, nullptr, nullptr),
                  CBVH_ERROR_INVALID_ARGUMENT, "7");
@@ -314,8 +317,8 @@ TEST(Beside, GridAndMeshHitsMatchOurEmbree)
     for (const DicedMesh& mesh : {quads, trianglesOf(quads, 1, 2)}) {
       const Surface surface(context);
       auto steps = std::make_unique<Steps>(mesh.vertices, motion, timeSteps);
-      const unsigned* const indices = mesh.isOfTriangles() ? mesh.triangles[0].data() : mesh.quads[0].data();
-      const CbvhMesh input = {sizeof(CbvhMesh), mesh.isOfTriangles() ? 3u : 4u, mesh.size(), indices, steps->get()};
+      const unsigned* const indices = mesh.isTriangleForm() ? mesh.triangles[0].data() : mesh.quads[0].data();
+      const CbvhMesh input = {sizeof(CbvhMesh), mesh.isTriangleForm() ? 3u : 4u, mesh.size(), indices, steps->get()};
       ASSERT_EQ(cbvhSetMesh(surface, &input), CBVH_OK);
       ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
       steps.reset();

@@ -43,7 +43,7 @@ struct Damaged : testing::Test
     const float* const steps[] = {cage.positions[0].data()};
     CbvhCage input = CbvhCage();
     input.numFaces = cage.faces.size();
-    input.faceVertices = cage.faces.data();
+    input.faceVertexCounts = cage.faces.data();
     input.numIndices = cage.indices.size();
     input.indices = cage.indices.data();
     input.vertices = {cage.positions.size(), sizeof(Vec), steps, 1, 0, 1};
@@ -146,7 +146,7 @@ TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
     return cbvhForEachPart(surface, 0, [](void*, const CbvhPart*) { return 1; }, nullptr);
   };
   const auto clusters = [](CbvhSurface surface) {
-    return cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FLOAT3, nullptr, nullptr, nullptr);
+    return cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr);
   };
   for (const auto& [name, call] : {std::make_pair("parts", +parts), std::make_pair("clusters", +clusters)}) {
     SCOPED_TRACE(name);
@@ -177,7 +177,7 @@ TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
     CbvhGroup group = load();
     CbvhClusterReport sums = CbvhClusterReport(), report = CbvhClusterReport();
     report.numClusters = report.numTriangles = report.bytes = report.numClustersOf[3] = 12345;
-    EXPECT_EQ(cbvhForEachCluster(cbvhGetGroupSurface(group, 0), 0, CBVH_CLUSTER_FLOAT3, add, &sums, &report),
+    EXPECT_EQ(cbvhForEachCluster(cbvhGetGroupSurface(group, 0), 0, CBVH_CLUSTER_FORMAT_FLOAT3, add, &sums, &report),
               CBVH_ERROR_INVALID_OPERATION);
     EXPECT_EQ(report.numClusters, sums.numClusters);
     EXPECT_EQ(report.numTriangles, sums.numTriangles);
@@ -199,7 +199,7 @@ TEST_F(Damaged, DoesNotFailTheCallThatInvokedACallback)
   const unsigned faces[] = {4}, indices[] = {0, 1, 2, 3};
   CbvhCage input = CbvhCage();
   input.numFaces = 1;
-  input.faceVertices = faces;
+  input.faceVertexCounts = faces;
   input.numIndices = 4;
   input.indices = indices;
   input.vertices = {4, sizeof(Vec), steps, 1, 0, 1};

@@ -222,7 +222,7 @@ inline void displaceInHost(const RTCDisplacementFunctionNArguments* args)
 struct Cube
 {
   std::vector<Vec> vertices[2];   // at two time steps
-  std::vector<unsigned> faceVertices = {4, 4, 4, 4, 4, 4};
+  std::vector<unsigned> faceVertexCounts = {4, 4, 4, 4, 4, 4};
   std::vector<unsigned> indices = {0,1,3,2, 4,6,7,5, 0,4,5,1, 2,3,7,6, 0,2,6,4, 1,5,7,3};
   const float* steps[2];
 
@@ -241,8 +241,8 @@ struct Cube
   CbvhCage cage(float rate, unsigned numSteps = 1) const
   {
     CbvhCage cage = CbvhCage();
-    cage.numFaces = faceVertices.size();
-    cage.faceVertices = faceVertices.data();
+    cage.numFaces = faceVertexCounts.size();
+    cage.faceVertexCounts = faceVertexCounts.data();
     cage.numIndices = indices.size();
     cage.indices = indices.data();
     cage.vertices = {8, sizeof(Vec), steps, numSteps, 0, 1};
@@ -260,7 +260,8 @@ struct Cube
       void* const data = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3, 12, 8);
       std::memcpy(data, steps[i], 96);
     }
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6), faceVertices.data(),
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, 4, 6),
+      faceVertexCounts.data(),
                 24);
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 24), indices.data(),
                 96);

@@ -116,7 +116,7 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
     {"cbvhForEachPart", [&] { return cbvhForEachPart(nullptr, 0, part, nullptr); }},
     {"cbvhForEachPart", [&] { return cbvhForEachPart(surface, 0, nullptr, nullptr); }},
     {"cbvhForEachCluster",
-     [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FLOAT3, nullptr, nullptr, nullptr); }},
+     [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr); }},
   };
   for (const auto& call : refused) {
     EXPECT_EQ(call.second(), CBVH_ERROR_INVALID_ARGUMENT) << call.first;
@@ -194,9 +194,9 @@ TEST_F(OddCalls, InconsistentCagesAreRejectedWhenSet)
     EXPECT_EQ(cbvhSetCage(surface, &cage), CBVH_ERROR_INVALID_ARGUMENT) << text;
     EXPECT_NE(std::string(cbvhGetErrorText()).find(text), std::string::npos) << cbvhGetErrorText();
   };
-  refuse("23 vertices together", [&](CbvhCage& c) { c.faceVertices = few; });
-  refuse("face 5 ends at index 420", [&](CbvhCage& c) { c.faceVertices = many; });
-  refuse("face 5 has 2 vertices", [&](CbvhCage& c) { c.faceVertices = flat; });
+  refuse("23 vertices together", [&](CbvhCage& c) { c.faceVertexCounts = few; });
+  refuse("face 5 ends at index 420", [&](CbvhCage& c) { c.faceVertexCounts = many; });
+  refuse("face 5 has 2 vertices", [&](CbvhCage& c) { c.faceVertexCounts = flat; });
   refuse("index 13 is vertex 8", [&](CbvhCage& c) { c.indices = past.data(); });
   refuse("vertex 9", [&](CbvhCage& c) { c.numCreases = 1; c.creases = crease; c.creaseSharpness = sharp; });
   refuse("corner 0 is vertex 9", [&](CbvhCage& c) {
@@ -240,7 +240,7 @@ TEST_F(OddCalls, MissingSubPatchesAreRejected)
   const unsigned faces[] = {5}, indices[] = {0,1,2,3,4};
   CbvhCage cage = cube();
   cage.numFaces = 1;
-  cage.faceVertices = faces;
+  cage.faceVertexCounts = faces;
   cage.numIndices = 5;
   cage.indices = indices;
   ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
@@ -499,7 +499,7 @@ TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
   const float* const steps[] = {vertices.data()};
   CbvhCage cage = CbvhCage();
   cage.numFaces = faces.size();
-  cage.faceVertices = faces.data();
+  cage.faceVertexCounts = faces.data();
   cage.numIndices = indices.size();
   cage.indices = indices.data();
   cage.vertices = {40, 12, steps, 1, 0, 1};

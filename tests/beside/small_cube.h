@@ -20,7 +20,7 @@ inline CbvhCage cube()
 {
   CbvhCage cage = CbvhCage();
   cage.numFaces = 6;
-  cage.faceVertices = cubeFaces;
+  cage.faceVertexCounts = cubeFaces;
   cage.numIndices = 24;
   cage.indices = cubeIndices;
   cage.vertices = {8, 12, cubeSteps, 1, 0, 1};

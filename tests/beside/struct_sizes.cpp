@@ -217,7 +217,7 @@ struct StructSizes : ::testing::Test
         [=](CbvhStatistics* statistics) { return error(cbvhGetGroupStatistics(group, statistics)); }));
     cases.push_back(caseOf<CbvhClusterReport>("CbvhClusterReport", true, {},
       [=](CbvhClusterReport* report) {
-        return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_DGF1, nullptr, nullptr, report));
+        return error(cbvhForEachCluster(surface, 0, CBVH_CLUSTER_FORMAT_DGF1, nullptr, nullptr, report));
       }));
   }
 

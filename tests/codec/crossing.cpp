@@ -144,7 +144,7 @@ struct LipCase
   double step() const { return std::max(std::fabs(p1 - p0), std::fabs(f.f1 - f.f0) + std::fabs(f.saddle))/samples; }
   bool isWithinReach(double k) const { return height(k) <= epsilon && height(k) >= -(reach + epsilon); }
 
-  LipMeeting<double> meet() const { return meetLip(f, p0, p1, Lip<double>{width, reach, epsilon}); }
+  LipIntersection<double> meet() const { return intersectLip(f, p0, p1, Lip<double>{width, reach, epsilon}); }
 };
 
 LipCase randomLip(Random& random)
@@ -169,7 +169,7 @@ TEST(Crossing, LipIsHitWhereSamplesAreInside)
     SCOPED_TRACE(testing::Message() << "lip " << i << ": f " << lip.f.f0 << " " << lip.f.f1 << " " << lip.f.saddle
                                     << ", p " << lip.p0 << " " << lip.p1 << ", width " << lip.width << ", reach "
                                     << lip.reach << ", epsilon " << lip.epsilon);
-    const LipMeeting<double> meeting = lip.meet();
+    const LipIntersection<double> meeting = lip.meet();
     const double outside = leastOf([&](double k) { return lip.outside(k); });
     if (outside <= 0) {
       ASSERT_TRUE(meeting.met);
@@ -206,7 +206,7 @@ TEST(Crossing, LipIsHitAtFirstOfEntryExitAndVertexWithinReach)
     const Parabola<double> f = {at(0), at(1), -c};
     EXPECT_NEAR(parabolaAt(f, 0.5), entry, 1e-12);
     EXPECT_NEAR(parabolaAt(f, 0.75), vertex, 1e-12);
-    const LipMeeting<double> lip = meetLip(f, p0, p1, Lip<double>{width, reach, epsilon});
+    const LipIntersection<double> lip = intersectLip(f, p0, p1, Lip<double>{width, reach, epsilon});
     return lip.met ? lip.k : -1;
   };
   EXPECT_EQ(place(-0.05, 0.2, -0.05), 0.5);
@@ -511,7 +511,7 @@ TEST(Crossing, OnlyBorderLeavesHaveLipsAndOnlyAtBorderSides)
     for (uint32_t cell = 0; cell < 16; cell++) {
       const uint32_t cx = cell % 4, cy = cell / 4;
       const bool border[4] = {cx == 0, cx == last, cy == 0, cy == last};
-      const LipMeeting<double> meeting = meetLipsOfLeaf(x, cx, cy, last, Lip<double>{width, reach, 0.0});
+      const LipIntersection<double> meeting = intersectLipsOfLeaf(x, cx, cy, last, Lip<double>{width, reach, 0.0});
       SCOPED_TRACE(testing::Message() << "segment " << i << ", leaf " << cx << " " << cy);
       bool isMet = false, isUndecided = false;
       for (int side = 0; side < 4 && !isMet; side++) {

@@ -108,7 +108,7 @@ TEST(Double4, EqualsFourDoubles)
     (mask & Int4::load(integers)).store(whole);
     for (int i = 0; i < 4; i++) EXPECT_EQ(whole[i], bits >> i & 1 ? integers[i] : 0);
 
-    EXPECT_TRUE(isSame(cvert::crossOf(A, B), a[0]*b[1] - a[1]*b[0]));
+    EXPECT_TRUE(isSame(cvert::crossOfXY(A, B), a[0]*b[1] - a[1]*b[0]));
     const double less[2] = {a[0] < a[2] ? a[0] : a[2], a[1] < a[3] ? a[1] : a[3]};
     const double more[2] = {a[0] > a[2] ? a[0] : a[2], a[1] > a[3] ? a[1] : a[3]};
     EXPECT_TRUE(isSame(cvert::least(A), less[0] < less[1] ? less[0] : less[1]));

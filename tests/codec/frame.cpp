@@ -74,7 +74,7 @@ void homogeneous(const Frame& frame, const double p[3], double h[4])
 {
   h[0] = h[1] = h[2] = 0.5; h[3] = 1;
   for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k])*(p[i] - double(frame.centre[i]));
+    for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k])*(p[i] - double(frame.center[i]));
 }
 
 // Decoded planes keep the distance containmentSlack from the geometry (node.h). This includes the root's planes, the

@@ -234,7 +234,8 @@ TEST(HitRule, PassedBoxesAreWantedAsInTable)
   Table table("Is a passed box wanted?", "wanted");
   for (const WalkState& state : allStates()) {
     const Facts facts = factsOf(state);
-    withRow(table, facts, [&](const Cells& row) { EXPECT_EQ(wantsPassed(state), facts.flag(row.at("wanted"), "")); });
+    withRow(table, facts, [&](const Cells& row) { EXPECT_EQ(needsPassedBoxes(state), facts.flag(row.at("wanted"),
+      "")); });
   }
   table.expectEveryRowUsed();
 }

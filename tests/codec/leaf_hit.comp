@@ -22,7 +22,7 @@ BlockHeader readHeader ()
 {
   BlockHeader header;
   for (int i = 0; i < 3; i++) {
-    header.centre[i] = uintBitsToFloat(words[block + i]);
+    header.center[i] = uintBitsToFloat(words[block + i]);
     for (int k = 0; k < 4; k++) header.columns[i][k] = uintBitsToFloat(words[block + 4 + 4*i + k]);
   }
   header.surface = words[block + 3];
@@ -75,7 +75,7 @@ void main ()
     NodeBox parent = groupBox(sizes, m);
     LeafPatch patch_ = decodeLeaf(readWord(sizes.nodeLevels - 1u, m), readHeights(sizes, m), int(leaf & 3u), parent);
     if (!isOnSegment(rangeInBox(segment, patch_.box, 3))) {
-      if (wantsPassed(state) && isOnSegment(rangeInBox(segment, patch_.box, 2)))
+      if (needsPassedBoxes(state) && isOnSegment(rangeInBox(segment, patch_.box, 2)))
         state = passBox(state, segment.P0[2] > upperOf(patch_.box, 2)).next;
       continue;
     }
@@ -86,7 +86,7 @@ void main ()
     float s = v.hit == hitRoot ? x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0) : x.s0;
     if (v.hit == hitLip) {
       Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, segment.epsilon[2]);
-      LipMeeting at = meetLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leaves - 1u, lip);
+      LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), sizes.leaves - 1u, lip);
       if (!at.met) continue;
       s = x.s0 + at.k*(x.s1 - x.s0);
     }

@@ -540,7 +540,7 @@ TEST(MeshBlock, ConstantsMatchPage)
       {"triangles of a group, at most", maxGroupTriangles},
     {"vertices of a group, at most", maxGroupVertices}, {"restarts of a group, at most", maxGroupRestarts},
     {"shift of boxes on an axis of ranks, at least", leastRankShift},
-      {"bytes after a block that decoders may read", readBehindVert}};
+      {"bytes after a block that decoders may read", readPastVert}};
   for (const auto& constant : constants) table << "| " << constant.first << " | " << constant.second << " |\n";
   EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"),
     std::string::npos) << "mesh_block.md must contain\n" << table.str();

@@ -96,9 +96,9 @@ TEST(MotionBlock, VerticesRoundTripAtEveryStep)
       if (s + 1 < sheet.steps.size()) { ASSERT_NO_FATAL_FAILURE(expectBoxesContain(encoded, s)) << "sheet " << i; }
     }
     raw += encoded.statistics.raw;
-    turned += encoded.statistics.turnedGroups;
+    turned += encoded.statistics.rotatedGroups;
     const size_t groups = groupsOf(sheet.quadsX)*groupsOf(sheet.quadsY)*(sheet.steps.size() - 1);
-    if (!encoded.statistics.raw) alone += groups - encoded.statistics.turnedGroups;
+    if (!encoded.statistics.raw) alone += groups - encoded.statistics.rotatedGroups;
   }
   EXPECT_GT(raw, 100u);
   EXPECT_GT(turned, 5000u);

@@ -67,7 +67,7 @@ TEST(VertFormat, ConstantsMatchPages)
   EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
   expectConstants("block.md", {{"format version, `vertFormatVersion`", vertFormatVersion},
                                {"alignment of a block, bytes", blockAlignment},
-                               {"bytes after a block that decoders may read", readBehindVert},
+                               {"bytes after a block that decoders may read", readPastVert},
                                {"type of a block in the tree", VERT_BLOCK},
                                {"type of a moving block in the tree", MOVING_VERT_BLOCK},
                                {"quads along a side of a block, at most", side},
@@ -85,7 +85,7 @@ TEST(VertFormat, ConstantsMatchPages)
   // dir[i]|, which is 3.
   const WideTriangle<double> triangle = {{{0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
   const double org[3] = {0.25, 0.25, -1}, dir[3] = {0.5, 0, 3};
-  const auto at = meetPlane(triangle, normalOf(triangle), org, dir);
+  const auto at = intersectPlane(triangle, normalOf(triangle), org, dir);
   EXPECT_EQ(at.speed, 3);
   expectConstants("rays.md", {{"ulps by which boxes are widened, `slackUlps`", slackUlps},
                               {"ulps by which sheared planes are widened, `shearedSlackUlps`", shearedSlackUlps},
@@ -294,7 +294,7 @@ TEST(VertFormat, MotionMatchesPage)
   const std::vector<Bits> form = bitsOf("motion.md", "a step's `boxForm`");
   ASSERT_EQ(form.size(), 6u);
   expectFlag(form[1], hasRemainders);
-  expectFlag(form[2], isFirstCellTurned);
+  expectFlag(form[2], isFirstCellRotated);
   expectFlag(form[3], hasUpperBits);
   expectFlag(form[4], hasMargins);
   EXPECT_EQ(beginReachStep(5u << form[5].first), 32u);
@@ -302,22 +302,23 @@ TEST(VertFormat, MotionMatchesPage)
   ASSERT_EQ(turned.size(), 5u);
   EXPECT_EQ(turned[0].count, 16u);
   EXPECT_TRUE(isTurned(1u << 9, 9) && !isTurned(~(1u << 9), 9));
-  EXPECT_EQ(turnShift(3u << turned[1].first), 4u);
+  EXPECT_EQ(rotationShift(3u << turned[1].first), 4u);
   EXPECT_EQ(endReachStep(5u << turned[2].first), 32u);
   VertStep step = {};
   step.turned = 3u << turned[1].first | uint32_t(uint8_t(-100)) << turned[4].first;
   for (int i = 0; i < 8; i++) ((int8_t*)step.turn)[i] = int8_t(11*i - 40);
-  for (int i = 0; i < 9; i++) EXPECT_EQ(turnEntry(step, uint32_t(i)), i < 8 ? 11*i - 40 : -100);
+  for (int i = 0; i < 9; i++) EXPECT_EQ(rotationEntry(step, uint32_t(i)), i < 8 ? 11*i - 40 : -100);
 
   // floor((M r + 2^(6-q)) / 2^(7-q))
   for (uint32_t q = 0; q <= 6; q++)
     for (int x = -50; x <= 50; x++) {
       const double sum = 91.0*x - 17*3.0 + 5*x*x;
-      EXPECT_EQ(turnedResidual(91, -17, 5, x, 3, x*x, turnShift(q << 16)),
+      EXPECT_EQ(rotatedResidual(91, -17, 5, x, 3, x*x, rotationShift(q << 16)),
                 std::floor((sum + std::exp2(6.0 - q))/std::exp2(7.0 - q)));
     }
   VertMotion motion = {0.25f, 0.75f, 5, 0};
-  EXPECT_TRUE(isThere(motion, 0.25f) && isThere(motion, 0.75f) && !isThere(motion, 0.2f) && !isThere(motion, 0.8f));
+  EXPECT_TRUE(isPresent(motion, 0.25f) && isPresent(motion, 0.75f) && !isPresent(motion, 0.2f) && !isPresent(motion,
+    0.8f));
   EXPECT_EQ(timeInMotion(motion, 0.5f).segment, 2u);
   EXPECT_EQ(timeInMotion(motion, 0.75f).segment, 3u);
   EXPECT_EQ(timeInMotion(motion, 0.75f).fraction, 1.0f);
@@ -329,13 +330,13 @@ TEST(VertFormat, NumbersMatchPage)
   const std::vector<Bits> form = bitsOf("mesh_numbers.md", "the form");
   ASSERT_EQ(form.size(), 8u);
   EXPECT_EQ(form[0].count, 2u);
-  expectFlag(form[6], haveHalves);
-  expectFlag(form[1], isOfTriangles);
-  expectFlag(form[2], isOneTriangle);
-  EXPECT_EQ(formOfTurns(3, 0), 3u << form[3].first);
-  EXPECT_EQ(formOfTurns(0, 3), 3u << form[4].first);
-  EXPECT_EQ(turnOfTriangle(2u << form[3].first, false), 2u);
-  EXPECT_EQ(turnOfTriangle(2u << form[4].first, true), 2u);
+  expectFlag(form[6], haveTrianglePairs);
+  expectFlag(form[1], isTriangleForm);
+  expectFlag(form[2], isSingleTriangleForm);
+  EXPECT_EQ(formOfFirstCorners(3, 0), 3u << form[3].first);
+  EXPECT_EQ(formOfFirstCorners(0, 3), 3u << form[4].first);
+  EXPECT_EQ(firstCornerOfTriangle(2u << form[3].first, false), 2u);
+  EXPECT_EQ(firstCornerOfTriangle(2u << form[4].first, true), 2u);
   EXPECT_EQ(patternNumber(numbersRecursive | 0xA5u << form[5].first, VertNumbers{0, 0}, 5, 8), 0xA5u);
 
   // rows: X x + Y y
@@ -344,7 +345,7 @@ TEST(VertFormat, NumbersMatchPage)
   const VertNumbers bytes = {0x40100401u, 0xC0300C03u};
   EXPECT_EQ(patternNumber(numbersRecursive | 0xFFu << 8, bytes, 5, 8), 0xFFu ^ 0x01u ^ 0x10u ^ 0xC0u);
   EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles, bytes, 2, 1), 2*(0x04u ^ 0x03u));
-  EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles | numbersOfHalves, bytes, 2, 1), 0x04u ^ 0x03u);
+  EXPECT_EQ(patternNumber(numbersRecursive | numbersOfTriangles | numbersOfTrianglePairs, bytes, 2, 1), 0x04u ^ 0x03u);
   // table: its bits
   alignas(16) uint8_t block[256] = {};
   VertHeader& header = *(VertHeader*)block;
@@ -364,15 +365,15 @@ TEST(VertFormat, NumbersMatchPage)
   // (w1,w2), (w2,w0) or (w0,w1)
   const float a = 0.25f, b = 0.125f, w[] = {1 - a - b, a, b}, second[] = {1 - (1 - a) - (1 - b), 1 - a, 1 - b};
   for (uint32_t turn = 0; turn < 3; turn++) {
-    const OwnParameters p = ownParameters(numbersOfTriangles | formOfTurns(turn, 0), false, a, b);
+    const OwnParameters p = ownParameters(numbersOfTriangles | formOfFirstCorners(turn, 0), false, a, b);
     EXPECT_EQ(p.u, w[(1 + turn) % 3]);
     EXPECT_EQ(p.v, w[(2 + turn) % 3]);
-    const OwnParameters q = ownParameters(numbersOfTriangles | formOfTurns(0, turn), true, 1 - a, 1 - b);
+    const OwnParameters q = ownParameters(numbersOfTriangles | formOfFirstCorners(0, turn), true, 1 - a, 1 - b);
     EXPECT_EQ(q.u, w[(1 + turn) % 3]);
     EXPECT_EQ(q.v, w[(2 + turn) % 3]);
   }
   EXPECT_LT(second[0], 0) << "outside of the second triangle w0 is clamped to 0";
-  EXPECT_EQ(ownParameters(numbersOfTriangles | formOfTurns(0, 2), true, a, b).u, 0);
+  EXPECT_EQ(ownParameters(numbersOfTriangles | formOfFirstCorners(0, 2), true, a, b).u, 0);
   const OwnParameters own = ownParameters(0, true, a, b);
   EXPECT_EQ(own.u, a);
   EXPECT_EQ(own.v, b);
@@ -390,7 +391,7 @@ TEST(VertFormat, NumbersMatchPage)
   std::memcpy(&header + 1, &at, sizeof(at));
   const uint32_t halves[] = {3, 5, ~0u - 99};
   std::memcpy(block + 200, halves, sizeof(halves));
-  header.patchQuads = numbersInRows | numbersOfTriangles | numbersOfHalves;
+  header.patchQuads = numbersInRows | numbersOfTriangles | numbersOfTrianglePairs;
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1011u);
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 911u);
 
@@ -404,7 +405,7 @@ TEST(VertFormat, NumbersMatchPage)
     if (((21u << 2 | 2u) >> b) & 1) block[128 + (7*entry + b)/8] |= uint8_t(1u << ((7*entry + b) % 8));
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, false).primID, 1000u);
   EXPECT_EQ(primitiveOfQuad(&header, 2, 1, true).primID, 1021u);
-  EXPECT_EQ(turnOfTriangle(primitiveOfQuad(&header, 2, 1, true).form, true), 2u);
+  EXPECT_EQ(firstCornerOfTriangle(primitiveOfQuad(&header, 2, 1, true).form, true), 2u);
 }
 
 // Numbers in any order must be the same after encoding and decoding.
@@ -412,7 +413,7 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
 {
   struct Quad { uint32_t first, second, turns; };
   struct Case { const char* name; uint32_t pattern; bool hasHalves; std::function<Quad(uint32_t)> quad; };
-  const uint32_t turned = formOfTurns(2, 1);
+  const uint32_t turned = formOfFirstCorners(2, 1);
   std::vector<uint32_t> shuffled(2*20*18);
   for (uint32_t i = 0; i < shuffled.size(); i++) shuffled[i] = (i*337 + 11) % uint32_t(shuffled.size());
   const auto recursive = [](uint32_t i) {
@@ -432,7 +433,7 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
       return Quad{shuffled[2*i], shuffled[2*i + 1], turned};
     }},
     {"any turns", numbersInTriangleTable, false, [&](uint32_t i) {
-      return Quad{2*i, 2*i + 1, formOfTurns(i % 3, i/7 % 3)};
+      return Quad{2*i, 2*i + 1, formOfFirstCorners(i % 3, i/7 % 3)};
     }}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
@@ -455,9 +456,9 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
     std::memcpy(&header + 1, &encoder.pattern, sizeof(encoder.pattern));
     const size_t size = encoder.finish(&header, 75);
     EXPECT_EQ(patternOfNumbers(encoder.form), c.pattern);
-    EXPECT_EQ(haveHalves(encoder.form), c.hasHalves);
+    EXPECT_EQ(haveTrianglePairs(encoder.form), c.hasHalves);
     if (c.hasHalves && c.pattern != numbersInTable) {
-      EXPECT_EQ(size, 76 + sizeof(VertHalves));
+      EXPECT_EQ(size, 76 + sizeof(VertTrianglePairs));
     }
     for (unsigned y = 0; y < 16; y++)
       for (unsigned x = 0; x < 4; x++) {
@@ -465,7 +466,7 @@ TEST(VertFormat, NumbersOfTrianglesRoundTrip)
         for (bool isSecond : {false, true}) {
           const QuadPrimitive primitive = primitiveOfQuad(&header, x, y, isSecond);
           EXPECT_EQ(primitive.primID, isSecond ? numbers.seconds[i] : numbers.numbers[i]);
-          EXPECT_EQ(turnOfTriangle(primitive.form, isSecond), turnOfTriangle(numbers.turns[i], isSecond));
+          EXPECT_EQ(firstCornerOfTriangle(primitive.form, isSecond), firstCornerOfTriangle(numbers.turns[i], isSecond));
         }
       }
   }

@@ -111,8 +111,8 @@ TEST(VertRule, RayInThePlaneHitsNearTheLongestEdge)
 TEST(VertRule, EndsOfTheSpanAreInclusive)
 {
   const TriangleSpan<double> span = {1, 5};
-  for (double t : {1.0, 5.0}) EXPECT_TRUE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
-  for (double t : {0.999, 5.001}) EXPECT_FALSE(isOfPlane(PlaneMeeting<double>{t, 0, 1}, span)) << t;
+  for (double t : {1.0, 5.0}) EXPECT_TRUE(isPlaneDecisive(PlaneIntersection<double>{t, 0, 1}, span)) << t;
+  for (double t : {0.999, 5.001}) EXPECT_FALSE(isPlaneDecisive(PlaneIntersection<double>{t, 0, 1}, span)) << t;
 
   const WideTriangle<double> triangle = {{{0, 4, 0}, {-1, 0, 1}, {0, 0, 0}}};
   const double org[3] = {-1, -0.5, 0}, dir[3] = {1, 0, 0}; // in its plane; closest to its longest edge at 3
@@ -162,14 +162,14 @@ TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
 TEST(VertRule, OrderOfTwoTrianglesIsTotal)
 {
   Random random(103);
-  const auto draw = [&] { return TriangleName{random.below(2), random.below(2), random.below(2), random.below(3)}; };
+  const auto draw = [&] { return TriangleKey{random.below(2), random.below(2), random.below(2), random.below(3)}; };
   for (int n = 0; n < 10000; n++) {
-    const TriangleName a = draw(), b = draw(), c = draw();
+    const TriangleKey a = draw(), b = draw(), c = draw();
     const bool isSame = a.geomID == b.geomID && a.primID == b.primID && a.region == b.region &&
                         a.triangle == b.triangle;
-    EXPECT_EQ(comesBefore(a, b) + comesBefore(b, a), isSame ? 0 : 1);
-    if (comesBefore(a, b) && comesBefore(b, c)) { EXPECT_TRUE(comesBefore(a, c)); }
-    if (a.geomID < b.geomID) { EXPECT_TRUE(comesBefore(a, b)); }
+    EXPECT_EQ(hasPrecedence(a, b) + hasPrecedence(b, a), isSame ? 0 : 1);
+    if (hasPrecedence(a, b) && hasPrecedence(b, c)) { EXPECT_TRUE(hasPrecedence(a, c)); }
+    if (a.geomID < b.geomID) { EXPECT_TRUE(hasPrecedence(a, b)); }
   }
 }
 

@@ -53,7 +53,7 @@ TEST_P(BuildProgress, BuildStopsOnRequestAndCanBeRepeated)
     if (fraction > 0.0)
       requestCancel();
   });
-  EXPECT_THROW(build(), Cancelled);
+  EXPECT_THROW(build(), Canceled);
   setPhaseListener({});
   clearCancel();
   EXPECT_NO_THROW(build());

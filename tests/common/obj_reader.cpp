@@ -158,7 +158,7 @@ TEST(ObjReader, CancellationEndsTheWaitForAWriter)
   const NamedPipe pipe;
   std::string warnings;
   requestCancel();
-  EXPECT_THROW(readObj(pipe.path, warnings), Cancelled);
+  EXPECT_THROW(readObj(pipe.path, warnings), Canceled);
   clearCancel();
 }
 

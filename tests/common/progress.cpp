@@ -32,7 +32,7 @@ void loopUntilCancelled()
         std::raise(SIGINT);
     });
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     std::fputs("stopped by itself", stderr);
     std::_Exit(7);

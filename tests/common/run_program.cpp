@@ -30,7 +30,7 @@ TEST(RunProgram, ReturnsTheStatus)
 
 TEST(RunProgram, PrintsExceptionsInOneLine)
 {
-  const std::pair<int, std::string> canceled = outcome([]() -> int { throw Cancelled(); });
+  const std::pair<int, std::string> canceled = outcome([]() -> int { throw Canceled(); });
   EXPECT_EQ(canceled.first, 130);
   EXPECT_EQ(canceled.second.find("cbvh_test: cancel"), 0u) << canceled.second;
   EXPECT_EQ(canceled.second.find('\n'), canceled.second.size() - 1) << canceled.second;

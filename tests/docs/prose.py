@@ -8,9 +8,8 @@
     prose.py dialect     no phrase of dialect.txt occurs in comments, strings or pages
     prose.py spelling    codespell finds no error, except for the words of spelling.txt
 
-The files are those that git tracks, and new ones that it does not ignore. not_yet.txt lists folders and files whose
-lines and phrases are not checked yet. Exits with 0 if there are no findings, with 1 if there are, and with 77 (skipped)
-outside of a git repository.
+The files are those that git tracks, and new ones that it does not ignore. Exits with 0 if there are no findings, with 1
+if there are, and with 77 (skipped) outside of a git repository.
 """
 
 import argparse
@@ -37,8 +36,8 @@ def entries_of(name):
     return [line for line in lines if line and not line.startswith("#")]
 
 
-def files(not_yet):
-    """Paths of all files relative to the root, except for those in `not_yet`. None outside of a git repository."""
+def files():
+    """Paths of all files relative to the root. None outside of a git repository."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
@@ -50,7 +49,6 @@ def files(not_yet):
         if (ROOT / path).is_file()
         and str(path) not in LISTS
         and not any(path.match(pattern) for pattern in NOT_OURS)
-        and not any(entry == path or entry in path.parents for entry in not_yet)
     ]
 
 
@@ -178,8 +176,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("check", choices=("lines", "dialect", "spelling"))
     options = parser.parse_args()
-    not_yet = [] if options.check == "spelling" else [Path(entry) for entry in entries_of("not_yet.txt")]
-    paths = files(not_yet)
+    paths = files()
     if paths is None:
         print("skipped: this is not a git repository")
         return SKIPPED

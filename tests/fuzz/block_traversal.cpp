@@ -38,7 +38,7 @@ bool isSound(const RayBytes& ray, const Block* block)
 {
   double length = 0, distance = 0, stretch = 0;
   for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
-  for (int k = 0; k < 3; k++) distance = std::fmax(distance, std::fabs(double(ray.org[k]) - double(block->centre[k])));
+  for (int k = 0; k < 3; k++) distance = std::fmax(distance, std::fabs(double(ray.org[k]) - double(block->center[k])));
   for (const auto& column : block->columns)
     for (float c : column) stretch = std::fmax(stretch, std::fabs(c));
   return distance*stretch <= 1e36 && isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 &&
@@ -49,7 +49,7 @@ bool isSound(const RayBytes& ray, const Block* block)
 // smallest size, no side is much shorter than another, and W is in its range.
 bool isSound(const Block* block)
 {
-  bool ok = isFinite(block->centre);
+  bool ok = isFinite(block->center);
   double least = INFINITY, most = 0; // of 1 over a side
   for (int k = 0; k < 3; k++) {
     double stretch = 0;
@@ -210,7 +210,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const ExactMemory memory(data, bytes, blockAlignment);
   Block* block = (Block*)memory.get();
   memcpy(block, &header, sizeof(header));
-  outdateThreadCaches(); // the next block may have the same address
+  invalidateThreadCaches(); // the next block may have the same address
   switch (kind) {
   case Kind::LEAF: trace<LeafVisitor1>(world.scene, ray, block); break;
   case Kind::VOXEL: trace<VoxelVisitor1>(world.scene, ray, block); break;

@@ -34,7 +34,7 @@ using embree::isa::cbvh::intersectVert;
 using embree::isa::cbvh::VertRay;
 
 constexpr size_t alignment = 16;
-constexpr size_t readBehind = 16; // the same as in VertPatchBuilder
+constexpr size_t readPast = 16;   // the same as in VertPatchBuilder
 
 // Returns the bytes of the block, including its table of numbers, wherever it is stored, or 0 if there are fewer.
 size_t blockBytes(const uint8_t* data, size_t size)
@@ -42,7 +42,7 @@ size_t blockBytes(const uint8_t* data, size_t size)
   VertHeader header;
   memcpy(&header, data, sizeof(header));
   const bool hasOffsets = hasNumbers(header.boxForm)
-    && (haveHalves(header.patchQuads) || patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
+    && (haveTrianglePairs(header.patchQuads) || patternOfNumbers(header.patchQuads) == numbersInTriangleTable);
   if (isMoving(header.boxForm) || hasRemainders(header.boxForm) || hasOffsets) { // validated before traversal
     const ExactMemory aligned(data, size, alignment);
     return validateVert(aligned.get(), size) ? 0 : vertBytes((const VertHeader*)aligned.get());
@@ -51,7 +51,8 @@ size_t blockBytes(const uint8_t* data, size_t size)
   if (size < layout.margins || (hasEdges(header.boxForm) && hasNumbers(header.boxForm))) return 0;
   size_t tableEnd = 0;
   if (hasNumbers(header.boxForm)) {
-    if (turnOfTriangle(header.patchQuads, false) > 2 || turnOfTriangle(header.patchQuads, true) > 2) return 0;
+    if (firstCornerOfTriangle(header.patchQuads, false) > 2 || firstCornerOfTriangle(header.patchQuads,
+      true) > 2) return 0;
     const VertNumbers numbers = numbersOf((const VertHeader*)data);
     if (patternOfNumbers(header.patchQuads) == numbersInTable) {
       if (numbers.y > 32) return 0;
@@ -119,7 +120,7 @@ void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 {
   const bool sound = isSound(bytes);
   const Ray ray = bytes.ray();
-  outdateThreadCaches();
+  invalidateThreadCaches();
   bool found[2];
   for (bool accepts : {true, false}) {
     Trace closest(block, bytes, sound, accepts);
@@ -252,7 +253,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
   const size_t bytes = blockBytes(data, size);
   if (bytes == 0) return 0;
   std::vector<uint8_t> padded(data, data + bytes);
-  padded.resize(bytes + readBehind);
+  padded.resize(bytes + readPast);
   const ExactMemory memory(padded.data(), padded.size(), alignment);
   VertHeader* block = (VertHeader*)memory.get();
   block->surface = 0;

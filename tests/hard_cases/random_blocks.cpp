@@ -74,7 +74,7 @@ TEST(RandomBlocks, BoundsContainVerticesInAllArithmetic)
           encoder.encode(block, 0, 0, stats);
           ASSERT_TRUE(stats.maxThickness >= 0 && std::isfinite(stats.maxThickness));
           Frame frame;
-          std::copy_n(block->centre, 3, frame.centre);
+          std::copy_n(block->center, 3, frame.center);
           std::copy_n(&block->columns[0][0], 12, &frame.columns[0][0]);
           for (const auto& column : frame.columns)
             for (float c : column) ASSERT_TRUE(std::isfinite(c));

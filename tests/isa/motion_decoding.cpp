@@ -46,7 +46,7 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
     const MovingSheet sheet(random, 1 + random.below(16), 1 + random.below(16), i);
     const EncodedMotion encoded(*encoder, sheet);
     const VertHeader* const block = encoded.block();
-    turned += encoded.statistics.turnedGroups;
+    turned += encoded.statistics.rotatedGroups;
     const uint32_t segment = random.below(uint32_t(sheet.steps.size()) - 1);
     const MotionDecoder decoder(block);
     boxes->key = {block, segment, 0};
@@ -56,7 +56,7 @@ TEST(MotionDecoding, SegmentsMatchScalarDecoder)
     raw += boxes->axis == 3;
     sheared += boxes->axis < 3 && boxes->shear[(boxes->axis + 1) % 3] != 0;
     const float fraction = i % 3 == 0 ? float(i % 2) : float(random.uniform());
-    embree::cbvh::outdateThreadCaches();
+    embree::cbvh::invalidateThreadCaches();
     const MovingVertBlock moving(block, TimeInMotion{segment, fraction});
     const GroupBoxes& now = moving.boxes();
     ASSERT_EQ(now.lanes, boxes->lanes);
@@ -102,7 +102,7 @@ TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
     const EncodedMotion encoded(*encoder, sheet);
     const VertHeader* const block = encoded.block();
     const uint32_t segment = random.below(uint32_t(sheet.steps.size()) - 1);
-    embree::cbvh::outdateThreadCaches();
+    embree::cbvh::invalidateThreadCaches();
     const MovingVertBlock moving(block, TimeInMotion{segment, float(random.uniform())});
     const GroupBoxes& now = moving.boxes();
     for (int r = 0; r < 20 && now.lanes; r++) {
@@ -123,7 +123,7 @@ TEST(MotionDecoding, BlockBoundsContainVerticesAtAllTimes)
       VertRay pre;
       pre.set(ray);
       rays++;
-      missed += !moving.mayMeet(pre, 0.0f, INFINITY);
+      missed += !moving.mayIntersect(pre, 0.0f, INFINITY);
     }
   }
   EXPECT_GT(rays, 5000u);

@@ -103,7 +103,7 @@ struct Quad
     unit(axis[2]);
     cross(axis[2], axis[0], axis[1]);
     const double away = random.chance(0.5) ? 0 : size*random.magnitude(1, 1e3),
-                 centre[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
+                 center[3] = {away*random.normal(), away*random.normal(), away*random.normal()};
     double plane[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
     if (outline == TRAPEZOID) { plane[2][0] = 0.3; plane[3][0] = 0.7; }
     if (outline == SKEWED) { plane[2][0] += 2; plane[3][0] += 2; }
@@ -111,7 +111,7 @@ struct Quad
       if (outline == NEEDLE) plane[c][1] *= 0x1p-9;
       const double z = outline == NEEDLE ? 0 : 0.1*random.normal();
       for (int k = 0; k < 3; k++)
-        corners[c][k] = float(centre[k] +
+        corners[c][k] = float(center[k] +
                               size*(plane[c][0]*axis[0][k] + plane[c][1]*axis[1][k] + z*axis[2][k]));
     }
   }
@@ -193,7 +193,7 @@ TestRay randomRay(Random& random, const Block* block)
   TestRay ray;
   for (int k = 0; k < 3; k++) {
     const double dk = k == 0 ? d.x : k == 1 ? d.y : d.z, ak = k == 0 ? a.x : k == 1 ? a.y : a.z;
-    ray.org[k] = float(block->centre[k] + ak - before*dk);
+    ray.org[k] = float(block->center[k] + ak - before*dk);
     ray.dir[k] = float(scale*dk);
   }
   ray.tnear = random.chance(0.3) ? float(random.uniform(0, before + 0.5)/scale) : 0;
@@ -231,7 +231,7 @@ embree::IntersectContext* contextOfZeros()
 template<typename RayType>
 void traceSimd(const Block* block, RayType& ray)
 {
-  outdateThreadCaches(); // new blocks may reuse the addresses of old ones
+  invalidateThreadCaches(); // new blocks may reuse the addresses of old ones
   const simd::RayState state(ray);
   if (block->kind() == Kind::LEAF)
     simd::BlockIntersector1<simd::LeafVisitor1>::intersect(ray, contextOfZeros(), state, block);
@@ -256,7 +256,7 @@ struct Answer
     double distance = 0, length = 0;
     for (int k = 0; k < 3; k++) {
       length += double(ray.dir[k])*ray.dir[k];
-      distance += (double(ray.org[k]) - block->centre[k])*(double(ray.org[k]) - block->centre[k]);
+      distance += (double(ray.org[k]) - block->center[k])*(double(ray.org[k]) - block->center[k]);
     }
     length = std::sqrt(length);
     distance = std::sqrt(distance) + size;
@@ -483,7 +483,7 @@ TEST(SimdTracing, BoxesAreHitAndPassedAsInScalarCode)
     NodePlanes<4> boxes;
     simd::decodeNode(word, rootBox(), boxes, 0);
     simd::BoxRanges<4> ranges;
-    const simd::BoxMasks masks = simd::meetBoxes<embree::vfloat4>(ray, boxes, 1.0f, ranges);
+    const simd::BoxMasks masks = simd::intersectBoxes<embree::vfloat4>(ray, boxes, 1.0f, ranges);
     for (uint32_t child = 0; child < 4; child++) {
       const NodeBox box = decodeChild(word, int(child), rootBox());
       const Encounter expected = encounter(segments.scalar, box);
@@ -533,7 +533,7 @@ TEST(SimdTracing, LeavesAreCrossedAsInScalarCode)
     for (uint32_t c = 0; c < 4; c++)
       simd::GroupDecoder4(tile.grandchildren, tile.surfaces, 4*c).decode(word, bits, rootBox());
     simd::BoxRanges<16> ranges;
-    const simd::BoxMasks masks = simd::meetBoxes<simd::vfloatV>(ray, tile.grandchildren, 1.0f, ranges);
+    const simd::BoxMasks masks = simd::intersectBoxes<simd::vfloatV>(ray, tile.grandchildren, 1.0f, ranges);
     const uint32_t first = 4*random.below(4);
     for (uint32_t lane = 0; lane < 4; lane++) {
       const uint32_t child = first + lane;

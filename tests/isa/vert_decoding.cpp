@@ -268,16 +268,16 @@ TEST(VertTriangles, PacketsMatchSingleRays)
 TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
 {
   const uint64_t block[2] = {0, 0};
-  ASSERT_EQ(isMappedBlockGood.load(), nullptr) << "this program has no files";
+  ASSERT_EQ(isMappedBlockValid.load(), nullptr) << "this program has no files";
   EXPECT_TRUE(isUsable(block, VERT_FORM));
   mappedBytes = ~size_t(0);
   EXPECT_TRUE(isUsable(block, VERT_FORM));
-  isMappedBlockGood = [](const void*, BlockForm form) { return form != VERT_FORM; };
+  isMappedBlockValid = [](const void*, BlockForm form) { return form != VERT_FORM; };
   EXPECT_FALSE(isUsable(block, VERT_FORM));
   EXPECT_TRUE(isUsable(block, MESH_FORM));
   mappedBytes = 0;
   EXPECT_TRUE(isUsable(block, VERT_FORM));
-  isMappedBlockGood = nullptr;
+  isMappedBlockValid = nullptr;
 }
 
 } // namespace

@@ -63,7 +63,7 @@ void expectClusters(RTCGeometry geometry, bool allFit, float time = 0)
       EXPECT_GT(judge.report.numTriangles, 0u);
       if (format == RTC_CLUSTER_FORMAT_FLOAT3) triangles = judge.report.numTriangles;
       EXPECT_EQ(judge.report.numTriangles, triangles);
-      if (allFit) { EXPECT_EQ(judge.report.numClustersOf[RTC_CLUSTER_FITS], judge.report.numClusters); }
+      if (allFit) { EXPECT_EQ(judge.report.numClustersOf[RTC_CLUSTER_REASON_NONE], judge.report.numClusters); }
     }
     catch (const std::exception& error) { ADD_FAILURE() << error.what(); }
   }
@@ -171,9 +171,9 @@ TEST(Clusters, ReasonForFloatsIsReported)
   settings.motion = [](const Vec& p, unsigned i) { return i ? twisted(p, 0.3*i) : p; };
   const Stored moving(device, cubeCage(), settings);
   for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
-    EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_CLUSTER_RAW));
-    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(RTC_CLUSTER_MOVING));
-    for (float step : {0.0f, 0.5f, 1.0f}) EXPECT_EQ(reasonOf(moving, step, format), int(RTC_CLUSTER_FITS));
+    EXPECT_EQ(reasonOf(raw, 0, format), int(RTC_CLUSTER_REASON_RAW));
+    EXPECT_EQ(reasonOf(moving, 0.3f, format), int(RTC_CLUSTER_REASON_MOVING));
+    for (float step : {0.0f, 0.5f, 1.0f}) EXPECT_EQ(reasonOf(moving, step, format), int(RTC_CLUSTER_REASON_NONE));
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
@@ -194,8 +194,8 @@ TEST(Clusters, StitchedGridsStayClosedIfSomeClustersHaveFloats)
   const Stored grids(newGrids(device, diced, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT));
   for (RTCClusterFormat format : {RTC_CLUSTER_FORMAT_COMPRESSED1, RTC_CLUSTER_FORMAT_DGF1}) {
     const ClusterJudge judge(grids, 0, format);
-    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_RAW], 0u);
-    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_FITS], 0u);
+    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_REASON_RAW], 0u);
+    EXPECT_GT(judge.report.numClustersOf[RTC_CLUSTER_REASON_NONE], 0u);
     EXPECT_EQ(judge.report.numTriangles, 2*diced.quads());
   }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;

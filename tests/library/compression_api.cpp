@@ -424,9 +424,9 @@ TEST(GetSceneCompressionStatistics, CountsMatchFormatSpecification)
     const size_t leaf = kind == RTC_COMPRESSION_GRID ? 4*(3*81 + 3) : kind == RTC_COMPRESSION_LEAF ? 128 : 0;
     EXPECT_GE(s.leafBytes, 24*leaf);
     EXPECT_LT(s.leafBytes, 24*(leaf + 16)); // includes the alignment of the next block
-    EXPECT_EQ(s.frameBytes, 24u*76);
+    EXPECT_EQ(s.headerBytes, 24u*76);
     EXPECT_GT(s.topLevelBytes, 0u);
-    EXPECT_EQ(s.gridBytes, 0u);
+    EXPECT_EQ(s.uncompressedBytes, 0u);
     if (kind != RTC_COMPRESSION_GRID) { EXPECT_GT(s.maxLeafThickness, 0); }
   }
 }
@@ -494,7 +494,7 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
       sizes.peak = size_t(memory.peak - input);
       sizes.heap = heapBytes() - heap;
       const RTCCompressionStatistics s = statisticsOf(scene);
-      sizes.sum = s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes;
+      sizes.sum = s.topLevelBytes + s.headerBytes + s.nodeBytes + s.leafBytes + s.uncompressedBytes;
     }
     EXPECT_EQ(memory.live, before) << "the scene must release all memory";
   }

@@ -22,8 +22,8 @@ RTCCompressionStatistics statisticsOf(RTCDevice device,
 
 bool isAllZero(const RTCCompressionStatistics& s)
 {
-  return s.topLevelBytes + s.frameBytes + s.nodeBytes + s.leafBytes + s.gridBytes + s.numBlocks + s.numQuads +
-             s.numGridQuads + s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves ==
+  return s.topLevelBytes + s.headerBytes + s.nodeBytes + s.leafBytes + s.uncompressedBytes + s.numBlocks + s.numQuads +
+             s.numUncompressedQuads + s.numInvalidQuads + s.numAffineBlocks + s.numSolidLeaves ==
            0 &&
          s.maxLeafThickness == 0;
 }
@@ -50,17 +50,17 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
     settings[i].edgeRates.assign(cages[i]->indices.size(), 16.0f);
     std::fill_n(settings[i].edgeRates.end() - 4, 4, 257.0f); // the last face, which includes edges of its neighbors
     alone[i] = statisticsOf(device, {{cages[i], &settings[i]}});
-    for (size_t n : {alone[i].frameBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].gridBytes,
-                     alone[i].numBlocks, alone[i].numQuads, alone[i].numGridQuads, alone[i].numInvalidQuads,
+    for (size_t n : {alone[i].headerBytes, alone[i].nodeBytes, alone[i].leafBytes, alone[i].uncompressedBytes,
+                     alone[i].numBlocks, alone[i].numQuads, alone[i].numUncompressedQuads, alone[i].numInvalidQuads,
                      alone[i].numAffineBlocks, alone[i].numSolidLeaves})
       EXPECT_GT(n, 0u) << "surface " << i << " must contribute to every counter";
   }
   const RTCCompressionStatistics both = statisticsOf(device, {{cages[0], &settings[0]}, {cages[1], &settings[1]}});
   for (size_t RTCCompressionStatistics::*field :
-       {&RTCCompressionStatistics::frameBytes, &RTCCompressionStatistics::nodeBytes,
-        &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::gridBytes,
+       {&RTCCompressionStatistics::headerBytes, &RTCCompressionStatistics::nodeBytes,
+        &RTCCompressionStatistics::leafBytes, &RTCCompressionStatistics::uncompressedBytes,
         &RTCCompressionStatistics::numBlocks, &RTCCompressionStatistics::numQuads,
-        &RTCCompressionStatistics::numGridQuads, &RTCCompressionStatistics::numInvalidQuads,
+        &RTCCompressionStatistics::numUncompressedQuads, &RTCCompressionStatistics::numInvalidQuads,
         &RTCCompressionStatistics::numAffineBlocks, &RTCCompressionStatistics::numSolidLeaves})
     EXPECT_EQ(both.*field, alone[0].*field + alone[1].*field);
   EXPECT_EQ(both.maxLeafThickness, std::max(alone[0].maxLeafThickness, alone[1].maxLeafThickness));
@@ -82,7 +82,7 @@ TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
       settings.frameLevel = 3 - height;
       const RTCCompressionStatistics s = statisticsOf(device, {{&cage, &settings}});
       EXPECT_EQ(s.numBlocks, size_t(64) >> 2*height);
-      EXPECT_EQ((s.frameBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u)
+      EXPECT_EQ((s.headerBytes + s.nodeBytes + s.leafBytes)/s.numBlocks % 16, 0u)
         << "height " << height << ", kind " << kind;
     }
 }
@@ -254,7 +254,7 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
       rtcAttachGeometry(scene, geometry);
       rtcCommitScene(scene);
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      EXPECT_EQ(stats.numQuads + stats.numGridQuads > 0, c.hasOthers);
+      EXPECT_EQ(stats.numQuads + stats.numUncompressedQuads > 0, c.hasOthers);
       if (c.unsupported) {
         EXPECT_EQ(stats.numUnsupportedFaces, c.unsupported);
       }

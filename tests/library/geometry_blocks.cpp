@@ -134,15 +134,15 @@ TEST(GeometryBlocks, OnlyChangedSurfacesAreBuilt)
 TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
 {
   for (const char* kind : kinds)
-    for (bool asksForCompression : {true, false}) {
-      SCOPED_TRACE(testing::Message() << kind << ", " << asksForCompression);
+    for (bool requestsCompression : {true, false}) {
+      SCOPED_TRACE(testing::Message() << kind << ", " << requestsCompression);
       Memory memory;
       Device device(std::string("subdiv_accel=cbvh.") + kind);
       rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
       CountedDisplacement displacement, other;
       SurfaceSettings settings;
       settings.rate = 64;
-      settings.compression = asksForCompression ? RTC_COMPRESSION_INHERIT : RTC_COMPRESSION_NONE;
+      settings.compression = requestsCompression ? RTC_COMPRESSION_INHERIT : RTC_COMPRESSION_NONE;
       RTCGeometry shared = newCounted(device, displacement, settings);
       Scene first(device);
       rtcAttachGeometryByID(first, shared, 7);

@@ -498,7 +498,7 @@ TEST(GridSurfaces, MemoryIsSmall)
     std::printf(
       "%u x %u grids of %u x %u quads: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices), "
       "%.2f more during the build\n",
-      s.n, s.n, s.quads, s.quads, bytes, perQuad(stats.topLevelBytes), perQuad(stats.frameBytes),
+      s.n, s.n, s.quads, s.quads, bytes, perQuad(stats.topLevelBytes), perQuad(stats.headerBytes),
       perQuad(stats.nodeBytes), perQuad(stats.leafBytes), perQuad(size_t(memory.peak - memory.live)));
     EXPECT_LE(bytes, s.bytes) << s.quads << " quads";
   }

@@ -23,8 +23,8 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
 {
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   const RTCCompressionStatistics stats = statisticsOf(scene);
-  ASSERT_GE(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
-  ASSERT_GE(stats.numLooseQuads, stats.numQuads/8);
+  ASSERT_GE(stats.numQuads, mesh.isTriangleForm() ? mesh.size()/2 : mesh.size());
+  ASSERT_GE(stats.numIrregularQuads, stats.numQuads/8);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   const std::vector<RTCRayHit> rays = raysAt(random, mesh, 1003);
   for (QueryForm form : allQueryForms) {
@@ -92,14 +92,14 @@ TEST_P(LooseMeshes, ClosedSurfacesDoNotLeak)
     const DicedMesh triangles = partlyIrregular(ball, random, true), quads = partlyIrregular(ball, random, false);
     for (const DicedMesh& mesh : {irregularTriangles(ball, random), irregularQuads(ball, random), triangles, quads,
       unwelded(triangles), unwelded(quads)}) {
-      SCOPED_TRACE(std::string(error) + (mesh.isOfTriangles() ? ", triangles" : ", quads"));
+      SCOPED_TRACE(std::string(error) + (mesh.isTriangleForm() ? ", triangles" : ", quads"));
       const MeshScene scene(device, mesh);
-      ASSERT_GT(statisticsOf(scene).numLooseQuads, 1500u);
+      ASSERT_GT(statisticsOf(scene).numIrregularQuads, 1500u);
       std::vector<RTCRayHit> rays;
       for (unsigned i = 0; i < 20000; i++) {
-        const unsigned* v = mesh.isOfTriangles() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
+        const unsigned* v = mesh.isTriangleForm() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
           : mesh.quads[random.below(unsigned(mesh.size()))].data();
-        const unsigned n = mesh.isOfTriangles() ? 3 : 4, k = random.below(n);
+        const unsigned n = mesh.isTriangleForm() ? 3 : 4, k = random.below(n);
         rays.push_back(rayFromMiddle(random, mesh.vertices[v[k]], mesh.vertices[v[(k + 1) % n]]));
       }
       expectNoneMisses(scene, rays);
@@ -126,8 +126,8 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   const RTCCompressionStatistics stats = statisticsOf(scene);
   const auto each = [&](size_t n) { return double(n)/double(mesh.size()); };
   std::printf("%.2f bytes per triangle (%.2f tree, %.2f headers, %.2f boxes, %.2f the rest)\n", bytes,
-    each(stats.topLevelBytes), each(stats.frameBytes), each(stats.nodeBytes), each(stats.leafBytes));
-  EXPECT_LE(each(stats.topLevelBytes + stats.frameBytes + stats.nodeBytes + stats.leafBytes), 6.7);
+    each(stats.topLevelBytes), each(stats.headerBytes), each(stats.nodeBytes), each(stats.leafBytes));
+  EXPECT_LE(each(stats.topLevelBytes + stats.headerBytes + stats.nodeBytes + stats.leafBytes), 6.7);
   EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 

@@ -146,10 +146,10 @@ TEST(LosslessVertices, TakeFewerBytesThanEmbree)
   });
   const RTCCompressionStatistics stats = statisticsOf(GridScene(device, terrain));
   EXPECT_EQ(stats.numRawBlocks, 0u);
-  EXPECT_LT(double(stats.frameBytes + stats.nodeBytes + stats.leafBytes)/double(stats.numQuads), 2.9);
+  EXPECT_LT(double(stats.headerBytes + stats.nodeBytes + stats.leafBytes)/double(stats.numQuads), 2.9);
   const RTCCompressionStatistics ball = statisticsOf(GridScene(device, dicedBall(4, 64)));
   EXPECT_LT(ball.numRawBlocks, ball.numBlocks/20);
-  EXPECT_LT(double(ball.frameBytes + ball.nodeBytes + ball.leafBytes)/double(ball.numQuads), 8);
+  EXPECT_LT(double(ball.headerBytes + ball.nodeBytes + ball.leafBytes)/double(ball.numQuads), 8);
 }
 
 // --- t, u and v, and files -------------------------------------------------------------------------
@@ -216,7 +216,7 @@ std::vector<Source> allSources(Random& random)
         return newGrids(device, grids, compression, 0, timeSteps);
       }});
       for (const DicedMesh& mesh : {quads, triangles})
-        sources.push_back({name + (mesh.isOfTriangles() ? ", triangles" : ", quads"), false, false, moves,
+        sources.push_back({name + (mesh.isTriangleForm() ? ", triangles" : ", quads"), false, false, moves,
                            [=](RTCDevice device, RTCCompression compression) {
           return newMesh(device, mesh, compression, 0, timeSteps);
         }});
@@ -363,7 +363,7 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
         for (int k = 0; k < 3; k++) {
           float largest = 0;
           for (const auto& vertex : triangle.vertices) largest = std::max(largest, std::fabs(vertex[k]));
-          vertexError[k] = source.isCage ? stats.maxBorderGap
+          vertexError[k] = source.isCage ? stats.maxBorderMismatch
                            : source.isGrids && source.moves ? 6*unitRoundoff*largest
                                                             : 0;
         }

@@ -60,7 +60,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
 {
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   const RTCCompressionStatistics stats = statisticsOf(scene);
-  ASSERT_EQ(stats.numQuads, mesh.isOfTriangles() ? mesh.size()/2 : mesh.size());
+  ASSERT_EQ(stats.numQuads, mesh.isTriangleForm() ? mesh.size()/2 : mesh.size());
   ASSERT_EQ(stats.numMeshQuads, stats.numQuads);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
@@ -137,7 +137,7 @@ TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree)
   }
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   ASSERT_EQ(statisticsOf(scene).numQuads, 48u*48 + 5);
-  EXPECT_EQ(statisticsOf(scene).numLooseQuads, 5u) << "two triangles count as a quad";
+  EXPECT_EQ(statisticsOf(scene).numIrregularQuads, 5u) << "two triangles count as a quad";
   const std::vector<RTCRayHit> rays = raysAt(random, mesh, 2000);
   for (QueryForm form : allQueryForms) {
     SCOPED_TRACE(nameOf(form));
@@ -192,7 +192,7 @@ TEST(Meshes, AreClosedBetweenRegions)
                    {"globe", globe(90, 50)}};
   for (const Shape& ball : balls)
     for (const DicedMesh& mesh : {ball.mesh, trianglesOf(ball.mesh, 1, 1)}) {
-      SCOPED_TRACE(testing::Message() << ball.name << (mesh.isOfTriangles() ? ", triangles" : ""));
+      SCOPED_TRACE(testing::Message() << ball.name << (mesh.isTriangleForm() ? ", triangles" : ""));
       const MeshScene scene(device, mesh);
       ASSERT_GT(statisticsOf(scene).maxVertexDeviation, 0);
       std::vector<RTCRayHit> rays;
@@ -218,9 +218,9 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
     for (const DicedMesh& mesh : {sheet, ball, trianglesOf(sheet), trianglesOf(ball, 2, 1)}) {
       const MeshScene scene(device, mesh);
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      const size_t quads = mesh.isOfTriangles() ? mesh.size()/2 : mesh.size();
+      const size_t quads = mesh.isTriangleForm() ? mesh.size()/2 : mesh.size();
       EXPECT_EQ(stats.numMeshQuads, quads);
-      EXPECT_EQ(stats.numLooseQuads, 0u);
+      EXPECT_EQ(stats.numIrregularQuads, 0u);
       EXPECT_LE(stats.numBlocks, quads/256 + quads/512) << "blocks are full";
       // numbers in a pattern take 8 bytes per block; otherwise each quad needs as many bits as their range
       EXPECT_LE(double(stats.leafBytes)/double(quads), order == QuadOrder::Shuffled ? 5.5 : 3.5);
@@ -229,7 +229,7 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
   const DicedMesh earth = globe(100, 60);
   const MeshScene scene(device, earth);
   EXPECT_EQ(statisticsOf(scene).numMeshQuads, earth.size());
-  EXPECT_LE(statisticsOf(scene).numLooseQuads, 200u) << "at the poles";
+  EXPECT_LE(statisticsOf(scene).numIrregularQuads, 200u) << "at the poles";
 }
 
 // Blocks are full, and numbers in a pattern need few bytes. Where patches of a ball with different first corners
@@ -251,7 +251,7 @@ TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
       const bool isCertain = isSheet || hasPattern;
       ASSERT_GE(stats.numMeshQuads, quads);
       EXPECT_LE(stats.numMeshQuads, isCertain ? quads : quads + quads/50);
-      EXPECT_LE(stats.numLooseQuads, isCertain ? 0 : quads/20);
+      EXPECT_LE(stats.numIrregularQuads, isCertain ? 0 : quads/20);
       EXPECT_LE(stats.numBlocks, isCertain ? quads/256 + quads/128 : quads/32);
       EXPECT_LE(double(stats.leafBytes)/double(quads), hasPattern ? 3.5 : isSheet ? 7.5 : 9.5);
     }
@@ -371,7 +371,7 @@ TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
   for (const DicedMesh& mesh : {reversed, withShuffledFaces(natural, random)}) {
     const RTCCompressionStatistics stats = statisticsOf(MeshScene(device, mesh));
     EXPECT_EQ(stats.numMeshQuads, natural.quads.size());
-    EXPECT_LE(stats.numLooseQuads, expected.numLooseQuads + 400);
+    EXPECT_LE(stats.numIrregularQuads, expected.numIrregularQuads + 400);
     EXPECT_LE(double(stats.numBlocks), 1.1*double(expected.numBlocks));
     EXPECT_LT(secondsToFind(mesh, RTC_COMPRESSION_VERT), 6*expectedTime);
   }
@@ -410,8 +410,8 @@ TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
       Scene scene(device);
       attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
       rtcCommitScene(scene);
-      EXPECT_EQ(statisticsOf(scene).numLooseQuads > 0, mesh.size() > 1 && timeSteps == 1);
-      EXPECT_EQ(statisticsOf(scene).numLooseQuads, statisticsOf(scene).numQuads);
+      EXPECT_EQ(statisticsOf(scene).numIrregularQuads > 0, mesh.size() > 1 && timeSteps == 1);
+      EXPECT_EQ(statisticsOf(scene).numIrregularQuads, statisticsOf(scene).numQuads);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       EXPECT_TRUE(isHit(intersect(scene, rayAt(random, mesh))));
     }
@@ -480,7 +480,7 @@ TEST(Meshes, InvalidPrimitivesAreLeftOut)
     for (size_t i = 0; i < rays.size(); i++) {
       if (expected[i].hit.primID == found[i].hit.primID) continue;
       // Embree leaves out both triangles of a quad if a vertex of either is not finite.
-      if (!mesh.isOfTriangles() && isHit(found[i]) &&
+      if (!mesh.isTriangleForm() && isHit(found[i]) &&
           !std::all_of(mesh.quads[found[i].hit.primID].begin(), mesh.quads[found[i].hit.primID].end(), isFinite))
         continue;
       other++;
@@ -506,8 +506,8 @@ TEST(Meshes, CompressionCanBeSelected)
     EXPECT_EQ(count(plain, mesh, RTC_COMPRESSION_LEAF), 4096u) << "diced geometry is stored as cVERT";
     EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_INHERIT), 4096u);
     EXPECT_EQ(count(ofString, mesh, RTC_COMPRESSION_NONE), 0u);
-    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_INHERIT), mesh.isOfTriangles() ? 4096u : 0u);
-    EXPECT_EQ(count(noTriangles, mesh, RTC_COMPRESSION_INHERIT), mesh.isOfTriangles() ? 0u : 4096u);
+    EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_INHERIT), mesh.isTriangleForm() ? 4096u : 0u);
+    EXPECT_EQ(count(noTriangles, mesh, RTC_COMPRESSION_INHERIT), mesh.isTriangleForm() ? 0u : 4096u);
     EXPECT_EQ(count(noQuads, mesh, RTC_COMPRESSION_VERT), 4096u) << "the geometry's own setting";
   }
   EXPECT_EQ(plain.takeError(), RTC_ERROR_NONE) << plain.message;
@@ -599,7 +599,7 @@ TEST(Meshes, MemoryIsSmall)
         "%s, %s: %.2f bytes per quad (%.2f tree, %.2f headers, %.2f groups, %.2f vertices and numbers), "
         "%.2f more during the build\n",
         asTriangles ? "triangles" : "quads", nameOf(order), bytes, perQuad(stats.topLevelBytes),
-        perQuad(stats.frameBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes),
+        perQuad(stats.headerBytes), perQuad(stats.nodeBytes), perQuad(stats.leafBytes),
         perQuad(size_t(memory.peak - memory.live)));
       EXPECT_LE(bytes, order == QuadOrder::Shuffled ? 6.5 : 3.5);
     }
@@ -627,7 +627,7 @@ TEST(Meshes, TrianglesOfHitsAreReported)
         RTCCompressedTriangle t;
         ASSERT_TRUE(rtcGetCompressedTriangle(geometry, r.hit.primID, r.hit.u, r.hit.v, &r.hit.Ng_x, &t));
         unsigned v[3];
-        if (mesh.isOfTriangles()) std::copy_n(mesh.triangles[r.hit.primID].data(), 3, v);
+        if (mesh.isTriangleForm()) std::copy_n(mesh.triangles[r.hit.primID].data(), 3, v);
         else {
           const auto& q = mesh.quads[r.hit.primID];
           const bool isSecond = r.hit.u + r.hit.v > 1;
@@ -683,7 +683,7 @@ TEST(Meshes, PointQueriesMatchEmbree)
       rtcPointQuery(in, &query, &context, [](RTCPointQueryFunctionArguments* args) {
         Found& f = *(Found*)args->userPtr;
         f.calls++;
-        const unsigned* v = f.mesh->isOfTriangles() ? f.mesh->triangles[args->primID].data()
+        const unsigned* v = f.mesh->isTriangleForm() ? f.mesh->triangles[args->primID].data()
                                                     : f.mesh->quads[args->primID].data();
         for (int c = 0; c < 3; c++) {
           const Vec& p = f.mesh->vertices[v[c]];

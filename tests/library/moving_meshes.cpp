@@ -177,7 +177,7 @@ TEST_P(MovingMeshes, MasksFiltersAndInstances)
 
 std::vector<unsigned> verticesOf(const DicedMesh& mesh, unsigned primID)
 {
-  if (mesh.isOfTriangles()) return {mesh.triangles[primID].begin(), mesh.triangles[primID].end()};
+  if (mesh.isTriangleForm()) return {mesh.triangles[primID].begin(), mesh.triangles[primID].end()};
   return {mesh.quads[primID].begin(), mesh.quads[primID].end()};
 }
 
@@ -296,7 +296,7 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
     DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), order, random);
     quads.motion = bent;
     for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1)}) {
-      if (mesh.isOfTriangles() && order == QuadOrder::Shuffled) continue;
+      if (mesh.isTriangleForm() && order == QuadOrder::Shuffled) continue;
       Scene scene(device);
       RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 2);
       attach(scene, geometry);

@@ -72,7 +72,7 @@ std::vector<Closed> closedSurfaces(Random& random)
       DicedMesh quads = meshOf(grids, order, random);
       quads.motion = motion;
       const DicedMesh mesh = order == QuadOrder::Rows ? quads : trianglesOf(quads, 1, 2);
-      all.push_back({(mesh.isOfTriangles() ? "triangles" : "quads") + suffix, edge, moves, [=](RTCDevice device) {
+      all.push_back({(mesh.isTriangleForm() ? "triangles" : "quads") + suffix, edge, moves, [=](RTCDevice device) {
         return newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps);
       }});
     }
@@ -129,9 +129,9 @@ private:
         const auto neighbor = [&](unsigned i) {
           return std::array<unsigned, 2>{x + unsigned(dx[i]), y + unsigned(dy[i])};
         };
-        const auto isThere = [&](unsigned i) { return neighbor(i)[0] < w && neighbor(i)[1] < h; };
+        const auto isPresent = [&](unsigned i) { return neighbor(i)[0] < w && neighbor(i)[1] < h; };
         unsigned turn = unsigned(points[kind].size());
-        while (!isThere(turn % 6)) turn++;
+        while (!isPresent(turn % 6)) turn++;
         const auto next = neighbor(turn % 6);
         const unsigned x0 = x > 0 ? x - 1 : x, x1 = x + 1 < w ? x + 1 : x;
         const unsigned y0 = y > 0 ? y - 1 : y, y1 = y + 1 < h ? y + 1 : y;

@@ -93,13 +93,13 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     const DicedMesh mesh = randomMesh(random);
     if (mesh.size() == 0) continue;
     const Strided vertices(random, mesh.vertices),
-      indices = mesh.isOfTriangles() ? Strided(random, mesh.triangles) : Strided(random, mesh.quads);
+      indices = mesh.isTriangleForm() ? Strided(random, mesh.triangles) : Strided(random, mesh.quads);
     RTCGeometry geometry = rtcNewGeometry(device,
-                                          mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+                                          mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.bytes.get(), 0,
                                vertices.stride, mesh.vertices.size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
-                               mesh.isOfTriangles() ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, indices.bytes.get(), 0,
+                               mesh.isTriangleForm() ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, indices.bytes.get(), 0,
                                indices.stride, mesh.size());
     commitAs(geometry, RTC_COMPRESSION_VERT, random.chance(0.3) ? RTC_COMPRESSION_FLAG_RELEASE_INPUT : 0);
     Scene scene(device);
@@ -110,9 +110,9 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     const RTCCompressionStatistics stats = statisticsOf(scene);
     if (stats.numQuads == 0) continue; // left to Embree because that needs less memory
 
-    const unsigned corners = mesh.isOfTriangles() ? 3 : 4;
+    const unsigned corners = mesh.isTriangleForm() ? 3 : 4;
     const auto indexOf = [&](size_t i) {
-      return mesh.isOfTriangles() ? mesh.triangles[i].data() : mesh.quads[i].data();
+      return mesh.isTriangleForm() ? mesh.triangles[i].data() : mesh.quads[i].data();
     };
     const auto isValid = [&](const unsigned* v) {
       return std::all_of(v, v + corners, [&](unsigned k) { return k < mesh.vertices.size(); });
@@ -151,7 +151,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
       if (mayBeLeftOut) continue;
       there++;
       for (float u : {0.3f, 0.8f}) {
-        if ((mesh.isOfTriangles() && u > 0.5f) || !hasArea(v, u)) continue;
+        if ((mesh.isTriangleForm() && u > 0.5f) || !hasArea(v, u)) continue;
         RTCCompressedTriangle t;
         ASSERT_TRUE(rtcGetCompressedTriangle(geometry, unsigned(i), u, u, nullptr, &t));
         for (int c = 0; c < 3; c++) {
@@ -163,7 +163,7 @@ TEST(RandomMeshes, EachPrimitiveIsStoredOnce)
     }
     compressed++;
     primitives += there;
-    loose += stats.numLooseQuads;
+    loose += stats.numIrregularQuads;
   }
   std::printf("%zu of %zu meshes compressed, %zu primitives in them, %zu quads loose\n", compressed, rounds, primitives,
               loose);

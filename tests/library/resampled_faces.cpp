@@ -47,7 +47,7 @@ TEST(ResampledInterior, MatchesGridIfRatesAreMultiplesOfBlocks)
   settings.edgeRates = drawRates(cage, random, [](Random& r) { return float(16u << r.below(3)); });
   settings.compression = RTC_COMPRESSION_GRID;
   const Twins twins(device, cage, settings);
-  EXPECT_EQ(statisticsOf(twins.scene).numGridQuads, 0u);
+  EXPECT_EQ(statisticsOf(twins.scene).numUncompressedQuads, 0u);
   const float quad = 1.0f/16;
   unsigned interior = 0, borders = 0;
   for (const RTCRayHit& ray : raysFromAround(random, 20000)) {
@@ -193,11 +193,11 @@ TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
         const SurfaceScene scene(device, quadCage(), settings);
         ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
         const RTCCompressionStatistics& s = stats[edge] = statisticsOf(scene);
-        EXPECT_EQ(s.numGridQuads > 0, rate > 256) << "faces with rates above 256 are left to GRID";
+        EXPECT_EQ(s.numUncompressedQuads > 0, rate > 256) << "faces with rates above 256 are left to GRID";
         EXPECT_EQ(s.numQuads > 0, rate <= 256);
         EXPECT_EQ(s.numBlocks, stats[0].numBlocks);
         EXPECT_EQ(s.numQuads, stats[0].numQuads);
-        EXPECT_EQ(s.numGridQuads, stats[0].numGridQuads);
+        EXPECT_EQ(s.numUncompressedQuads, stats[0].numUncompressedQuads);
       }
     }
 }
@@ -247,7 +247,7 @@ TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
   const SurfaceScene scene(device, cage, settings);
   const RTCCompressionStatistics stats = statisticsOf(scene);
   EXPECT_GT(stats.numQuads, 0u);
-  EXPECT_EQ(stats.numGridQuads, 0u);
+  EXPECT_EQ(stats.numUncompressedQuads, 0u);
   EXPECT_EQ(stats.numInvalidQuads, 0u);
   for (unsigned i = 0; i < 20000; i++) { // at a side, through the middle of its height
     const float z = float(random.uniform(-0.99, 0.99));

@@ -72,7 +72,7 @@ TEST(MixedScene, EveryGeometryUsesItsOwnSettings)
   rtcCommitScene(scene);
   EXPECT_EQ(statisticsOf(scene).numBlocks, blocks);
   EXPECT_EQ(statisticsOf(scene).numQuads, quads);
-  EXPECT_EQ(statisticsOf(scene).numGridQuads, 6u*8*8);
+  EXPECT_EQ(statisticsOf(scene).numUncompressedQuads, 6u*8*8);
 
   Random random(61);
   auto probe = [&](unsigned i) {

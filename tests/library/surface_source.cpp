@@ -53,7 +53,7 @@ namespace embree
         EXPECT_EQ(sums.numQuads,6*quads*quads);
         EXPECT_EQ(sums.numInvalidQuads,0u);
         EXPECT_EQ(sums.maxVertexSpacing,spacing);
-        EXPECT_EQ(sums.maxBorderGap,0.0f);
+        EXPECT_EQ(sums.maxBorderMismatch,0.0f);
 
         std::set<std::tuple<float,float,float>> vertices;
         for (const PrimRef& part : blocks->parts) addVertices(BVH4::NodeRef(part.ID()),vertices);

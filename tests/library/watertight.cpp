@@ -162,7 +162,7 @@ TEST_P(Watertight, RaysFromInsideHit)
     leakSettings.rays = raysOfCase;
     const RTCCompressionStatistics stats = statisticsOf(scene);
     if (!c.mixed && !c.coarse) { EXPECT_EQ(stats.maxVertexDeviation, 0); }
-    leakSettings.thickness = std::max(stats.maxLeafThickness, stats.maxVertexDeviation + stats.maxBorderGap);
+    leakSettings.thickness = std::max(stats.maxLeafThickness, stats.maxVertexDeviation + stats.maxBorderMismatch);
     leakSettings.seed = seed;
     const AimPoints points = recorder.taken();
     ASSERT_FALSE(points[AtCageVertex].empty());

@@ -375,7 +375,7 @@ void untilCancelled()
 {
   for (;;)
   {
-    throwIfCancelled();
+    throwIfCanceled();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -423,11 +423,11 @@ TEST(Worker, CanBeStoppedAndRestarted)
   worker.start("endless", untilCancelled);
   worker.cancel();
   EXPECT_EQ(worker.progress()->work, "stopping: endless");
-  EXPECT_THROW(worker.take(), Cancelled);
+  EXPECT_THROW(worker.take(), Canceled);
   EXPECT_FALSE(cancelRequested());
   bool done = false;
   worker.start("short", [&] {
-    throwIfCancelled();
+    throwIfCanceled();
     done = true;
   });
   worker.take();
@@ -440,7 +440,7 @@ TEST(Worker, DiscardsResultsOfCanceledWork)
   worker.start("short", [] {});
   worker.wait();
   worker.cancel();
-  EXPECT_THROW(worker.take(), Cancelled);
+  EXPECT_THROW(worker.take(), Canceled);
 }
 
 TEST(Worker, ForwardsErrors)

@@ -115,7 +115,7 @@ private:
 
   void add(const RTCCompressedCluster& cluster)
   {
-    demand((cluster.reason == RTC_CLUSTER_FITS) == (cluster.format == format), "a reason, and the format");
+    demand((cluster.reason == RTC_CLUSTER_REASON_NONE) == (cluster.format == format), "a reason, and the format");
     demand(cluster.format == format || cluster.format == RTC_CLUSTER_FORMAT_FLOAT3, "another format");
     demand(cluster.numVertices <= 256 && cluster.numTriangles > 0 && cluster.numTriangles <= 256,
            "a cluster that is too large");

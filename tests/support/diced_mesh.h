@@ -27,8 +27,8 @@ struct DicedMesh
   std::vector<std::array<unsigned, 4>> quads;
   std::vector<std::array<unsigned, 3>> triangles; // if not empty, the mesh consists of these triangles instead of quads
 
-  bool isOfTriangles() const { return !triangles.empty(); }
-  size_t size() const { return isOfTriangles() ? triangles.size() : quads.size(); }
+  bool isTriangleForm() const { return !triangles.empty(); }
+  size_t size() const { return isTriangleForm() ? triangles.size() : quads.size(); }
 };
 
 // Position of the n-th of 4^k quads in the order of recursive Catmull-Clark subdivision.
@@ -109,7 +109,7 @@ inline DicedMesh unwelded(const DicedMesh& mesh)
             if (x == 0) x = -x;
       }
   };
-  if (mesh.isOfTriangles()) own(out.triangles); else own(out.quads);
+  if (mesh.isTriangleForm()) own(out.triangles); else own(out.quads);
   return out;
 }
 
@@ -179,11 +179,11 @@ inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh,
                            unsigned timeSteps = 1)
 {
   RTCGeometry geometry = rtcNewGeometry(device,
-                                        mesh.isOfTriangles() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+                                        mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
   rtcSetGeometryTimeStepCount(geometry, timeSteps);
   for (unsigned t = 0; t < timeSteps; t++)
     setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, movedTo(mesh.vertices, mesh.motion, t));
-  if (mesh.isOfTriangles()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
+  if (mesh.isTriangleForm()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
   else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
   commitAs(geometry, compression, flags);
   return geometry;
@@ -205,7 +205,7 @@ inline RTCRayHit rayAt(Random& random, const DicedMesh& mesh)
 {
   unsigned v[3];
   do {
-    if (mesh.isOfTriangles()) std::copy_n(mesh.triangles[random.below(unsigned(mesh.triangles.size()))].data(), 3, v);
+    if (mesh.isTriangleForm()) std::copy_n(mesh.triangles[random.below(unsigned(mesh.triangles.size()))].data(), 3, v);
     else {
       const auto& q = mesh.quads[random.below(unsigned(mesh.quads.size()))];
       const bool isSecond = random.chance(0.5);

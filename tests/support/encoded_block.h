@@ -38,7 +38,7 @@ public:
   embree::cbvh::Frame frame() const
   {
     embree::cbvh::Frame frame = {};
-    std::copy_n(get()->centre, 3, frame.centre);
+    std::copy_n(get()->center, 3, frame.center);
     std::copy_n(&get()->columns[0][0], 12, &frame.columns[0][0]);
     return frame;
   }

@@ -102,10 +102,10 @@ LeafOfHit leafOfHit(const std::vector<const Block*>& blocks, const RTCRayHit& r)
   for (const LeafOfBlock& at : leavesOfHit(blocks, r.hit)) {
     found.exists = true;
     const FrameMap map = frameMap(at.block);
-    const Double3 p = {point[0] - at.block->centre[0], point[1] - at.block->centre[1], point[2] - at.block->centre[2]};
+    const Double3 p = {point[0] - at.block->center[0], point[1] - at.block->center[1], point[2] - at.block->center[2]};
     const double W = map.W(p), local[3] = {map.X(p)/W, map.Y(p)/W, map.Z(p)/W}, least = leastW(map);
     double distance = 0, error[3];
-    for (int k = 0; k < 3; k++) distance = std::max(distance, std::fabs(double(org[k]) - double(at.block->centre[k])));
+    for (int k = 0; k < 3; k++) distance = std::max(distance, std::fabs(double(org[k]) - double(at.block->center[k])));
     for (int k = 0; k < 3; k++) error[k] = rayEpsilon(*at.block, distance, k);
     const NodeBox box = decodeLeafOfBlock(at).box;
     double outside = 0;
@@ -155,7 +155,7 @@ float vertSlack(RTCScene scene)
   rtcGetSceneBounds(scene, &bounds);
   const float size = std::max({std::fabs(bounds.lower_x), std::fabs(bounds.lower_y), std::fabs(bounds.lower_z),
                                std::fabs(bounds.upper_x), std::fabs(bounds.upper_y), std::fabs(bounds.upper_z)});
-  return stats.maxVertexDeviation + stats.maxBorderGap + 64*ulp*size;
+  return stats.maxVertexDeviation + stats.maxBorderMismatch + 64*ulp*size;
 }
 
 } // namespace

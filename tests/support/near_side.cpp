@@ -28,7 +28,7 @@ public:
     double O[4] = {0.5, 0.5, 0.5, 1}, D[4] = {0, 0, 0, 0};
     for (int i = 0; i < 3; i++)
       for (int k = 0; k < 4; k++) {
-        O[k] += double(block.columns[i][k])*(double(org[i]) - double(block.centre[i]));
+        O[k] += double(block.columns[i][k])*(double(org[i]) - double(block.center[i]));
         D[k] += double(block.columns[i][k])*double(dir[i]);
       }
     begin = ray.tnear;
@@ -152,7 +152,7 @@ void bounds(const RTCBoundsFunctionArguments* args)
   for (int corner = 0; corner < 8; corner++) {
     Double3 p = {0, 0, 0};
     unproject(map, corner & 1, corner >> 1 & 1, corner >> 2, p);
-    const double q[3] = {p.x + b.centre[0], p.y + b.centre[1], p.z + b.centre[2]};
+    const double q[3] = {p.x + b.center[0], p.y + b.center[1], p.z + b.center[2]};
     for (int k = 0; k < 3; k++) {
       lower[k] = std::min(lower[k], q[k]);
       upper[k] = std::max(upper[k], q[k]);

@@ -98,7 +98,7 @@ struct UncertainRay
     const double W = smallestW(block);
     double reach = 0, dir2 = 0, od = 0, size = 0;
     for (int i = 0; i < 3; i++) {
-      const double o = ray.org[i] - double(block->centre[i]);
+      const double o = ray.org[i] - double(block->center[i]);
       reach = std::max(reach, std::fabs(o));
       od += o*ray.dir[i];
       dir2 += ray.dir[i]*ray.dir[i];
@@ -334,7 +334,7 @@ void ReferenceCheck::compare(const Answer& answer, const Sheet& sheet, const Blo
   auto fail = [&](const testing::Message& what) {
     if (failures++ < 12)
       ADD_FAILURE() << what << ": " << sheet.quads << " quads, " << nameOf(sheet.shape) << ", scale " << sheet.scale
-                    << " at " << block->centre[0] << ", ray " << nameOf(answer.kind) << ", t " << t << ", reference "
+                    << " at " << block->center[0] << ", ray " << nameOf(answer.kind) << ", t " << t << ", reference "
                     << exact.t << ", rounding " << rounding;
   };
   if (answer.isOccluded != isHit(found)) fail(testing::Message() << "any hit differs");

@@ -73,7 +73,7 @@ namespace embree
             if (isGroupLevel(uint32_t(kind),level,layout.nodeLevels)) patch = leafOfGroup(block,m,c,box);
             visit(level+1,4*m+c,children[c]);
           }
-          else if (wantsPassed(state) && meets(children[c],2)) passed(isAbove(children[c]));
+          else if (needsPassedBoxes(state) && meets(children[c],2)) passed(isAbove(children[c]));
         }
       }
 
@@ -110,7 +110,7 @@ namespace embree
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1-x.s0);
         if (v.hit == hitLip) {
           const Lip<Real> lip = { Real(borderWidthOf(block->info)),Real(0.5f*patch.thickness),segment.epsilon[2] };
-          const LipMeeting<Real> at = meetLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leaves-1,lip);
+          const LipIntersection<Real> at = intersectLipsOfLeaf(x,mortonX(m),mortonY(m),layout.leaves-1,lip);
           if (at.met) s = x.s0 + at.k*(x.s1-x.s0);
           else { rememberExit(m,x.s1); return; }
         }

@@ -117,10 +117,10 @@ void addTriangles(RTCDevice device, RTCScene scene, Random& random, unsigned cou
   std::vector<Vec> vertices;
   std::vector<std::array<unsigned, 3>> triangles;
   for (unsigned i = 0; i < count; i++) {
-    Vec centre;
-    for (float& x : centre) x = float(random.uniform(-1.5, 1.5));
+    Vec center;
+    for (float& x : center) x = float(random.uniform(-1.5, 1.5));
     for (unsigned k = 0; k < 3; k++) {
-      Vec p = centre;
+      Vec p = center;
       for (float& x : p) x += float(random.uniform(-0.3, 0.3));
       vertices.push_back(p);
     }

@@ -35,7 +35,7 @@ struct BlockCounts
       for (uint32_t k = 0; k < 3; k++) isRanked |= cvert::hasRanks(block.spacings, k);
       ranked += isRanked;
       sheared += cvert::meshSlope(block.form, 1) != 0 || cvert::meshSlope(block.form, 2) != 0;
-      ofQuads += (block.form & cvert::meshIsOfQuads) != 0;
+      ofQuads += (block.form & cvert::meshHasQuads) != 0;
     }
     rtcReleaseFlatScene(flat);
   }
@@ -163,14 +163,14 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
   for (const Device* of : {static_cast<const Device*>(&embree), &exact, &coarse})
     for (const DicedMesh& mesh : {triangles, quads, inPart, notWelded}) {
       const MeshScene scene(*of, mesh);
-      ASSERT_GT(statisticsOf(scene).numLooseQuads, 1500u);
+      ASSERT_GT(statisticsOf(scene).numIrregularQuads, 1500u);
       const VulkanScene onDevice = newVulkanScene(device, scene);
       ASSERT_NE(onDevice, nullptr) << embree.message;
       std::vector<RTCRayHit> rays;
       for (unsigned i = 0; i < 10000; i++) {
-        const unsigned* v = mesh.isOfTriangles() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
+        const unsigned* v = mesh.isTriangleForm() ? mesh.triangles[random.below(unsigned(mesh.size()))].data()
           : mesh.quads[random.below(unsigned(mesh.size()))].data();
-        const unsigned n = mesh.isOfTriangles() ? 3 : 4, k = random.below(n);
+        const unsigned n = mesh.isTriangleForm() ? 3 : 4, k = random.below(n);
         rays.push_back(rayFromMiddle(random, mesh.vertices[v[k]], mesh.vertices[v[(k + 1) % n]]));
       }
       for (int exponent : {-60, 0, 40}) {
@@ -180,7 +180,7 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
         occludedOnDevice(onDevice, any);
         size_t leaks = 0;
         for (size_t i = 0; i < rays.size(); i++) leaks += !isHit(found[i]) + !(any[i].tfar < 0);
-        EXPECT_EQ(leaks, 0u) << "length 2^" << exponent << (mesh.isOfTriangles() ? ", triangles" : ", quads");
+        EXPECT_EQ(leaks, 0u) << "length 2^" << exponent << (mesh.isTriangleForm() ? ", triangles" : ", quads");
       }
     }
 }

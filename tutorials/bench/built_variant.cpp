@@ -41,7 +41,7 @@ size_t leafBytes(const BuiltScene& scene)
   case RepresentationKind::Grid:
     return leafBytesOfGrids(scene.layout());
   default:
-    return scene.report().compression.leafBytes + scene.report().compression.gridBytes;
+    return scene.report().compression.leafBytes + scene.report().compression.uncompressedBytes;
   }
 }
 

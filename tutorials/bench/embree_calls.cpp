@@ -35,7 +35,7 @@
   EACH(rtcOccluded1) EACH(rtcOccluded4) EACH(rtcOccluded8) EACH(rtcOccluded16) EACH(rtcOccluded1M)
 
 /* A slot, and the function that jumps to its contents with any arguments. */
-#define CVERT_FUNCTION(name)                     \
+#define CBVH_FUNCTION(name)                     \
   extern "C" void* cbvh_slot_##name;            \
   void* cbvh_slot_##name = nullptr;             \
   asm(".pushsection .text\n"                    \
@@ -45,7 +45,7 @@
       #name ": " CBVH_JUMP("cbvh_slot_" #name)   \
       ".size " #name ", . - " #name "\n"        \
       ".popsection\n");
-CBVH_EMBREE_FUNCTIONS(CVERT_FUNCTION)
+CBVH_EMBREE_FUNCTIONS(CBVH_FUNCTION)
 
 namespace cbvh {
 namespace {

@@ -39,11 +39,11 @@ int main(int argc, char** argv)
   // A cube with 512 x 512 quads per face.
   const float positions[8][3] = {{-1,-1,-1}, {1,-1,-1}, {-1,1,-1}, {1,1,-1}, {-1,-1,1}, {1,-1,1}, {-1,1,1}, {1,1,1}};
   const float* const steps[1] = {positions[0]};
-  const unsigned faceVertices[6] = {4, 4, 4, 4, 4, 4};
+  const unsigned faceVertexCounts[6] = {4, 4, 4, 4, 4, 4};
   const unsigned indices[24] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
   CbvhCage cage = CbvhCage();
   cage.numFaces = 6;
-  cage.faceVertices = faceVertices;
+  cage.faceVertexCounts = faceVertexCounts;
   cage.numIndices = 24;
   cage.indices = indices;
   cage.vertices = {8, sizeof(positions[0]), steps, 1, 0, 0};

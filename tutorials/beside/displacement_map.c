@@ -146,7 +146,7 @@ int main(int argc, char** argv)
   static const float positions[8][3] = {{-1,-1,-1}, {1,-1,-1}, {-1,1,-1}, {1,1,-1},
                                         {-1,-1,1}, {1,-1,1}, {-1,1,1}, {1,1,1}};
   static const float corners[4][2] = {{0,0}, {1,0}, {1,1}, {0,1}};
-  static const unsigned int faceVertices[6] = {4, 4, 4, 4, 4, 4};
+  static const unsigned int faceVertexCounts[6] = {4, 4, 4, 4, 4, 4};
   static const unsigned int indices[24] = {0,2,3,1, 4,5,7,6, 0,1,5,4, 2,6,7,3, 0,4,6,2, 1,3,7,5};
   static const unsigned int ofCorners[24] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
   const float* const steps[1] = {positions[0]};
@@ -174,7 +174,7 @@ int main(int argc, char** argv)
   memset(&cage, 0, sizeof(cage));
   cage.structSize = sizeof(cage);
   cage.numFaces = 6;
-  cage.faceVertices = faceVertices;
+  cage.faceVertexCounts = faceVertexCounts;
   cage.numIndices = 24;
   cage.indices = indices;
   cage.vertices.count = 8;

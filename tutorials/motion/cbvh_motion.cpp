@@ -134,7 +134,7 @@ void measure(const Options& options, const Model& model)
               speed[1], speed[2], speed[3], std::sqrt(squares / double(std::max<size_t>(1, errors.size()))),
               quantile(errors, 0.99), 1e4 * double(lost + far) / double(both));
   std::printf("  (top level %.2f, frames %.2f, nodes %.2f, leaves %.2f; %zu of %zu blocks are raw)\n",
-              double(s.topLevelBytes) / quads, double(s.frameBytes) / quads, double(s.nodeBytes) / quads,
+              double(s.topLevelBytes) / quads, double(s.headerBytes) / quads, double(s.nodeBytes) / quads,
               double(s.leafBytes) / quads, s.numRawBlocks, s.numBlocks);
   std::fflush(stdout);
 }

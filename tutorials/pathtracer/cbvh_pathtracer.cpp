@@ -59,7 +59,7 @@ void traceSamples(PathTracer& tracer, const PathTracerOptions& options)
   double first = 0;
   while (tracer.samples() < options.samples)
   {
-    throwIfCancelled();
+    throwIfCanceled();
     tracer.addSample();
     if (tracer.samples() == 1)
       first = secondsNow() - start;

@@ -172,7 +172,7 @@ private:
     const uint32_t rows = std::max(pathsAtOnce / view.width / groupSize, 1u) * groupSize; // whole groups
     for (arguments.firstRow = 0; arguments.firstRow < view.height; arguments.firstRow += rows)
     {
-      throwIfCancelled();
+      throwIfCanceled();
       device.run([&](VkCommandBuffer commands) {
         constexpr VkPipelineStageFlags compute = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
         constexpr VkPipelineStageFlags transfer = VK_PIPELINE_STAGE_TRANSFER_BIT;

@@ -74,7 +74,7 @@ void showWindow(PathTracer& tracer, ImageSize size, unsigned samples)
   Image image(size);
   while (window.isOpen())
   {
-    throwIfCancelled();
+    throwIfCanceled();
     if (tracer.samples() < samples)
     {
       tracer.addSample();

@@ -36,7 +36,7 @@ public:
   Inside()
   {
     if (ending)
-      throw Cancelled();
+      throw Canceled();
     inside++;
   }
   ~Inside() { inside--; }
@@ -63,7 +63,7 @@ std::unique_lock<std::timed_mutex> takeTurn()
         break;
     }
     if (ending)
-      throw Cancelled();
+      throw Canceled();
     throwIfSignalled();
   }
   whoseTurn = std::this_thread::get_id();

@@ -112,7 +112,7 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
   {
     kept->displacement = displaceByMap(cage, map, warnings);
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     throw;
   }

@@ -41,7 +41,7 @@ void translate(std::exception_ptr thrown)
     if (thrown)
       std::rethrow_exception(thrown);
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     /* ends a thread without a message */
     PyErr_SetNone(interpreterEnds() ? PyExc_SystemExit : PyExc_KeyboardInterrupt);

@@ -164,10 +164,10 @@ void addMemory(Table& table, const Comparison& c)
   table.row("bytes per quad", [](const Result& r) { return number(r.build.bytesPerQuad(), 2); });
   using Field = size_t RTCCompressionStatistics::*;
   const std::pair<const char*, Field> split[] = {{"- top level", &RTCCompressionStatistics::topLevelBytes},
-                                                 {"- frames", &RTCCompressionStatistics::frameBytes},
+                                                 {"- frames", &RTCCompressionStatistics::headerBytes},
                                                  {"- nodes", &RTCCompressionStatistics::nodeBytes},
                                                  {"- leaves", &RTCCompressionStatistics::leafBytes},
-                                                 {"- grids", &RTCCompressionStatistics::gridBytes}};
+                                                 {"- grids", &RTCCompressionStatistics::uncompressedBytes}};
   for (const auto& [name, field] : split)
     table.row(name, [field = field](const Result& r) {
       return r.representation.isCompressed() ? number(double(r.build.compression.*field) / double(r.build.quads), 2)

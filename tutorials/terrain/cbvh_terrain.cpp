@@ -90,7 +90,7 @@ void build(const Options& options, Elevation& elevation, Terrain& terrain)
   for (int y0 = 0; y0 < elevation.height() - 1; y0 += options.tile)
     for (int x0 = 0; x0 < elevation.width() - 1; x0 += options.tile)
     {
-      throwIfCancelled();
+      throwIfCanceled();
       terrain.add(makeTile(options, elevation, x0, y0));
       phase.update((double(y0) + double(x0) / elevation.width() * options.tile) / elevation.height());
     }

@@ -315,7 +315,7 @@ Image renderPicture(const Camera& camera, const std::vector<Pane>& panes, const 
   Picture picture(camera, panes, settings);
   while (!picture.isComplete())
   {
-    throwIfCancelled();
+    throwIfCanceled();
     picture.addSample();
   }
   return picture.image();

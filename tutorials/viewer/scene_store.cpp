@@ -154,7 +154,7 @@ void SceneStore::take()
                   "invalid");
     entries.push_front({key, std::move(built)});
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     if (interrupted())
       throw;

@@ -106,7 +106,7 @@ void Viewer::takeLoaded()
     worker.take();
     showLoaded();
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     if (interrupted())
       throw;

@@ -40,7 +40,7 @@ public:
     {
       viewer.update();
     }
-    catch (const Cancelled&) // after a signal
+    catch (const Canceled&)  // after a signal
     {
     }
     if (interrupted() || panel.quitChosen())
@@ -325,7 +325,7 @@ void showWindow(const ViewerOptions& options)
     Viewer viewer(options);
     Window(options, viewer).renderInteractive();
   }
-  throwIfCancelled();
+  throwIfCanceled();
 }
 
 } // namespace cbvh

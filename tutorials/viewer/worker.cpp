@@ -55,7 +55,7 @@ void Worker::take()
   {
     done.get();
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
     if (listening) // otherwise the phase printed it
       std::fprintf(stderr, "  %s: stopped\n", name.c_str());
@@ -67,7 +67,7 @@ void Worker::take()
       throw;
   }
   if (stopped)
-    throw Cancelled(); // discard the result
+    throw Canceled();  // discard the result
 }
 
 void Worker::stop()
@@ -79,7 +79,7 @@ void Worker::stop()
   {
     take();
   }
-  catch (const Cancelled&)
+  catch (const Canceled&)
   {
   }
 }

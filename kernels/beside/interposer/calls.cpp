@@ -55,7 +55,7 @@ constexpr double shareOfBuilds = 0.9;
 bool tellProgress(void* scene, double done)
 {
   const Scene& of = *(const Scene*)scene;
-  return !of.isCancelled && (!of.progress || of.progress(of.progressPtr, done));
+  return !of.isCanceled && (!of.progress || of.progress(of.progressPtr, done));
 }
 
 /* Builds the geometries that the commit of a scene requires, and attaches them. */
@@ -68,8 +68,8 @@ void prepare(Scene& scene)
   for (const auto& one : all) {
     Substituted& geometry = *one.second->substituted;
     const bool wantsBuild = geometry.wantsBuild();
-    if (wantsBuild && !scene.isCancelled)
-      scene.isCancelled =
+    if (wantsBuild && !scene.isCanceled)
+      scene.isCanceled =
         !geometry.build([&](double part) { return !scene.progress
           || scene.progress(scene.progressPtr, shareOfBuilds*(double(done) + part)/double(count)); });
     done += wantsBuild;
@@ -90,7 +90,7 @@ public:
   {
     if (!scene) return;
     const std::lock_guard<std::mutex> lock(scene->joining);
-    if (scene->numJoined++ == 0 || scene->isEnding) scene->isCancelled = false;
+    if (scene->numJoined++ == 0 || scene->isEnding) scene->isCanceled = false;
     scene->isEnding = false;
   }
   ~Commit()

@@ -12,7 +12,7 @@ namespace interposer {
 
 namespace {
 
-struct Cancelled {};
+struct Canceled {};
 
 const char* nameOf(RTCGeometryType type)
 {
@@ -105,7 +105,7 @@ bool Substituted::build(const Progress& progress)
     buildSurface(progress);
     isLeft = false;
   }
-  catch (const Cancelled&) { discard(); return false; }
+  catch (const Canceled&) { discard(); return false; }
   catch (const std::exception& reason) {
     discard();
     isLeft = true;
@@ -130,7 +130,7 @@ void Substituted::buildSurface(const Progress& progress)
   input.describeTo(surface);
   const auto tell = [](void* progress, double done) { return (*(const Progress*)progress)(done) ? 1 : 0; };
   const CbvhError error = cbvhCommitSurface(surface, tell, (void*)&progress);
-  if (error == CBVH_ERROR_CANCELLED) throw Cancelled();
+  if (error == CBVH_ERROR_CANCELLED) throw Canceled();
   check(error);
   CbvhGroup group = nullptr;
   check(cbvhNewGroup(context, &surface, 1, &group));

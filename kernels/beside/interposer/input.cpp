@@ -113,7 +113,7 @@ void Input::describeCage(CbvhSurface surface) const
   const Packed<Pair> creases(find(RTC_BUFFER_TYPE_EDGE_CREASE_INDEX));
   if (!faces.data || !indices.data) throw Unsupported("it has no faces or no indices");
   cage.numFaces = faces.count;
-  cage.faceVertices = faces.data;
+  cage.faceVertexCounts = faces.data;
   cage.indices = indices.data;
   for (size_t i = 0; i < faces.count; i++) {
     if (faces.data[i] < 3) throw Unsupported("it has a face with fewer than 3 vertices");

@@ -44,7 +44,7 @@ struct Scene
   std::mutex joining;
   size_t numJoined = 0;                  // threads in a commit; guarded by joining
   bool isEnding = true;                  // a thread has left the commit; guarded by joining
-  std::atomic<bool> isCancelled{false};  // cancellation of the commit, for all threads that have joined it
+  std::atomic<bool> isCanceled{false};   // cancellation of the commit, for all threads that have joined it
 };
 
 class Objects

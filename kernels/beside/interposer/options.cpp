@@ -23,9 +23,9 @@ bool Options::takes(RTCGeometryType type) const
 {
   switch (type) {
   case RTC_GEOMETRY_TYPE_SUBDIVISION: return true;
-  case RTC_GEOMETRY_TYPE_GRID: return takesGrids;
-  case RTC_GEOMETRY_TYPE_QUAD: return takesQuads;
-  case RTC_GEOMETRY_TYPE_TRIANGLE: return takesTriangles;
+  case RTC_GEOMETRY_TYPE_GRID: return compressesGrids;
+  case RTC_GEOMETRY_TYPE_QUAD: return compressesQuads;
+  case RTC_GEOMETRY_TYPE_TRIANGLE: return compressesTriangles;
   default: return false;
   }
 }
@@ -75,9 +75,9 @@ static bool parse(const std::string& item, Options& options)
   }
   const std::string key = item.substr(0, equals), value = item.substr(equals + 1);
   if (key == "max_error") return parseDistance(value, options.maxError);
-  if (key == "grids") return parseSwitch(value, options.takesGrids);
-  if (key == "quads") return parseSwitch(value, options.takesQuads);
-  if (key == "triangles") return parseSwitch(value, options.takesTriangles);
+  if (key == "grids") return parseSwitch(value, options.compressesGrids);
+  if (key == "quads") return parseSwitch(value, options.compressesQuads);
+  if (key == "triangles") return parseSwitch(value, options.compressesTriangles);
   return key == "release_input" && (value == "0" || value == "1");
 }
 

@@ -13,7 +13,7 @@ namespace interposer {
 struct Options
 {
   bool isOn = true;
-  bool takesGrids = false, takesQuads = false, takesTriangles = false;
+  bool compressesGrids = false, compressesQuads = false, compressesTriangles = false;
   float maxError = -1;         // world units; 0: lossless, negative: the library's default
 
   bool takes(RTCGeometryType type) const;

@@ -43,7 +43,7 @@ template<typename Query>
 bool enter(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 {
   if (!function || !hasStandIns() || !isActive()) return query(function);
-  if (options().takesGrids || options().takesQuads || options().takesTriangles)
+  if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
     tellOnce("point queries do not find grids, quads and triangles that are compressed");
   const PointQuery entered = {scene, function};
   const Entered scope(&entered);

@@ -80,7 +80,7 @@ namespace embree
     return cbvh::findKind(compression,kind) ? cbvh::describe(kind).name : "GRID";
   }
 
-  bool hasMotionOfEmbree (Scene* scene)
+  bool hasUncompressedMotion (Scene* scene)
   {
     for (size_t i=0; i<scene->geometries.size(); i++) {
       const Geometry* const geometry = scene->geometries[i].ptr;
@@ -102,7 +102,7 @@ namespace embree
         else isEmbrees |= dynamic_cast<AccelInstance*>(accel) != nullptr;
       }
       if (isCompressed != cbvh::hasCompressedGeometry(scene,moves)) return true;
-      if (moves && isCompressed && hasMotionOfEmbree(scene) && !isEmbrees) return true;
+      if (moves && isCompressed && hasUncompressedMotion(scene) && !isEmbrees) return true;
     }
     return false;
   }

@@ -12,14 +12,14 @@ namespace embree
 
   /*! True if a value of subdiv_accel requests compression, for example "cbvh", "cbvh.vert" or "cvert";
    *  case-insensitive. */
-  bool isNameOfOurs (const std::string& subdivAccel);
+  bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
   /*! True if a scene that keeps its accelerators must create new ones: it now has its first compressed surface, or no
    *  longer has any. */
   bool isCompressionOutdated (Scene* scene);
 
   /*! True if a subdivision surface of the scene has motion blur and is not compressed. */
-  bool hasMotionOfEmbree (Scene* scene);
+  bool hasUncompressedMotion (Scene* scene);
 
   /*! Reports the errors of the last build to the device, once. The committing thread must call it: devices store errors
    *  per thread, and any thread may have run the build. */

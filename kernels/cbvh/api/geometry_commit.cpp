@@ -54,14 +54,14 @@ namespace embree
     bool takes (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
-      case Geometry::GTY_GRID_MESH: return device.takesGrids;
-      case Geometry::GTY_QUAD_MESH: return device.takesQuads;
-      case Geometry::GTY_TRIANGLE_MESH: return device.takesTriangles;
+      case Geometry::GTY_GRID_MESH: return device.compressesGrids;
+      case Geometry::GTY_QUAD_MESH: return device.compressesQuads;
+      case Geometry::GTY_TRIANGLE_MESH: return device.compressesTriangles;
       default: return true;
       }
     }
 
-    bool asksForCompression (const CompressibleGeometry* geometry)
+    bool requestsCompression (const CompressibleGeometry* geometry)
     {
       const CompressionSettings& device = geometry->device->compression;
       if (geometry->compression.compression == RTC_COMPRESSION_INHERIT && !takes(device,geometry->ownType))
@@ -93,7 +93,7 @@ namespace embree
     }
 
     /*! True if blocks need no more memory than Embree's own grids. Input is not counted. */
-    bool takeLessAsBlocks (const GridMesh* mesh)
+    bool areSmallerAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
       {
@@ -121,19 +121,20 @@ namespace embree
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
     void say (const CompressibleGeometry* geometry, const std::string& what)
     {
-      if (!geometry->device->verbosity(1) && !environmentAsksForCommitLines()) return;
+      if (!geometry->device->verbosity(1) && !environmentRequestsCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: " << what << std::endl;
     }
 
     /*! Compresses a geometry if it requests compression (asks) and there is no reason not to. An empty reason is not
      *  printed. */
-    void choose (CompressibleGeometry* geometry, bool asks, const char* whyNot, const char* primitives)
+    void choose (CompressibleGeometry* geometry, bool asks, const char* rejectionReason, const char* primitives)
     {
-      geometry->setCompressed(asks && !whyNot);
-      geometry->surface.whyNot = asks ? whyNot : nullptr;
-      if (asks && whyNot && *whyNot)
-        say(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that " + whyNot);
+      geometry->setCompressed(asks && !rejectionReason);
+      geometry->surface.rejectionReason = asks ? rejectionReason : nullptr;
+      if (asks && rejectionReason && *rejectionReason)
+        say(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that "
+          + rejectionReason);
     }
 
     /*! Builds the blocks of a geometry that releases its input. Returns true if the input must be released now. */
@@ -142,7 +143,7 @@ namespace embree
       geometry->surface.commit(geometry->modCounter_);
       const bool isOfTree = geometry->isCompressed()
         || (geometry->numTimeSteps == 1 && geometry->ownType == Geometry::GTY_SUBDIV_MESH);
-      if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !asksForCompression(geometry))
+      if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !requestsCompression(geometry))
         return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
@@ -153,15 +154,16 @@ namespace embree
 
   bool beginCommit (SubdivMesh* mesh)
   {
-    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,
+    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertexCounts && mesh->topology[0].vertexIndices,
                                  "vertices, faces and indices");
     if (!isChanged) return false;
-    const bool asks = asksForCompression(mesh), moves = mesh->numTimeSteps != 1;
+    const bool asks = requestsCompression(mesh), moves = mesh->numTimeSteps != 1;
     if (asks) checkIndices(mesh);
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     choose(mesh,asks && moves,
-           isa::CompressionPlan::takesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0","faces");
+           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur,
+             because exact_faces is 0","faces");
     return true;
   }
 
@@ -169,12 +171,12 @@ namespace embree
   {
     const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->grids,"vertices and grids");
     if (!isChanged) return false;
-    const bool asks = asksForCompression(mesh);
+    const bool asks = requestsCompression(mesh);
     if (asks) checkTimeSteps(mesh);
     if (asks) checkStrides(mesh);
-    const char* const whyNot = !releasesInput(mesh) && asks && !takeLessAsBlocks(mesh)
+    const char* const rejectionReason = !releasesInput(mesh) && asks && !areSmallerAsBlocks(mesh)
       ? "are so small that Embree's own kernel needs less memory for them" : nullptr;
-    choose(mesh,asks,whyNot,"grids");
+    choose(mesh,asks,rejectionReason,"grids");
     if (!mesh->isCompressed()) checkSides(mesh);
     return true;
   }
@@ -195,21 +197,21 @@ namespace embree
   static bool beginCommitOfMesh (Mesh* mesh, bool hasInput, const char* primitives)
   {
     if (!begin(mesh,hasInput,"vertices and indices")) return false;
-    const bool asks = asksForCompression(mesh);
+    const bool asks = requestsCompression(mesh);
     if (asks && hasInput) checkTimeSteps(mesh);
-    const char* whyNot = !hasInput || mesh->size() == 0 ? ""
+    const char* rejectionReason = !hasInput || mesh->size() == 0 ? ""
       : mesh->quality == RTC_BUILD_QUALITY_REFIT ? "have RTC_BUILD_QUALITY_REFIT"
       : mesh->size() < fewPrimitives ? "are too few to matter" : nullptr;
-    if (asks && !whyNot)
+    if (asks && !rejectionReason)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
-      whyNot = regions ? nullptr : "move and do not lie in grids";
-      if (!whyNot) std::atomic_store(&mesh->surface.regions,regions);
-      if (!whyNot && regions->numLeftOut)
+      rejectionReason = regions ? nullptr : "move and do not lie in grids";
+      if (!rejectionReason) std::atomic_store(&mesh->surface.regions,regions);
+      if (!rejectionReason && regions->numLeftOut)
         say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives
             + " are left out because an index is out of range");
     }
-    choose(mesh,asks,whyNot,primitives);
+    choose(mesh,asks,rejectionReason,primitives);
     return true;
   }
 
@@ -251,7 +253,7 @@ namespace embree
       if (!hasAttributes) topology.halfEdges.clear();
       else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
     }
-    mesh->faceVertices = BufferView<unsigned int>();
+    mesh->faceVertexCounts = BufferView<unsigned int>();
     mesh->edge_creases = BufferView<SubdivMesh::Edge>();
     mesh->edge_crease_weights = BufferView<float>();
     mesh->vertex_creases = BufferView<unsigned int>();

@@ -14,8 +14,9 @@ namespace
   using cbvh::ClusterReason;
   static_assert(int(ClusterFormat::COMPRESSED1) == RTC_CLUSTER_FORMAT_COMPRESSED1
       && int(ClusterFormat::DGF1) == RTC_CLUSTER_FORMAT_DGF1,"formats");
-  static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_RAW && int(ClusterReason::MOVING) == RTC_CLUSTER_MOVING
-      && int(ClusterReason::RANGE) == RTC_CLUSTER_RANGE,"reasons");
+  static_assert(int(ClusterReason::RAW) == RTC_CLUSTER_REASON_RAW
+    && int(ClusterReason::MOVING) == RTC_CLUSTER_REASON_MOVING
+      && int(ClusterReason::RANGE) == RTC_CLUSTER_REASON_OUT_OF_RANGE,"reasons");
 }
 
 RTC_NAMESPACE_BEGIN;

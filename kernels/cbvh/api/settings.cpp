@@ -51,7 +51,7 @@ namespace embree
     return lower != "grid" && parseKind(lower,compression); // in programs, "grid" is Embree's GRID
   }
 
-  bool isNameOfOurs (const std::string& subdivAccel)
+  bool isCompressedSubdivAccel (const std::string& subdivAccel)
   {
     RTCCompression compression;
     return parseSubdivAccel(subdivAccel,compression);
@@ -116,9 +116,9 @@ namespace embree
     if (key == "frame_level")      setFrameLevel(name,value);
     else if (key == "max_error")   setMaxError(name,value);
     else if (key == "exact_faces") exactFaces = parseSwitch(name,value);
-    else if (key == "grids")       takesGrids = parseSwitch(name,value);
-    else if (key == "quads")       takesQuads = parseSwitch(name,value);
-    else if (key == "triangles")   takesTriangles = parseSwitch(name,value);
+    else if (key == "grids")       compressesGrids = parseSwitch(name,value);
+    else if (key == "quads")       compressesQuads = parseSwitch(name,value);
+    else if (key == "triangles")   compressesTriangles = parseSwitch(name,value);
     else                           releasesInput = parseSwitch(name,value);
   }
 

@@ -45,10 +45,10 @@ namespace embree
         return bytes.data()+used;
       }
 
-      /*! type: see primitive_type.h. readBehind: bytes after the block that decoders may read. */
-      void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readBehind = 0)
+      /*! type: see primitive_type.h. readPast: bytes after the block that decoders may read. */
+      void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
       {
-        waiting.push_back(Waiting{ used,bounds,type,readBehind });
+        waiting.push_back(Waiting{ used,bounds,type,readPast });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
@@ -69,7 +69,7 @@ namespace embree
           const size_t from = waiting[i].offset;
           for (next=i+1; next<waiting.size() && waiting[next].offset-from < maxPieceBytes; next++);
           const size_t size = (next < waiting.size() ? waiting[next].offset : used) - from;
-          char* piece = (char*)(*memory)(size+waiting[next-1].readBehind);
+          char* piece = (char*)(*memory)(size+waiting[next-1].readPast);
           memcpy(piece,bytes.data()+from,size);
           for (size_t k=i; k<next; k++)
             add(waiting[k].bounds,size_t(BVH4::encodeTypedLeaf(piece+(waiting[k].offset-from),waiting[k].type)));
@@ -95,7 +95,7 @@ namespace embree
         size_t offset;
         BBox3fa bounds;
         uint32_t type;
-        size_t readBehind;
+        size_t readPast;
       };
       mvector<uint8_t> bytes;
       size_t used = 0;

@@ -48,7 +48,7 @@ namespace embree
         deviation2 = std::max(deviation2,other.deviation2);
         gap2 = std::max(gap2,other.gap2);
         sums.maxVertexDeviation = float(std::sqrt(deviation2));
-        sums.maxBorderGap = float(std::sqrt(gap2));
+        sums.maxBorderMismatch = float(std::sqrt(gap2));
       }
 
       /*! Adds a complete surface. */
@@ -74,7 +74,7 @@ namespace embree
         return d2 < std::numeric_limits<double>::max() ? d2 : 0.0;
       }
 
-      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderGap
+      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderMismatch
     };
   }}
 }

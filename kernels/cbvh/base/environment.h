@@ -30,7 +30,7 @@ namespace embree
   }
 
   /*! True if each commit prints a line, even at verbosity 0. */
-  inline bool environmentAsksForCommitLines ()
+  inline bool environmentRequestsCommitLines ()
   {
     const std::vector<std::string> items = environmentItems();
     return std::find(items.begin(),items.end(),"verbose") != items.end();

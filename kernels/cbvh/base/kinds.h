@@ -68,7 +68,7 @@ struct KindDescription
   const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
   const char* name;          //!< in messages
   bool alignsToLimit;        //!< frames align to corners before displacement, otherwise after it
-  bool takesHoles;           //!< leaves can leave out a quad
+  bool supportsHoles;        //!< leaves can leave out a quad
   bool hasThickness;         //!< leaves are not exact, so a bound on their thickness applies
 
   bool hasFrame () const { return ((framedKinds >> uint32_t(kind)) & 1u) != 0u; }

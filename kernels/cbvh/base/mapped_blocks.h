@@ -20,7 +20,7 @@ namespace embree
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
     /*! Implements isUsable for blocks in this range. Null until a file is mapped. */
-    extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood;
+    extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid;
 
     /*! True if a block may be decoded. If not, its surface is empty, and the device receives one error per geometry. */
     __forceinline bool isUsable (const void* block, BlockForm form)
@@ -29,7 +29,7 @@ namespace embree
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
       /* Relaxed: while another thread maps the first file, this thread may see the addresses before the function. It
        * cannot trace a mapped block then, because its rays come after the commit of a scene with one. */
-      bool (*const isGood) (const void*, BlockForm) = isMappedBlockGood.load(std::memory_order_relaxed);
+      bool (*const isGood) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);
       return !isGood || isGood(block,form);
     }
   }

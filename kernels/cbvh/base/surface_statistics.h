@@ -17,13 +17,13 @@ namespace embree
     struct CompressionStatistics
     {
       size_t topLevelBytes = 0;        //!< full-precision BVH over blocks and grids
-      size_t frameBytes = 0;           //!< headers of all blocks
+      size_t headerBytes = 0;          //!< headers of all blocks
       size_t nodeBytes = 0;            //!< compressed inner nodes
       size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
-      size_t gridBytes = 0;            //!< grids of quads that are not compressed, see numGridQuads
+      size_t uncompressedBytes = 0;    //!< grids of quads that are not compressed, see numUncompressedQuads
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< in blocks
-      size_t numGridQuads = 0;         //!< in the same BVH, but traced by GRID
+      size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by GRID
       size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
       size_t numAffineBlocks = 0;      //!< blocks whose projective frame fell back to an affine one
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
@@ -31,7 +31,7 @@ namespace embree
       size_t numExactQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
       size_t numFlippedQuads = 0;      //!< traced normal differs by more than 90 degrees from the vertices' normal
       size_t numMeshQuads = 0;         //!< quads of quad meshes in blocks, and pairs of triangles
-      size_t numLooseQuads = 0;        //!< those of numMeshQuads that are in no grid of at least 4 x 4 quads
+      size_t numIrregularQuads = 0;    //!< those of numMeshQuads that are in no grid of at least 4 x 4 quads
       size_t numMovingQuads = 0;       //!< quads with several time steps
       size_t motionBytes = 0;          //!< in leafBytes: all time steps but the first
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
@@ -42,7 +42,7 @@ namespace embree
       float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
       float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance from the evaluated vertex
       /*! cVERT, cLEAF: largest distance between two faces' evaluations of a vertex. */
-      float maxBorderGap = 0;
+      float maxBorderMismatch = 0;
     };
 
     /*! Calls sum(a.x,b.x) for each member x that is a sum over surfaces, and largest(a.x,b.x) for each maximum. A, B:
@@ -51,13 +51,13 @@ namespace embree
     void forEachMember (A& a, const B& b, const Sum& sum, const Largest& largest)
     {
       sum(a.topLevelBytes,b.topLevelBytes);
-      sum(a.frameBytes,b.frameBytes);
+      sum(a.headerBytes,b.headerBytes);
       sum(a.nodeBytes,b.nodeBytes);
       sum(a.leafBytes,b.leafBytes);
-      sum(a.gridBytes,b.gridBytes);
+      sum(a.uncompressedBytes,b.uncompressedBytes);
       sum(a.numBlocks,b.numBlocks);
       sum(a.numQuads,b.numQuads);
-      sum(a.numGridQuads,b.numGridQuads);
+      sum(a.numUncompressedQuads,b.numUncompressedQuads);
       sum(a.numInvalidQuads,b.numInvalidQuads);
       sum(a.numAffineBlocks,b.numAffineBlocks);
       sum(a.numSolidLeaves,b.numSolidLeaves);
@@ -65,7 +65,7 @@ namespace embree
       sum(a.numExactQuads,b.numExactQuads);
       sum(a.numFlippedQuads,b.numFlippedQuads);
       sum(a.numMeshQuads,b.numMeshQuads);
-      sum(a.numLooseQuads,b.numLooseQuads);
+      sum(a.numIrregularQuads,b.numIrregularQuads);
       sum(a.numMovingQuads,b.numMovingQuads);
       sum(a.motionBytes,b.motionBytes);
       sum(a.numUnsupportedFaces,b.numUnsupportedFaces);
@@ -74,7 +74,7 @@ namespace embree
       largest(a.maxLeafThickness,b.maxLeafThickness);
       largest(a.maxVertexSpacing,b.maxVertexSpacing);
       largest(a.maxVertexDeviation,b.maxVertexDeviation);
-      largest(a.maxBorderGap,b.maxBorderGap);
+      largest(a.maxBorderMismatch,b.maxBorderMismatch);
     }
 
     inline void add (CompressionStatistics& sums, const CompressionStatistics& other)

@@ -24,9 +24,9 @@ namespace embree
     size_t threadCacheBytes (unsigned caches);
 
     /*! Invalidates all caches. Call it after blocks are built and before they are traced. */
-    void outdateThreadCaches ();
+    void invalidateThreadCaches ();
 
-    /*! Number of calls of outdateThreadCaches. */
+    /*! Number of calls of invalidateThreadCaches. */
     extern std::atomic<unsigned> cacheGeneration;
 
     /*! Hash of a block, before it is reduced to the number of entries. */
@@ -34,7 +34,7 @@ namespace embree
 
     /*! Like hashOfBlock, with one entry per `bytes` bytes of memory, so that neighboring blocks never share an entry. A
      *  hash shifts each range of 256 KiB: blocks at equal distances would otherwise share a few entries. */
-    __forceinline size_t placeOfBlock (const void* block, size_t bytes) {
+    __forceinline size_t slotOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
 

@@ -15,7 +15,7 @@ namespace embree
   namespace cbvh
   {
     /*! Returns a monitor that refuses nothing and reports nothing. Thread-safe. */
-    inline MemoryMonitorInterface* unmonitoredMemory ()
+    inline MemoryMonitorInterface* silentMonitor ()
     {
       struct None : public MemoryMonitorInterface
       {
@@ -28,7 +28,7 @@ namespace embree
     template<typename T>
     struct UnmonitoredVector : public mvector<T>
     {
-      UnmonitoredVector () : mvector<T>(unmonitoredMemory(),0) {}
+      UnmonitoredVector () : mvector<T>(silentMonitor(),0) {}
     };
 
     /*! Reports memory to the monitor of a device while this object exists. The constructor throws

@@ -38,15 +38,15 @@ namespace embree
         store.flush();
         std::unique_ptr<List> list;
         if (store.prims.size())
-          list.reset(new List{ primitive,patch,strip,takeAll(store.device,store.prims),
-            takeAll(store.device,store.boxes) });
+          list.reset(new List{ primitive,patch,strip,moveAll(store.device,store.prims),
+            moveAll(store.device,store.boxes) });
         Lock<MutexSys> lock(mutex);
         hitBounds.extend(store.hitBounds);
         if (list) lists.push_back(std::move(list));
       }
 
       template<typename T>
-      static mvector<T> takeAll (Device* device, mvector<T>& from)
+      static mvector<T> moveAll (Device* device, mvector<T>& from)
       {
         mvector<T> all(device,0);
         cbvh::resizeToFit(all,from.size());

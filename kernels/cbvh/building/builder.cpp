@@ -26,9 +26,9 @@ namespace embree
     template<typename Grids>
     static BuilderPointer newMeshBuilder (typename Grids::Mesh* mesh, const Number& number, const CompressionPlan& plan)
     {
-      std::unique_ptr<LooseBlocks> loose;
+      std::unique_ptr<IrregularBlocks> loose;
       const std::shared_ptr<const QuadRegions> parts = partsOf(mesh);
-      if (parts->hasLoose()) loose.reset(new LooseBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
+      if (parts->hasIrregular()) loose.reset(new IrregularBlocks(TrianglesOfMesh(mesh),parts,plan,mesh->device));
       return BuilderPointer(new BuilderOf<GridSource<Grids>>(mesh,number,plan,std::move(loose)));
     }
 
@@ -57,7 +57,7 @@ namespace embree
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> treeOf; //!< builds of the blocks under the tree; empty without a tree
+      std::vector<uint64_t> buildsUnderTree; //!< builds of the blocks under the tree; empty without a tree
       size_t treeBytes = 0;
 
       struct Surface
@@ -82,7 +82,7 @@ namespace embree
 
       void clear ()
       {
-        treeOf.clear();
+        buildsUnderTree.clear();
         bvh->set(BVH4::emptyNode,empty,0);
       }
 
@@ -92,8 +92,8 @@ namespace embree
         std::vector<Surface> surfaces = findSurfaces();
         ((CompressedTree*)bvh)->hasGrids =
           std::any_of(surfaces.begin(),surfaces.end(),[](const Surface& surface) { return surface.isDiced(); });
-        const std::vector<uint64_t> before = treeOf;
-        const bool keepsTree = !surfaces.empty() && treeOf == buildsOf(surfaces);
+        const std::vector<uint64_t> before = buildsUnderTree;
+        const bool keepsTree = !surfaces.empty() && buildsUnderTree == buildsOf(surfaces);
         if (!keepsTree) clear();
         if (surfaces.empty()) return;
         const double t0 = bvh->preBuild(moves ? TOSTRING(isa) "::BVH4CompressedMotionBuilder"
@@ -108,14 +108,14 @@ namespace embree
         }
         if (!keepsTree) {
           treeBytes = moves ? buildMotionTree() : buildTopLevel()*sizeof(BVH4::AABBNode);
-          treeOf = buildsOf(surfaces);
+          buildsUnderTree = buildsOf(surfaces);
         }
         all.sums.topLevelBytes += treeBytes;
         report->statistics = all.sums;
         report->statistics.cacheBytesPerThread = cbvh::threadCacheBytes(cachesOf(surfaces));
-        cbvh::nameSurfaces(scene);
+        cbvh::updateSurfaceIDs(scene);
         reportCommit(surfaces);
-        cbvh::outdateThreadCaches();
+        cbvh::invalidateThreadCaches();
         bvh->cleanup();
         bvh->postBuild(t0);
       }
@@ -178,7 +178,7 @@ namespace embree
           if (moves) caches |= cbvh::motionCache;
           else if (!cbvh::describe(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
           else caches |= cbvh::nodeCache | (sums.numExactQuads ? cbvh::vertCache : 0u);
-          if (sums.numLooseQuads) caches |= cbvh::meshCache;
+          if (sums.numIrregularQuads) caches |= cbvh::meshCache;
         }
         return caches;
       }
@@ -244,17 +244,18 @@ namespace embree
 
       void reportCommit (const std::vector<Surface>& surfaces) const
       {
-        if (!scene->device->verbosity(1) && !environmentAsksForCommitLines()) return;
+        if (!scene->device->verbosity(1) && !environmentRequestsCommitLines()) return;
         CommitLine line;
         for (const Surface& surface : surfaces) {
           const CompressionPlan& plan = surface.plan;
           if (plan.compresses()) line.addCompressed(surface.geometry,plan.kind(),surface.blocks->statistics);
-          else line.addLeft(surface.geometry);
+          else line.addUncompressed(surface.geometry);
         }
         for (size_t i=0; i<scene->size(); i++) {
           const CompressibleGeometry* const geometry = scene->get(i)
             && scene->get(i)->isEnabled() ? compressible(scene->get(i)) : nullptr;
-          if (geometry && !geometry->isCompressed() && geometry->surface.whyNot) line.addLeft(geometry);
+          if (geometry && !geometry->isCompressed()
+            && geometry->surface.rejectionReason) line.addUncompressed(geometry);
         }
         Lock<MutexSys> lock(g_printMutex);
         std::cerr << line.text(treeBytes,report->statistics) << std::endl;
@@ -292,10 +293,10 @@ namespace embree
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "
                     << MAX_RING_FACE_VALENCE << " faces per vertex" << std::endl;
         if (total.sums.numMeshQuads)
-          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numLooseQuads << " of "
+          std::cerr << geometry << total.sums.numMeshQuads - total.sums.numIrregularQuads << " of "
                     << total.sums.numMeshQuads << " quads are in grids, "
-                    << total.sums.numLooseQuads << " are stored in mesh blocks, or in grids of fewer than "
-                    << looseSide << " quads along a side" << std::endl;
+                    << total.sums.numIrregularQuads << " are stored in mesh blocks, or in grids of fewer than "
+                    << minGridSide << " quads along a side" << std::endl;
         if (total.quadsForHoles)
           std::cerr << geometry << total.quadsForHoles
                     << " quads of patches with holes are stored as cLEAF, because cVOXEL cannot leave out quads"
@@ -334,7 +335,7 @@ namespace embree
             && !settings.progress(settings.progressUserPtr,min(1.0,double(done)/double(geometry->size()))))
             throw_RTCError(RTC_ERROR_CANCELLED,"progress monitor forced termination");
         }));
-      cbvh::outdateThreadCaches();
+      cbvh::invalidateThreadCaches();
     }
   }
 }

@@ -68,8 +68,8 @@ namespace embree
       {
         if (!hasSurface(mesh,face)) return;
         isa::forEachPatch(mesh,face,[&](const PatchOfFace& patch) {
-            CagePatch ofCage(mesh,plan.surface,face,patch,borders.get(),evaluator);
-            closure(ofCage);
+            CagePatch cagePatch(mesh,plan.surface,face,patch,borders.get(),evaluator);
+            closure(cagePatch);
           });
       }
 
@@ -144,8 +144,8 @@ namespace embree
         forRanges(frameLevel.size(),perTask,[&](const range<size_t>& faces) {
             PatchEvaluator evaluator(mesh->device);
             BlockStore nowhere(mesh->device,nullptr);
-            cbvh::BuildStatistics ofTrials;
-            FramedWriter trial(plan,mesh,nowhere,ofTrials);
+            cbvh::BuildStatistics trialStatistics;
+            FramedWriter trial(plan,mesh,nowhere,trialStatistics);
             size_t quads = 0;
             for (size_t f=faces.begin(); f!=faces.end(); f++)
             {

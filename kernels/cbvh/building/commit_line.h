@@ -30,11 +30,11 @@ namespace embree
         all.add(statistics);
       }
 
-      void addLeft (const CompressibleGeometry* geometry)
+      void addUncompressed (const CompressibleGeometry* geometry)
       {
-        if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.whyNot) notAsked++;
-        else if (geometry->surface.whyNot && *geometry->surface.whyNot)
-          left[{ namesOf(geometry).primitives,geometry->surface.whyNot }] += geometry->size();
+        if (geometry->ownType == Geometry::GTY_SUBDIV_MESH && !geometry->surface.rejectionReason) notRequested++;
+        else if (geometry->surface.rejectionReason && *geometry->surface.rejectionReason)
+          left[{ namesOf(geometry).primitives,geometry->surface.rejectionReason }] += geometry->size();
       }
 
       /*! treeBytes: of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
@@ -43,9 +43,9 @@ namespace embree
         const cbvh::CompressionStatistics& sums = all.sums;
         std::ostringstream line;
         line.imbue(std::locale::classic());
-        const size_t bytes = treeBytes + sums.topLevelBytes + sums.frameBytes + sums.nodeBytes + sums.leafBytes
-          + sums.gridBytes;
-        line << "compression: " << geometries() << ": " << sums.numQuads + sums.numGridQuads << " quads in "
+        const size_t bytes = treeBytes + sums.topLevelBytes + sums.headerBytes + sums.nodeBytes + sums.leafBytes
+          + sums.uncompressedBytes;
+        line << "compression: " << geometries() << ": " << sums.numQuads + sums.numUncompressedQuads << " quads in "
           << mebibytes(bytes) << " MiB, Embree would use about "
              << mebibytes(all.bytesInEmbree) << " MiB";
         if (sums.maxVertexDeviation > 0)
@@ -55,7 +55,7 @@ namespace embree
           line << "; caches: up to " << mebibytes(scene.cacheBytesPerThread) << " MiB per thread";
         const char* between = "; not compressed: ";
         auto add = [&](size_t n, const std::string& what) { if (n) { line << between << n << what; between = ", "; } };
-        add(notAsked,notAsked == 1 ? " subdivision surface that does not ask for it"
+        add(notRequested,notRequested == 1 ? " subdivision surface that does not ask for it"
           : " subdivision surfaces that do not ask for it");
         add(all.highRateQuads," quads with too high edge rates");
         add(all.refusedInGrid," quads of blocks without a good frame");
@@ -103,7 +103,7 @@ namespace embree
       cbvh::BuildStatistics all;                                         //!< of these
       /*! Number of primitives, by type and reason why they are not compressed. */
       std::map<std::pair<std::string,std::string>,size_t> left;
-      size_t notAsked = 0;                                               //!< subdivision surfaces
+      size_t notRequested = 0;                                           //!< subdivision surfaces
     };
   }
 }

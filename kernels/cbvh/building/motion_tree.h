@@ -238,14 +238,14 @@ namespace embree
             if (ref.isAABBNodeMB()) continue;
             BVH4::AABBNodeMB4D* const split = ref.getAABBNodeMB4D();
             split->lower_t[i] = child.dt.lower;
-            split->upper_t[i] = endsThere(records[i],child.dt.upper) ? std::nextafter(child.dt.upper,2.0f)
+            split->upper_t[i] = endsAtTime(records[i],child.dt.upper) ? std::nextafter(child.dt.upper,2.0f)
               : child.dt.upper;
           }
         }
 
         /*! True if a block ends at that time, at which it still exists. Otherwise time was split there, and the next
          *  child begins. */
-        static bool endsThere (const BuildRecord& record, float time)
+        static bool endsAtTime (const BuildRecord& record, float time)
         {
           for (size_t i=record.prims.begin(); i!=record.prims.end(); i++)
             if ((*record.prims.prims)[i].time_range.upper <= time) return true;

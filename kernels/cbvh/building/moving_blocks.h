@@ -27,7 +27,7 @@ namespace embree
       template<typename Progress>
       void add (const SurfaceBlocks& surface, const Progress& progress)
       {
-        if (surface.moving.empty() || !isInTimesOfRays(surface.moving.front())) return;
+        if (surface.moving.empty() || !overlapsRayTimes(surface.moving.front())) return;
         const size_t begin = blocks.size();
         blocks.resize(begin + surface.moving.size());
         size_t numBoxes = 0;
@@ -54,7 +54,7 @@ namespace embree
       typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
 
       /*! Rays have times from 0 to 1. Embree's builder does not support blocks outside of them. */
-      static bool isInTimesOfRays (BVH4::NodeRef leaf)
+      static bool overlapsRayTimes (BVH4::NodeRef leaf)
       {
         const cbvh::VertMotion motion = cbvh::motionOf(headerOf(leaf));
         return motion.begin <= 1.0f && motion.end >= 0.0f;

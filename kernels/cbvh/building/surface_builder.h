@@ -11,7 +11,7 @@
 #include "../base/tasks.h"
 #include "../vert/writer.h"
 #include "build_results.h"
-#include "loose_blocks.h"
+#include "irregular_blocks.h"
 #include "../stored/surface_blocks.h"
 #include "../stored/tree.h"
 #include <functional>
@@ -53,9 +53,9 @@ namespace embree
       /*! mesh and plan must outlive this object. loose: primitives of a mesh that the source does not have, or null. */
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
-                 std::unique_ptr<LooseBlocks> loose = nullptr)
+                 std::unique_ptr<IrregularBlocks> loose = nullptr)
         : device(mesh->device), number(number), plan(plan), source(mesh,plan), loose(std::move(loose)),
-          ofGeometry(double(mesh->size()-looseSize())/double(max(source.size(),size_t(1)))),
+          ofGeometry(double(mesh->size()-irregularSize())/double(max(source.size(),size_t(1)))),
           estimatedBlocks(source.estimateBlocks() + (this->loose ? this->loose->estimateBlocks() : 0)),
           perTask(source.perTask(isSmall())) {}
 
@@ -141,11 +141,11 @@ namespace embree
       {
         const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0],
           quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
-        const size_t width = quadsX+1, ofSeam = width*plan.numTimeSteps;
+        const size_t width = quadsX+1, seamVertices = width*plan.numTimeSteps;
         // rows between strips, at each time step
-        mvector<float> seams(device,Source::isDeterministic ? 0 : 3*ofSeam*(strips-1));
+        mvector<float> seams(device,Source::isDeterministic ? 0 : 3*seamVertices*(strips-1));
         auto seam = [&](unsigned s) {
-          return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*ofSeam*s);
+          return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*seamVertices*s);
         };
         if (!Source::isDeterministic)
           parallel_for(1u,strips,1u,[&](const range<unsigned>& r) {
@@ -161,17 +161,17 @@ namespace embree
         parallel_for(0u,strips,1u,[&](const range<unsigned>& r) {
             typename Source::Scratch scratch(device);
             Patch own(patch,scratch);
-            cbvh::BuildStatistics ofStrips;
+            cbvh::BuildStatistics stripStatistics;
             for (unsigned s=r.begin(); s!=r.end(); s++) {
               BlockStore store(device,&memory);
               const PatchPart strip = { 0,quadsX,s*rows,min((s+1)*rows,quadsY) };
-              VertWriter(plan,device,store,ofStrips).write(own,strip,s == 0 ? nullptr : seam(s-1),
+              VertWriter(plan,device,store,stripStatistics).write(own,strip,s == 0 ? nullptr : seam(s-1),
                 s+1 == strips ? nullptr : seam(s));
               results.add(primitive,number,s+1,store);
               progress(0.0);
             }
             Lock<MutexSys> lock(mutex);
-            statistics.merge(ofStrips);
+            statistics.merge(stripStatistics);
           });
       }
 
@@ -201,13 +201,13 @@ namespace embree
       template<typename S>
       static const StoredBorders* bordersOf (const S&, long) { return nullptr; }
 
-      size_t looseSize () const { return loose ? loose->numPrimitives() : 0; }
+      size_t irregularSize () const { return loose ? loose->numPrimitives() : 0; }
 
       Device* device;
       const std::shared_ptr<const cbvh::SurfaceNumber> number;
       const CompressionPlan& plan;
       Source source;
-      const std::unique_ptr<LooseBlocks> loose;
+      const std::unique_ptr<IrregularBlocks> loose;
       const double ofGeometry; //!< primitives of the geometry per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;

@@ -71,10 +71,11 @@ namespace embree
       return surface && surface->surface.blocks;
     }
 
-    const char* whyNotCompressed (Geometry* geometry)
+    const char* reasonNotCompressed (Geometry* geometry)
     {
       const CompressibleGeometry* const surface = compressible(geometry);
-      return surface && surface->surface.whyNot && *surface->surface.whyNot ? surface->surface.whyNot : nullptr;
+      return surface && surface->surface.rejectionReason && *surface->surface.rejectionReason
+        ? surface->surface.rejectionReason : nullptr;
     }
 
     cbvh::CompressionStatistics statisticsOf (Scene* scene)

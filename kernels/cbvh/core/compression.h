@@ -33,7 +33,7 @@ namespace embree
     /*! Returns why the last commit left a geometry that requests compression to Embree's kernels, as the end of a
      *  sentence: "are too few to matter". Null if it did not, or if the geometry has no primitives. The text has static
      *  storage. */
-    const char* whyNotCompressed (Geometry* geometry);
+    const char* reasonNotCompressed (Geometry* geometry);
 
     /*! Returns the statistics of the last commit of a scene, without instanced scenes; all zero if it has no compressed
      *  geometry. Errors: RTC_ERROR_INVALID_OPERATION if the scene or one of its geometries was modified since its last

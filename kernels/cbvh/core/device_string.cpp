@@ -96,7 +96,7 @@ namespace embree
         && std::strchr("0123456789.",text[sign]);
     }
 
-    std::string whatIsWrongWith (const Key& key, std::string value)
+    std::string findDeviceStringError (const Key& key, std::string value)
     {
       const std::string begin = "invalid value \"" + value + "\" of " + key.name + ": ";
       if (value.empty()) return begin + "expected " + key.name + "=<value>";
@@ -138,7 +138,7 @@ namespace embree
     return nearestWord(word,names);
   }
 
-  std::string whatIsWrongWith (const char* deviceString)
+  std::string findDeviceStringError (const char* deviceString)
   {
     const std::string text = deviceString ? deviceString : "";
     const char* const blanks = " \t\r\n";
@@ -161,7 +161,7 @@ namespace embree
           at = next-1;
         }
       }
-      const std::string wrong = whatIsWrongWith(*key,value);
+      const std::string wrong = findDeviceStringError(*key,value);
       if (!wrong.empty()) return wrong;
     }
     return "";

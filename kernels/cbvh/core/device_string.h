@@ -22,7 +22,7 @@ namespace embree
 
   /*! Checks all keys of a device string, and the values whose errors Embree ignores. Returns an empty string, or a
    *  message with the first invalid key or value and what is accepted. */
-  std::string whatIsWrongWith (const char* deviceString);
+  std::string findDeviceStringError (const char* deviceString);
 
   /*! Returns and clears the message of this thread's last rejected setting. Empty if there is none. */
   std::string takeSettingError ();

@@ -17,11 +17,12 @@ namespace embree
     template<typename Statistics, typename Closure>
     void forEachCount (Statistics& s, const Closure& closure)
     {
-      closure(s.sums.topLevelBytes); closure(s.sums.frameBytes); closure(s.sums.nodeBytes); closure(s.sums.leafBytes);
-      closure(s.sums.gridBytes); closure(s.sums.numBlocks); closure(s.sums.numQuads); closure(s.sums.numGridQuads);
+      closure(s.sums.topLevelBytes); closure(s.sums.headerBytes); closure(s.sums.nodeBytes); closure(s.sums.leafBytes);
+      closure(s.sums.uncompressedBytes); closure(s.sums.numBlocks); closure(s.sums.numQuads);
+        closure(s.sums.numUncompressedQuads);
       closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks); closure(s.sums.numSolidLeaves);
       closure(s.sums.numRawBlocks); closure(s.sums.numExactQuads); closure(s.sums.numFlippedQuads);
-      closure(s.sums.numMeshQuads); closure(s.sums.numLooseQuads); closure(s.sums.numMovingQuads);
+      closure(s.sums.numMeshQuads); closure(s.sums.numIrregularQuads); closure(s.sums.numMovingQuads);
       closure(s.sums.motionBytes); closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid);
       closure(s.quadsForHoles); closure(s.bytesInEmbree);
     }
@@ -29,7 +30,7 @@ namespace embree
     void forEachMeasure (Statistics& s, const Closure& closure)
     {
       closure(s.sums.maxLeafThickness); closure(s.sums.maxVertexSpacing); closure(s.sums.maxVertexDeviation);
-      closure(s.sums.maxBorderGap);
+      closure(s.sums.maxBorderMismatch);
     }
 
     inline SurfaceStatistics statisticsOf (const FileGeometry& record)

@@ -7,7 +7,7 @@
 
 namespace embree
 {
-  const char* const LoadedGeometry::whyNot =
+  const char* const LoadedGeometry::rejectionReason =
     "the geometry was loaded from a file: its compressed blocks can be traced, but it has no vertices, faces or "
     "indices to read, interpolate or change";
 
@@ -35,7 +35,7 @@ namespace embree
     LoadedGeometry::commit();
   }
 
-  void LoadedGeometry::refuse () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,whyNot); }
+  void LoadedGeometry::refuse () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,rejectionReason); }
 
   void LoadedGeometry::commit ()
   {

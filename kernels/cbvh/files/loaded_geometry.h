@@ -15,7 +15,7 @@ namespace embree
   class LoadedGeometry : public CompressibleGeometry
   {
   public:
-    static const char* const whyNot; //!< message of functions that fail
+    static const char* const rejectionReason; //!< message of functions that fail
 
     LoadedGeometry (Device* device, const cvert::FileGeometry& record,
                     const std::shared_ptr<const SurfaceBlocks>& blocks);
@@ -54,6 +54,6 @@ namespace embree
   /*! Throws if a geometry was loaded from a file. */
   inline void requireEditable (Geometry* geometry) {
     if (dynamic_cast<const LoadedGeometry*>(geometry))
-      throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::whyNot);
+      throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::rejectionReason);
   }
 }

@@ -137,7 +137,7 @@ namespace embree
       char* first = (char*)file->blocks(i);
       if (ownNumber != record.surface && record.blockBytes) {
         memory->pages.reset(new PrivatePages(file->descriptor(),record.blocks,
-                                             size_t(record.blockBytes+fileReadBehind)));
+                                             size_t(record.blockBytes+fileReadPast)));
         first = memory->pages->data;
       }
       const std::shared_ptr<const File> owner(memory,file.get());
@@ -157,7 +157,7 @@ namespace embree
         isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);
       }
       surface->memory.end();
-      outdateThreadCaches(); // other blocks may have had the same addresses
+      invalidateThreadCaches(); // other blocks may have had the same addresses
       return surface;
     }
 

@@ -18,7 +18,7 @@ namespace embree
   namespace cbvh
   {
     /*! All mapped blocks of the process. */
-    class MappedPlaces
+    class MappedBlockRegistry
     {
       /*! By value: other threads may delete blocks of geometries that the calling thread does not trace, but not those
        *  that it traces. */
@@ -43,7 +43,7 @@ namespace embree
         if (first) first->previous = blocks;
         first = blocks;
         list = std::move(next);
-        isMappedBlockGood.store(isGood);
+        isMappedBlockValid.store(isGood);
         hullBegin = std::min(hullBegin,size_t(blocks->begin));
         hullEnd = std::max(hullEnd,size_t(blocks->begin)+blocks->bytes);
         changed();
@@ -91,7 +91,7 @@ namespace embree
           known->generation = generation.load(std::memory_order_relaxed);
           known->last = Place{ nullptr, 0, nullptr };
         }
-        const Place place = known->list ? placeIn(*known->list,block) : placeOfLiving(block);
+        const Place place = known->list ? placeIn(*known->list,block) : placeOfRegistered(block);
         if (!place.blocks) return true;
         known->last = place;
         return place.blocks->isGood(block,form);
@@ -106,7 +106,7 @@ namespace embree
         return next == list.begin() || !(next-1)->holds(block) ? Place{ nullptr, 0, nullptr } : *(next-1);
       }
 
-      static Place placeOfLiving (const void* block)
+      static Place placeOfRegistered (const void* block)
       {
         Lock<MutexSys> lock(mutex);
         for (const MappedBlocks* blocks=first; blocks; blocks=blocks->next)
@@ -149,12 +149,12 @@ namespace embree
       static __thread Known* known __attribute__((tls_model("initial-exec")));
     };
 
-    MutexSys MappedPlaces::mutex;
-    MappedBlocks* MappedPlaces::first = nullptr;
-    std::shared_ptr<const MappedPlaces::List> MappedPlaces::list;
-    size_t MappedPlaces::hullBegin = ~size_t(0), MappedPlaces::hullEnd = 0;
-    std::atomic<uint64_t> MappedPlaces::generation(0);
-    __thread MappedPlaces::Known* MappedPlaces::known = nullptr;
+    MutexSys MappedBlockRegistry::mutex;
+    MappedBlocks* MappedBlockRegistry::first = nullptr;
+    std::shared_ptr<const MappedBlockRegistry::List> MappedBlockRegistry::list;
+    size_t MappedBlockRegistry::hullBegin = ~size_t(0), MappedBlockRegistry::hullEnd = 0;
+    std::atomic<uint64_t> MappedBlockRegistry::generation(0);
+    __thread MappedBlockRegistry::Known* MappedBlockRegistry::known = nullptr;
 
     MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin,
                                 const FileGeometry& record, uint32_t number, const std::string& name)
@@ -165,13 +165,13 @@ namespace embree
       /* calloc maps pages of zeros, which need memory only where rays reach blocks */
       good = (std::atomic<uint64_t>*)calloc(bytes/(16*64)+1,sizeof(uint64_t));
       if (!good) throw std::bad_alloc();
-      try { MappedPlaces::add(this); }
+      try { MappedBlockRegistry::add(this); }
       catch (...) { free(good); throw; }
     }
 
     MappedBlocks::~MappedBlocks ()
     {
-      MappedPlaces::remove(this);
+      MappedBlockRegistry::remove(this);
       free(good);
     }
 

@@ -24,7 +24,7 @@ namespace embree
     class MappedBlocks
     {
     public:
-      /*! file: must outlive this object; must have at least fileReadBehind bytes after the blocks. begin: of the
+      /*! file: must outlive this object; must have at least fileReadPast bytes after the blocks. begin: of the
        *  blocks. number: surface number, written into blocks that have another; they must then be writable. name: for
        *  messages. */
       MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
@@ -50,7 +50,7 @@ namespace embree
       const char* first () const { return begin; }
 
     private:
-      friend class MappedPlaces;
+      friend class MappedBlockRegistry;
 
       bool check (size_t offset, BlockForm form) const;
       AtomicRef<uint32_t> surfaceOf (size_t offset, BlockForm form) const;

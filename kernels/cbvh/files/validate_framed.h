@@ -19,7 +19,7 @@ namespace embree
     {
       bool isZero = true;
       for (int i=0; i<3; i++) {
-        if (!std::isfinite(header.centre[i])) return false;
+        if (!std::isfinite(header.center[i])) return false;
         for (int k=0; k<4; k++) {
           if (!std::isfinite(header.columns[i][k])) return false;
           isZero &= k == 3 || header.columns[i][k] == 0.0f;

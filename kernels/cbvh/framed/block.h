@@ -19,7 +19,7 @@ CBVH_BEGIN
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
 /*! True if the last level of nodes has words of groups (leaf/format.h). */
-CVERT_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
+CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
@@ -37,7 +37,7 @@ struct BlockLayout
   uint32_t stride;      //!< distance between consecutive blocks
 };
 
-CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
+CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 {
   uint32_t leafLevels = kindFormats[kind].leafLevels;
   uint32_t width = (1u << height) + 1u;
@@ -60,41 +60,41 @@ CVERT_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
  *  gap before the next block. */
 struct BlockHeader
 {
-  float centre[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
+  float center[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
   uint32_t surface;     //!< see surface_ids.h
-  float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-centre)[i]
+  float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-center)[i]
   uint32_t primID;
   uint32_t info;        //!< kind, height, position in the patch, border width: see the accessors
   uint32_t tiling;      //!< position of the patch in its face, and its last block
 };
 
-CVERT_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
+CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, uint32_t y) {
   return kind | (height << 4) | (x << 8) | (y << 16);
 }
-CVERT_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
-CVERT_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
-CVERT_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }  //!< position in the patch, in blocks
-CVERT_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
+CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
+CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
+CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }   //!< position in the patch, in blocks
+CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
 /*! cLEAF: edges on the border of the block are within this fraction of their leaves' boxes, from the outer side. */
-CVERT_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
+CBVH_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
 
 /*! lastX, lastY: position of the patch's last block. u0, v0: face parameters of the patch's corner (0,0), times 2; not
  *  0 for sub-patches of an n-gon. */
-CVERT_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
+CBVH_FUNCTION uint32_t blockTiling (uint32_t lastX, uint32_t lastY, uint32_t u0, uint32_t v0) {
   return lastX | (lastY << 8) | (u0 << 16) | (v0 << 24);
 }
-CVERT_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
-CVERT_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
-CVERT_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
-CVERT_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
+CBVH_FUNCTION uint32_t lastXOf (uint32_t tiling) { return tiling & 255u; }
+CBVH_FUNCTION uint32_t lastYOf (uint32_t tiling) { return (tiling >> 8) & 255u; }
+CBVH_FUNCTION uint32_t cornerUOf (uint32_t tiling) { return (tiling >> 16) & 255u; }
+CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
 /*! Parameter of the face at a point x quads from the block's corner. corner: parameter of the patch's corner, times 2.
  *  block, last: positions of the block and of the patch's last block. Divides instead of multiplying by a reciprocal,
  *  so that the patch ends at 1. */
-CVERT_REAL CVERT_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
+CVERT_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
 }

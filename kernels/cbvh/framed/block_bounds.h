@@ -23,7 +23,7 @@ namespace embree
   namespace cbvh { inline namespace CBVH_ISA
   {
     /*! The bounds of the corners are bounds of the box, because a projective map keeps it convex. */
-    inline WorldBounds boundBox(const NodeBox& box, const float centre[3], const InverseFrame& inverse)
+    inline WorldBounds boundBox(const NodeBox& box, const float center[3], const InverseFrame& inverse)
     {
       /* Lanes are the four corners of the lower and of the upper side. */
       const double x[2] = { box.lower[0],upperOf(box,0) }, y[2] = { box.lower[1],upperOf(box,1) };
@@ -41,7 +41,7 @@ namespace embree
       {
         Double4 n[2];
         form(inverse.numerator[k],n);
-        const Double4 p[2] = { double(centre[k]) + w[0]*n[0],double(centre[k]) + w[1]*n[1] };
+        const Double4 p[2] = { double(center[k]) + w[0]*n[0],double(center[k]) + w[1]*n[1] };
         bounds.lower[k] = least(min(p[0],p[1]));
         bounds.upper[k] = greatest(max(p[0],p[1]));
       }
@@ -77,7 +77,7 @@ namespace embree
       /*! No leaf below a node extends past the bounds if the node's box does not. */
       void extend(uint32_t level, uint32_t m, const NodeBox& box)
       {
-        const WorldBounds own = boundBox(box,block->centre,geometry.inverse);
+        const WorldBounds own = boundBox(box,block->center,geometry.inverse);
         if (bounds.contains(own)) return;
         if (level == nodeLevels) { bounds.extend(own); return; }
         for (uint32_t c=0; c<4; c++)

@@ -45,7 +45,7 @@ namespace embree
       void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
-        memcpy(block->centre,geometry.frame.centre,sizeof(block->centre));
+        memcpy(block->center,geometry.frame.center,sizeof(block->center));
         memcpy(block->columns,geometry.frame.columns,sizeof(block->columns));
         geometry.bound();
         statistics.affine = !geometry.frame.projective;

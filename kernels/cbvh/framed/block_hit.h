@@ -35,13 +35,13 @@ namespace embree
         Real enter;            //!< distance at which the ray enters the block's bounds
 
         /*! Distance of the point at parameter s. */
-        __forceinline Real ownT (const Real& s) const {
+        __forceinline Real distanceAt (const Real& s) const {
           const Real sw = product(s,w0);
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
         /*! Distance that hits are compared by (nearest_hit.h). */
-        __forceinline Real countingT (const Real& own) const { return min(max(own,enter),tfar); }
+        __forceinline Real comparedT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 
       template<typename Real>
@@ -87,7 +87,7 @@ namespace embree
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
           const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
-          const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(turnedSine2)*length2);
+          const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(mirroredSine2)*length2);
           const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
             rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
           for (int k=0; k<3; k++) n[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* What the visitors of the three kinds of leaves share: a ray in a block, and its hits. */
+/* A ray in a block, and its hits: shared by the visitors of the three kinds of leaves. */
 
 #include "block_walk1.h"
 #include "block_hit.h"
@@ -41,7 +41,7 @@ namespace embree
         /* Required by BlockWalk1; only cLEAF overrides them. */
         typedef NodeEntries::Tile LeafTile;
         static const uint32_t passedMask = 0u;
-        __forceinline bool passedAbove (bool) { return false; }
+        __forceinline bool passSubtree (bool) { return false; }
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! True if the segment begins (ends) inside the box of a leaf, at tnear (tfar). */
@@ -60,7 +60,7 @@ namespace embree
             { frameRay.P[0],frameRay.P[1],frameRay.P[2] },{ frameRay.D[0],frameRay.D[1],frameRay.D[2] },
             local.t0,local.t1,local.w0,local.w1,{ state.dir.x,state.dir.y,state.dir.z },
             state.scale,state.rcpDir2,ray.tnear(),state.tfar,state.enter };
-          const float own = segment.ownT(at.s), t = segment.countingT(own);
+          const float own = segment.distanceAt(at.s), t = segment.comparedT(own);
           if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
             if (isRead(ray,context,block->surface)) {

@@ -46,15 +46,15 @@ namespace embree
 
         /* Required by BlockWalkK; only cLEAF overrides them. */
         static const bool countsPassed = false;
-        __forceinline vbool<K> wantsPassed () const { return vbool<K>(false); }
+        __forceinline vbool<K> needsPassedBoxes () const { return vbool<K>(false); }
         __forceinline void pass (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! Rays whose segments begin (end) inside the box of a leaf, at tnear (tfar). */
-        __forceinline vbool<K> startInside (const BoxMeeting<K>& box) const {
+        __forceinline vbool<K> startInside (const BoxRangesK<K>& box) const {
           return frameRays.startClipped & (box.sNear < vfloat<K>(zero));
         }
-        __forceinline vbool<K> endInside (const BoxMeeting<K>& box) const {
+        __forceinline vbool<K> endInside (const BoxRangesK<K>& box) const {
           return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f));
         }
 
@@ -62,7 +62,7 @@ namespace embree
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const HitRay<vfloat<K>> segment = segments();
-          const vfloat<K> own = segment.ownT(hits.s), t = segment.countingT(own);
+          const vfloat<K> own = segment.distanceAt(hits.s), t = segment.comparedT(own);
           vbool<K> counts = lanes;
           const vbool<K> front = lanes & inFront(lanes,t,own);
           if (any(front)) {

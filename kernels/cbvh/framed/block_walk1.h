@@ -12,7 +12,7 @@
  *      Returns the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
  *    bool leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRanges<16>& ranges)
  *      Intersects leaf 16 m + child, whose box the ray intersects. Returns true to end the walk.
- *    bool passedAbove (bool above)
+ *    bool passSubtree (bool above)
  *      Called if the ray passes over (under) an entire subtree. Returns true to end the walk.
  *    uint32_t passedMask
  *      All bits set to request these calls, otherwise 0. May change.
@@ -67,7 +67,7 @@ namespace embree
             }
             const uint32_t rank = uint32_t(bsf(events)), child = l->hits.grandchild(rank);
             if (unlikely(!l->hits.take(rank))) {
-              if (visitor.passedAbove(isAbove(*l,level,child))) return true;
+              if (visitor.passSubtree(isAbove(*l,level,child))) return true;
               continue;
             }
             if (unlikely(l->hits.ranges.sNear[child] > visitor.sBest)) continue;

@@ -14,11 +14,11 @@
  *
  *    Tile& leafTile (uint32_t m)
  *      As in BlockWalk1.
- *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+ *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
  *      Intersects leaf 16 m + child, whose box the rays in `lanes` intersect.
  *    void pass (const vbool<K>& above, const vbool<K>& lanes)
  *      Called if rays pass over (under) an entire subtree.
- *    vbool<K> wantsPassed ()
+ *    vbool<K> needsPassedBoxes ()
  *      Rays for which pass() must be called.
  *    vbool<K> open
  *      Rays that continue.
@@ -59,7 +59,7 @@ namespace embree
             flip = ((x >> k) & 1u) | ((y >> k) & 1u) << 1;
             const uint32_t same = rest & (flip & 1u ? x : ~x) & (flip & 2u ? y : ~y);
             rest &= ~same;
-            meetTile(first,0,toLanes(same));
+            intersectTile(first,0,toLanes(same));
           }
         }
 
@@ -69,7 +69,7 @@ namespace embree
         /*! Four nodes and the rays that visit them, in the order of visits. A node can occur twice. */
         struct Visits
         {
-          BoxMeeting<K> box[4];   //!< by node
+          BoxRangesK<K> box[4];   //!< by node
           vbool<K> lanes[5];
           uint32_t node[5];
           uint32_t number;
@@ -111,22 +111,22 @@ namespace embree
         };
 
         /*! Returns the rays that intersect the box, and reports the rays that pass it to the visitor. */
-        __forceinline vbool<K> meet (const BoxMeeting<K>& box, const vbool<K>& lanes)
+        __forceinline vbool<K> meet (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);
           if (Visitor::countsPassed) {
-            const vbool<K> passed = andn(active,hit) & visitor.wantsPassed();
+            const vbool<K> passed = andn(active,hit) & visitor.needsPassedBoxes();
             if (any(passed)) visitor.pass(box.isAbove(rays.down[2]),passed);
           }
           return hit;
         }
 
-        void meetTile (int level, uint32_t m, const vbool<K>& lanes)
+        void intersectTile (int level, uint32_t m, const vbool<K>& lanes)
         {
           Tile& tile = tileOf(level,m);
           const uint32_t number = tile.number;
           if (unlikely(tile.isAboveRoot())) { // the rays are in its box
-            meetChildren(level,m,number,tile.present,0,lanes);
+            intersectChildren(level,m,number,tile.present,0,lanes);
             return;
           }
           const Visits children(*this,tile.children,0,15u,lanes);
@@ -134,12 +134,13 @@ namespace embree
           {
             const uint32_t c = children.node[n];
             const vbool<K> hit = meet(children.box[c],children.lanes[n]);
-            if (any(hit)) meetChildren(level,m,number,15u,c,hit);
+            if (any(hit)) intersectChildren(level,m,number,15u,c,hit);
           }
         }
 
         /*! lanes: rays that intersect child c of a tile. */
-        void meetChildren (int level, uint32_t m, uint32_t number, uint32_t present, uint32_t c, const vbool<K>& lanes)
+        void intersectChildren (int level, uint32_t m, uint32_t number, uint32_t present, uint32_t c,
+          const vbool<K>& lanes)
         {
           Tile* tile = &withChildren(level,m,c);
           const Visits visits(*this,tile->grandchildren,4*c,present,lanes);
@@ -152,7 +153,7 @@ namespace embree
               if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter may trace rays
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
-            else meetTile(level+2,16*m+4*c+i,hit);
+            else intersectTile(level+2,16*m+4*c+i,hit);
           }
         }
 

@@ -15,7 +15,7 @@
  * is constant and Z is the signed distance. Then x, y and z are scaled so that the vertices fill [0,1]^3: the bounds of
  * the root need no bytes.
  *
- * The map is stored relative to the world point "centre", which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
+ * The map is stored relative to the world point "center", which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
  * floats. Vertices and ray origins are made relative to the center first, so that far from the origin no more precision
  * is lost than the coordinates themselves lack.
  *
@@ -229,13 +229,13 @@ namespace embree
     }
 
     /*! True if W > 0 at the world points of the box's corners. */
-    inline bool isBounded(const FrameMap& map, const Double3& centre)
+    inline bool isBounded(const FrameMap& map, const Double3& center)
     {
       if (!map.projective) return true;
       for (int i=0; i<8; i++) {
         Double3 q;
         if (!unproject(map,i&1,(i>>1)&1,i>>2,q)) return false;
-        const double w = map.W(q)/map.W(centre);
+        const double w = map.W(q)/map.W(center);
         if (!(w > 1.0/(2*maxWRatio) && w < 2*maxWRatio)) return false;
       }
       return true;
@@ -243,7 +243,7 @@ namespace embree
 
     /*! reach: largest distance of the vertices from the center, per axis. Returns false if W is not positive or a
      *  distance is not finite. */
-    inline bool reachOf(const Frame& frame, const Double3& centre, const Double3* vertices, size_t count,
+    inline bool reachOf(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
       double reach[3])
     {
       const FrameLanes lanes(frame.columns);
@@ -251,7 +251,7 @@ namespace embree
       uint32_t positive = ~0u;
       for (size_t i=0; i<count; i++)
       {
-        const Double4 h = lanes(vertices[i]-centre);
+        const Double4 h = lanes(vertices[i]-center);
         positive &= (Double4(0.0) < h).bits();
         farthest = max(abs(h/broadcast<3>(h)-0.5),farthest);
       }
@@ -262,12 +262,12 @@ namespace embree
     }
 
     /*! Rounds a map to floats. Rounding moves the center: a shift restores it to (1/2,1/2,1/2). The map is then scaled
-     *  about the center until it contains every vertex again. frame.centre must be set. */
+     *  about the center until it contains every vertex again. frame.center must be set. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
       Frame& frame)
     {
       const Double3 rounded =
-        { double(frame.centre[0])-origin.x, double(frame.centre[1])-origin.y, double(frame.centre[2])-origin.z };
+        { double(frame.center[0])-origin.x, double(frame.center[1])-origin.y, double(frame.center[2])-origin.z };
       const double w = map.W(rounded);
       if (!(w > 0)) return false;
       Double3 rows[4] = { (1/w)*map.X.n, (1/w)*map.Y.n, (1/w)*map.Z.n, (1/w)*map.W.n };
@@ -303,11 +303,11 @@ namespace embree
       frame.degenerate = fillBox(map,origin,mapped);
       frame.projective = map.projective;
 
-      Double3 centre;
-      if (!unproject(map,0.5,0.5,0.5,centre) || !isBounded(map,centre)) return false;
-      frame.centre[0] = float(origin.x+centre.x);
-      frame.centre[1] = float(origin.y+centre.y);
-      frame.centre[2] = float(origin.z+centre.z);
+      Double3 center;
+      if (!unproject(map,0.5,0.5,0.5,center) || !isBounded(map,center)) return false;
+      frame.center[0] = float(origin.x+center.x);
+      frame.center[1] = float(origin.y+center.y);
+      frame.center[2] = float(origin.z+center.z);
       return roundMap(map,origin,vertices,count,frame);
     }
 

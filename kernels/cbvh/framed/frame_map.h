@@ -47,7 +47,7 @@ namespace embree
     /*! A stored frame, see BlockHeader. */
     struct Frame
     {
-      float centre[3];
+      float center[3];
       float columns[3][4];
       bool projective;
       bool degenerate; //!< see fillBox()
@@ -62,8 +62,8 @@ namespace embree
       /*! x, y and z in lanes 0 to 2. */
       Double4 transform(const FrameLanes& lanes, const float p[3]) const
       {
-        const Double4 h = lanes({ double(p[0])-double(centre[0]), double(p[1])-double(centre[1]),
-          double(p[2])-double(centre[2]) });
+        const Double4 h = lanes({ double(p[0])-double(center[0]), double(p[1])-double(center[1]),
+          double(p[2])-double(center[2]) });
         return h/broadcast<3>(h);
       }
     };

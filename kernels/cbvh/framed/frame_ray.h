@@ -88,7 +88,8 @@ namespace embree
 
       /*! Tests the first `number` boxes against the segment up to sBest. */
       template<typename vfloatW, int N>
-      __forceinline BoxMasks meetBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest, BoxRanges<N>& ranges,
+      __forceinline BoxMasks intersectBoxes (const FrameRay& ray, const NodePlanes<N>& c, float sBest,
+        BoxRanges<N>& ranges,
                                         int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");

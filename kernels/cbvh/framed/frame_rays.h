@@ -68,8 +68,8 @@ namespace embree
                                      const vbool<K>& valid)
         {
           const vfloat<K> o[3] =
-            { state.org.x-vfloat<K>(block->centre[0]), state.org.y-vfloat<K>(block->centre[1]),
-              state.org.z-vfloat<K>(block->centre[2]) };
+            { state.org.x-vfloat<K>(block->center[0]), state.org.y-vfloat<K>(block->center[1]),
+              state.org.z-vfloat<K>(block->center[2]) };
           const vfloat<K> tref = -state.dotOf(Vec3vf<K>(o[0],o[1],o[2]),state.dir)*state.rcpDir2;
           const vfloat<K> p[3] =
             { madd(tref,state.dir.x,o[0]), madd(tref,state.dir.y,o[1]), madd(tref,state.dir.z,o[2]) };
@@ -146,7 +146,7 @@ namespace embree
 
       /*! s at which rays enter and leave a box: in x and y, in z, and in all three. */
       template<int K>
-      struct BoxMeeting
+      struct BoxRangesK
       {
         vfloat<K> enterXY, leaveXY, enterZ, leaveZ, sNear, sFar;
 

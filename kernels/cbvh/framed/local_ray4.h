@@ -67,7 +67,7 @@ namespace embree
 
       /*! t: along the scaled direction. Returns 1 at the end of the segment and after it. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
-        return t < t1 ? localShare(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
+        return t < t1 ? localFraction(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
 
       /*! Upper bound of the error of s of a world parameter. */
@@ -92,7 +92,7 @@ namespace embree
           const vfloat4 cx = vfloat4::load(block->columns[0]);
           const vfloat4 cy = vfloat4::load(block->columns[1]);
           const vfloat4 cz = vfloat4::load(block->columns[2]);
-          const Vec3fa o = state.org - Vec3fa(block->centre[0],block->centre[1],block->centre[2]);
+          const Vec3fa o = state.org - Vec3fa(block->center[0],block->center[1],block->center[2]);
 
           const float tref = -dot(o,state.dir)*state.rcpDir2;
           const Vec3fa p = madd(Vec3fa(tref),state.dir,o);

@@ -11,7 +11,7 @@
 CBVH_BEGIN
 
 /*! Moves the lower 8 bits of x to the even bits. */
-CVERT_FUNCTION uint32_t spreadBits (uint32_t x)
+CBVH_FUNCTION uint32_t spreadBits (uint32_t x)
 {
   x = (x | (x << 4)) & 0x0F0Fu;
   x = (x | (x << 2)) & 0x3333u;
@@ -19,7 +19,7 @@ CVERT_FUNCTION uint32_t spreadBits (uint32_t x)
 }
 
 /*! Inverse of spreadBits. */
-CVERT_FUNCTION uint32_t gatherBits (uint32_t x)
+CBVH_FUNCTION uint32_t gatherBits (uint32_t x)
 {
   x &= 0x5555u;
   x = (x | (x >> 1)) & 0x3333u;
@@ -27,15 +27,15 @@ CVERT_FUNCTION uint32_t gatherBits (uint32_t x)
   return (x | (x >> 4)) & 0x00FFu;
 }
 
-CVERT_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) | (spreadBits(y) << 1); }
-CVERT_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
-CVERT_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
+CBVH_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) | (spreadBits(y) << 1); }
+CBVH_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
+CBVH_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 
 /*! Column (axis 0) or row (axis 1) of a child, or of a corner of a box. */
-CVERT_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
+CBVH_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
 /*! Number of nodes in the first n levels, and index of the first node of level n. */
-CVERT_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
+CBVH_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END
 

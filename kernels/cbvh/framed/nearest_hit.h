@@ -31,7 +31,7 @@ namespace embree
         __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
           return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own
-            || (otherOwn == own && block && !comesBefore(other,block,ids));
+            || (otherOwn == own && block && !hasPrecedence(other,block,ids));
         }
 
         __forceinline void set (float t, float own, const Block* block) {
@@ -42,7 +42,7 @@ namespace embree
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:
-        static bool comesBefore (const Block* a, const Block* b, const SurfaceIDs& ids)
+        static bool hasPrecedence (const Block* a, const Block* b, const SurfaceIDs& ids)
         {
           if (a->surface != b->surface) return ids[a->surface] < ids[b->surface];
           if (a->primID != b->primID) return a->primID < b->primID;

@@ -34,31 +34,31 @@ struct NodeBox
   float extent[3];
 };
 
-CVERT_FUNCTION NodeBox rootBox ()
+CBVH_FUNCTION NodeBox rootBox ()
 {
   NodeBox box;
   for (int k=0; k<3; k++) { box.lower[k] = 0.0f; box.extent[k] = 1.0f; }
   return box;
 }
 
-CVERT_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
+CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + box.extent[axis]; }
 
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
 /* Codebooks are packed into words: a GPU would load a table from memory. */
 
-CVERT_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
+CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
 /*! Distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. The steps are small because outer planes
  *  only compensate for the rounding of the parent. */
-CVERT_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
+CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
 /*! Upper plane of column 0, which the lower plane of column 1 mirrors: 116, 125, 130, 136, 144, 160, 192 or 256 of 256
  *  (packed less 1). Fine around the middle, where frames that are aligned to patches put it, and 1 for surfaces that
  *  fold over their neighbor. */
-CVERT_FUNCTION float innerPosition (uint32_t code) {
+CBVH_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
 
@@ -69,7 +69,7 @@ CVERT_FUNCTION float innerPosition (uint32_t code) {
  *    lower  0  7  2 16 11  7 14  0
  *    upper 32 26 20 32 23 19 28 15 */
 struct Interval { float lower, upper; };
-CVERT_FUNCTION Interval zInterval (uint32_t code)
+CBVH_FUNCTION Interval zInterval (uint32_t code)
 {
   Interval z;
   z.lower = float(packedByte(0x10020700u,0x000E070Bu,code))*(1.0f/32.0f);
@@ -89,20 +89,20 @@ CVERT_CONSTANT uint32_t planePairMask = 31u;
 CVERT_CONSTANT int zShift = 20;
 CVERT_CONSTANT int zBits = 3;
 
-CVERT_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
-CVERT_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
+CBVH_FUNCTION int lowerShift (int axis) { return axis*2*planePairBits; }
+CBVH_FUNCTION int upperShift (int axis) { return axis*2*planePairBits + planePairBits; }
 
 /*! In parent extents. pair: 5 bits. */
-CVERT_FUNCTION float lowerPlane (uint32_t pair, int column) {
+CBVH_FUNCTION float lowerPlane (uint32_t pair, int column) {
   return column == 0 ? outerOffset(pair & 3u) : 1.0f - innerPosition((pair >> 2) & 7u);
 }
-CVERT_FUNCTION float upperPlane (uint32_t pair, int column) {
+CBVH_FUNCTION float upperPlane (uint32_t pair, int column) {
   return column == 1 ? 1.0f - outerOffset(pair & 3u) : innerPosition((pair >> 2) & 7u);
 }
 
-CVERT_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
+CBVH_FUNCTION uint32_t zCode (uint32_t word, int child) { return (word >> (zShift + zBits*child)) & 7u; }
 
-CVERT_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
+CBVH_FUNCTION NodeBox decodeChild (uint32_t word, int child, NodeBox parent)
 {
   NodeBox box;
   for (int axis=0; axis<2; axis++)

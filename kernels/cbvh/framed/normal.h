@@ -19,7 +19,7 @@ CVERT_REAL struct Vector
 /*! Returns the world-space normal, not normalized, of the plane z = slopeX x + slopeY y + const through a point of the
  *  frame. A plane (a,b,c,d) of homogeneous frame coordinates is the plane (a,b,c,d) M in world space, so no inverse is
  *  required. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
+CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
 {
   CVERT_OF(Vector) normal;
   Real k = p.x[2] - slopeX*p.x[0] - slopeY*p.x[1];
@@ -31,13 +31,13 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT
 
 /*! Square of the sine of 30 degrees. If a ray hits a step behind a silhouette, the surface can face away from the side
  *  from which the ray comes. Such a normal is mirrored across the ray if it faces away by less than this angle. */
-CVERT_CONSTANT float turnedSine2 = 0.25f;
+CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
 /*! along: dot product of normal and direction. normal2, direction2: squared lengths. from: side, see hit_rule.h. */
-CVERT_REAL CVERT_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
+CVERT_REAL CBVH_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));
-  return away && along*along < Real(turnedSine2)*normal2*direction2;
+  return away && along*along < Real(mirroredSine2)*normal2*direction2;
 }
 
 CBVH_END

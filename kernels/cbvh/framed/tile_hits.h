@@ -56,13 +56,13 @@ namespace embree
         __forceinline uint32_t set (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
-          const BoxMasks children = meetBoxes<vfloat4>(ray,tile.children,sBest,childRanges);
+          const BoxMasks children = intersectBoxes<vfloat4>(ray,tile.children,sBest,childRanges);
           const uint32_t missing = children.hit & ~tile.decoded;
           if (unlikely(missing != 0u)) return missing;
           childHit = children.hit;
           BoxMasks all = { 0u,0u };
           if (likely(children.hit != 0u)) {
-            all = meetBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
+            all = intersectBoxes<vfloatV>(ray,tile.grandchildren,sBest,ranges);
             all.hit &= nodeTables.allOfFour[children.hit];
             all.passed &= nodeTables.allOfFour[children.hit];
           }
@@ -83,7 +83,7 @@ namespace embree
         __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
-          BoxMasks four = meetBoxes<vfloat4>(ray,tile.grandchildren,sBest,ranges,4);
+          BoxMasks four = intersectBoxes<vfloat4>(ray,tile.grandchildren,sBest,ranges,4);
           four.hit &= tile.present;
           four.passed &= tile.present;
           setPlaces(four,ray.flipXY());

@@ -11,12 +11,12 @@
 
 CBVH_BEGIN
 
-CVERT_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
+CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLevels) {
   return hasGroups(kind) && level+1u == nodeLevels;
 }
 
 /*! group: true for the word of a group. heights: ignored otherwise. */
-CVERT_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
+CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
   return decodeChild(word,child,parent);

@@ -56,7 +56,7 @@ namespace embree
         /* Nodes have no code for children without surface. If quads are left out, leaves must represent it. */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bound(lower,upper);
-        const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).takesHoles ? kindForHoles : plan.kind();
+        const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
         const uint32_t sharpSides = patch.sharpSides();
         const size_t count = tiling.size(), stride = cbvh::blockLayout(uint32_t(kind),tiling.height).stride;
         encoded.resize(count*stride/sizeof(Vec3fa));
@@ -77,7 +77,7 @@ namespace embree
           Encoding e(kind,tiling,y*tiling.x+x);
           e.sharpSides = sharpSides & e.sidesOfPatch();
           writeBlock(patch,e,(cbvh::Block*)((char*)encoded.data()+e.index*stride),ofPatch,hitBoundsOfPatch);
-          if (shares && (ofPatch.refusedQuads || fit.isGivenUp(quads,edges))) return false;
+          if (shares && (ofPatch.refusedQuads || fit.isClearlyPoor(quads,edges))) return false;
         }
         if (shares && fit.isPoor()) return false;
         if (kind != plan.kind()) statistics.quadsForHoles += quads;
@@ -218,7 +218,7 @@ namespace embree
       static void addBlock (cbvh::BuildStatistics& statistics, const Encoding& e, const cbvh::BlockStatistics& block)
       {
         cbvh::CompressionStatistics& sums = statistics.sums;
-        sums.frameBytes += cbvh::blockHeaderBytes;
+        sums.headerBytes += cbvh::blockHeaderBytes;
         sums.nodeBytes += e.layout.leafOffset - cbvh::blockHeaderBytes;
         sums.leafBytes += e.layout.stride - e.layout.leafOffset;
         sums.numBlocks++;

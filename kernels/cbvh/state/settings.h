@@ -22,7 +22,8 @@ namespace embree
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< geometries only
     int exactFaces = -1;    //!< 0 or 1, negative to inherit
     bool releasesInput = false; //!< true if the geometry or its device requests it
-    bool takesGrids = true, takesQuads = true, takesTriangles = true; //!< devices only: types that inherit compression
+    /*! devices only: types that inherit compression */
+    bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
     RTCProgressMonitorFunction progress = nullptr; //!< geometries only
     void* progressUserPtr = nullptr;
 

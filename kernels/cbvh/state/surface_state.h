@@ -19,7 +19,7 @@ namespace embree
     std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and after the surface changed
     std::shared_ptr<const QuadRegions> regions;        //!< quads and triangles: from the commit until blocks are built
     bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT, or the key release_input
-    const char* whyNot = nullptr;                      //!< reason why compression was requested but not done
+    const char* rejectionReason = nullptr;             //!< reason why compression was requested but not done
 
     /*! Records a change of the visibility. counted: number of modifications that Embree counts for it. */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }

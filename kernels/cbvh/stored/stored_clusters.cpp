@@ -27,7 +27,7 @@ namespace embree
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          whyFloats = block.isMesh() ? ClusterReason::RANGE : !block.isVert() ? ClusterReason::RAW
+          reasonForFloats = block.isMesh() ? ClusterReason::RANGE : !block.isVert() ? ClusterReason::RAW
               : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
               : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
               : ClusterReason::RANGE;
@@ -36,7 +36,7 @@ namespace embree
             bool goesOn = true;
             if (cutIntoDgf(all,goesOn)) return goesOn;
             return forEachSquare(all,[&](const QuadRectangle& square) {
-                return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,whyFloats);
+                return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,reasonForFloats);
               });
           }
           return forEachSquare(all,[&](const QuadRectangle& square) { return handOutVertices(square); });
@@ -69,7 +69,7 @@ namespace embree
           LatticeSpan span;
           if (place(points,square))
             for (uint32_t i=0; i<triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
-          if (span.isEmpty() || !span.fits()) return handOutFloats(square,whyFloats);
+          if (span.isEmpty() || !span.fits()) return handOutFloats(square,reasonForFloats);
           std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
           const size_t bytes = putCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
           return handOut(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::FITS,bytes);
@@ -158,7 +158,7 @@ namespace embree
         const std::function<bool(const StoredCluster&)>& closure;
         ClusterReport& report;
         const StoredPart* part = nullptr;
-        ClusterReason whyFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
+        ClusterReason reasonForFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
         LatticePoints points;
         dgf::Block block;
         uint32_t data[3*QuadTriangles::maxVertices];

@@ -146,7 +146,7 @@ namespace embree
         /*! block: must contain the primitive. */
         void look (const StoredBlock& block, uint32_t primID)
         {
-          if (block.isVert() && !VerticesAtTime::isThere(block.vert(),time)) return;
+          if (block.isVert() && !VerticesAtTime::isPresent(block.vert(),time)) return;
           if (block.isMesh()) lookInMesh(block.mesh(),primID);
           else if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
           else lookForParameters(block);
@@ -164,14 +164,14 @@ namespace embree
               for (bool isSecond : { false,true }) {
                 const QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
                 const uint32_t form = primitive.form;
-                if (primitive.primID != primID || (isSecond && isOneTriangle(form))) continue;
+                if (primitive.primID != primID || (isSecond && isSingleTriangleForm(form))) continue;
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
                   // in the order of ownParameters
                   const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u };
-                  p[i] = corners[around[(i + turnOfTriangle(form,isSecond)) % 3]];
-                  if (!isOfTriangles(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
+                  p[i] = corners[around[(i + firstCornerOfTriangle(form,isSecond)) % 3]];
+                  if (!isTriangleForm(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
                 }
                 consider(p,s,t);
               }
@@ -250,9 +250,9 @@ namespace embree
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
           if (outside > slack) return;
           const double turned = Ng ? angle(p) : outside;
-          if (hasBest && turned >= bestTurned) return;
+          if (hasBest && turned >= bestAngle) return;
           hasBest = true;
-          bestTurned = turned;
+          bestAngle = turned;
           for (int c=0; c<3; c++) {
             memcpy(best.vertices[c],p[c],sizeof(best.vertices[c]));
             best.u[c] = vertexU[c];
@@ -279,7 +279,7 @@ namespace embree
         const float* const Ng;
         StoredTriangle& best;
         bool hasBest = false;
-        double slack = 0, bestTurned = 0;
+        double slack = 0, bestAngle = 0;
       };
     }
 
@@ -376,7 +376,7 @@ namespace embree
         part.width = part.height = 2;
         part.vertices = vertices[0];
         part.primIDs = primIDs;
-        part.primitivesPerQuad = (form & meshIsOfQuads) ? 1 : 2;
+        part.primitivesPerQuad = (form & meshHasQuads) ? 1 : 2;
         if (!closure(block,part)) return false;
       }
       return true;
@@ -388,7 +388,7 @@ namespace embree
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
           if (goesOn && block.isMesh()) { goesOn = forEachMeshPart(block,closure); return; }
-          if (!goesOn || (block.isVert() && !VerticesAtTime::isThere(block.vert(),time))) return;
+          if (!goesOn || (block.isVert() && !VerticesAtTime::isPresent(block.vert(),time))) return;
           StoredPart part = StoredPart();
           part.primID = block.primID();
           const Place place(block);
@@ -406,11 +406,11 @@ namespace embree
           uint32_t primIDs[2*vertBlockQuads*vertBlockQuads], n = 0;
           forEachQuad(block.vert(),[&](uint32_t x, uint32_t y) {
               primIDs[n++] = primitiveOfQuad(block.vert(),x,y,false).primID;
-              if (isOfTriangles(form)) primIDs[n++] = primitiveOfQuad(block.vert(),x,y,true).primID;
+              if (isTriangleForm(form)) primIDs[n++] = primitiveOfQuad(block.vert(),x,y,true).primID;
             });
           part.vertices = decoded.vertices[0];
           part.primIDs = primIDs;
-          part.primitivesPerQuad = isOfTriangles(form) ? 2 : 1;
+          part.primitivesPerQuad = isTriangleForm(form) ? 2 : 1;
           goesOn = closure(block,part);
         });
     }

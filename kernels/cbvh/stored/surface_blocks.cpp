@@ -61,7 +61,7 @@ namespace embree
       return false;
     }
 
-    void nameSurfaces (Scene* scene)
+    void updateSurfaceIDs (Scene* scene)
     {
       /* if false, Embree traces static surfaces, and their grids store IDs */
       const bool isStill = hasCompressedGeometry(scene,false);

@@ -55,7 +55,7 @@ namespace embree
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
     /*! Sets the table of a scene that maps surface numbers to geometry IDs. Thread-safe. */
-    void nameSurfaces (Scene* scene);
+    void updateSurfaceIDs (Scene* scene);
 
     /*! Returns the surface number of a geometry, which the first call assigns. Thread-safe. */
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry);

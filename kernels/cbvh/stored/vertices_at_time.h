@@ -37,8 +37,8 @@ namespace embree
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
       /*! True if a block exists at a time. Always true if it does not move. */
-      static bool isThere (const VertHeader* block, const TraversalTime& at) {
-        return !isMoving(block->boxForm) || cbvh::isThere(motionOf(block),at.time);
+      static bool isPresent (const VertHeader* block, const TraversalTime& at) {
+        return !isMoving(block->boxForm) || cbvh::isPresent(motionOf(block),at.time);
       }
 
     private:

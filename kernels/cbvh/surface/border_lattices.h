@@ -61,7 +61,7 @@ namespace embree
           const double wanted = ofEdge > 0 ? median*ofEdge : cbvh::defaultSpacing(median,fewest[d],diagonal);
           if (wanted > 0) spacing = spacing > 0 ? min(spacing,wanted) : wanted;
         }
-        return cbvh::latticeExponent(spacingAskedFor(plan,spacing));
+        return cbvh::latticeExponent(requestedSpacing(plan,spacing));
       }
 
       /*! Shorter one of the median edges along u and v, or 0. Call exponent() first. */
@@ -69,7 +69,7 @@ namespace embree
 
     private:
       /*! The spacing that the application requests, or the default. */
-      double spacingAskedFor (const CompressionPlan& plan, double byDefault) const
+      double requestedSpacing (const CompressionPlan& plan, double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
         double spacing = settings.maxError > 0 ? double(settings.maxError) : INFINITY;

@@ -79,8 +79,8 @@ namespace embree
       /*! Also stores the points that the face owns. */
       bool addLines (size_t f, unsigned step, PatchEvaluator& evaluator, LatticeChoice& choice)
       {
-        if (!topology.takesPart(f)) return false;
-        if (!mesh->valid(f,step)) { keepNothing(f,step); return false; }
+        if (!topology.participates(f)) return false;
+        if (!mesh->valid(f,step)) { invalidateKept(f,step); return false; }
         forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
             const SubdivPatch1Base base = patch.make(mesh,plan.surface,f,step);
             const unsigned quads[2] = { unsigned(base.grid_u_res-1), unsigned(base.grid_v_res-1) };
@@ -95,7 +95,7 @@ namespace embree
               const unsigned fine = quads[alongU ? 0 : 1], across = quads[alongU ? 1 : 0];
               const PatchLines::Line line = lines(alongU,s == 1 || s == 2 ? across : 0);
               choice.addLine(alongU,line.vertices,line.count,fine != unsigned(patch.rate[s]));
-              ownLine(f,patch,s,line.vertices,fine,step);
+              storeOwnedPoints(f,patch,s,line.vertices,fine,step);
             }
             for (bool alongU : { true, false }) {
               if (quads[alongU ? 1 : 0] < 2) continue;
@@ -158,7 +158,7 @@ namespace embree
         mvector<uint32_t> places(mesh->device,topology.numEdges());
         size_t n = 0;
         for (size_t f=0; f<mesh->size() && n <= most; f++)
-          if (topology.takesPart(f))
+          if (topology.participates(f))
             forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
                 places[topology.indexOf(mesh->getHalfEdge(0,f)) + patch.subPatch] = uint32_t(n);
                 n += verticesOf(patch);
@@ -184,7 +184,7 @@ namespace embree
       }
 
       /*! For faces with a vertex of the cage that is not finite at that step: sets the kept vertices to NaN. */
-      void keepNothing (size_t f, unsigned step)
+      void invalidateKept (size_t f, unsigned step)
       {
         if (firstKept.size())
           forEachPatch(mesh,f,[&](const PatchOfFace& patch) {
@@ -194,7 +194,7 @@ namespace embree
       }
 
       /*! Stores the points of side s of a patch that the face owns. line: fine+1 vertices along u or v. */
-      void ownLine (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
+      void storeOwnedPoints (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
                     unsigned step)
       {
         const unsigned own = unsigned(patch.rate[s]);

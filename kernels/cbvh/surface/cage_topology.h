@@ -56,7 +56,7 @@ namespace embree
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
       const Edge& at (uint32_t i) const { return edges[i]; }
-      bool takesPart (size_t f) const { return hasEdges(mesh,f) && takesPart(mesh->getHalfEdge(0,f)); }
+      bool participates (size_t f) const { return hasEdges(mesh,f) && participates(mesh->getHalfEdge(0,f)); }
       bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
 
@@ -64,7 +64,7 @@ namespace embree
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
-        if (!takesPart(f)) return;
+        if (!participates(f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
         for (unsigned i=0; i<h->numEdges(); i++) closure(h+i);
       }
@@ -86,18 +86,18 @@ namespace embree
       size_t numHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
-          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertices[f];
+          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertexCounts[f];
         return 0;
       }
 
       Edge& edge (const HalfEdge* h) { return edges[indexOf(h)]; }
-      bool takesPart (const HalfEdge* h) const { return at(h).ownRate != noRate; }
+      bool participates (const HalfEdge* h) const { return at(h).ownRate != noRate; }
 
       void findRates (size_t f)
       {
         if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
-        const unsigned n = mesh->faceVertices[f];
+        const unsigned n = mesh->faceVertexCounts[f];
         for (unsigned i=0; i<n; i++) edge(h+i) = Edge();
         if (!hasSurface(mesh,f)) return;
         bool isTracedByGrid = false;
@@ -120,7 +120,7 @@ namespace embree
             Edge& of = edge(e);
             uint64_t claim = edgeClaim(e);
             of.rate = of.ownRate;
-            if (e->hasOpposite() && takesPart(e->opposite())) {
+            if (e->hasOpposite() && participates(e->opposite())) {
               claim = min(claim,edgeClaim(e->opposite()));
               of.rate = min(of.ownRate,at(e->opposite()).ownRate);
             }
@@ -137,14 +137,14 @@ namespace embree
       {
         const HalfEdge* a = e;
         do {
-          if (takesPart(a)) closure(a);
+          if (participates(a)) closure(a);
           if (!a->hasOpposite()) break;
           a = a->rotate();
         } while (a != e);
         if (a == e && e->hasOpposite()) return;
         for (a = e; a->prev()->hasOpposite(); ) {
           a = a->prev()->opposite();
-          if (takesPart(a)) closure(a);
+          if (participates(a)) closure(a);
         }
       }
 

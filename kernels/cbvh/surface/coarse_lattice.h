@@ -24,7 +24,7 @@ namespace embree
       static std::atomic<bool> wasReported(false);
       if (!(edge > 0 && spacing >= coarseSpacing*edge)) return;
       const bool isFirst = !wasReported.exchange(true);
-      if (!isFirst && !device->verbosity(1) && !environmentAsksForCommitLines()) return;
+      if (!isFirst && !device->verbosity(1) && !environmentRequestsCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
       std::cerr << "compression: max_error selects a spacing of " << spacing << ", " << spacing/edge
                 << " times the median edge: pictures may have speckles; expected at most " << edge/36

@@ -17,7 +17,7 @@
  *       The vertices of a grid, by number.
  *   const float* position (size_t vertex, unsigned step) const
  *       Position of a vertex of the buffer at a time step; may be not finite.
- *   bool hasLoose () const
+ *   bool hasIrregular () const
  *       True if the geometry has primitives that are in no grid, and may share vertices with grids.
  *   bool number (size_t i, QuadNumbers& out) const
  *       Returns false if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
@@ -38,7 +38,7 @@ namespace embree
 {
   namespace isa
   {
-    static_assert(looseSide == QuadRegions::leastSide,"looseSide must equal QuadRegions::leastSide");
+    static_assert(minGridSide == QuadRegions::minRegionSide,"minGridSide must equal QuadRegions::minRegionSide");
 
     /*! Vertices: has width and height, in vertices, and vertex(x,y), the number of a vertex in the geometry's
      *  buffer. */
@@ -82,7 +82,7 @@ namespace embree
         const GridMesh::Grid& g = mesh->grid(i); return Grid(Rows{ g.startVtxID,g.lineVtxOffset,g.resX,g.resY });
       }
 
-      bool hasLoose () const { return false; }
+      bool hasIrregular () const { return false; }
 
       bool isValid (size_t i) const
       {
@@ -140,7 +140,7 @@ namespace embree
         const QuadRegions::Region& r = regions->regions[i];
           return Grid(Corners{ &quads,regions->quads.data()+r.first,r.width+1,r.height+1 });
       }
-      bool hasLoose () const { return regions->hasLoose(); }
+      bool hasIrregular () const { return regions->hasIrregular(); }
       bool isValid (size_t) const { return true; }
       const float* position (size_t vertex, unsigned step) const {
         return (const float*)mesh->vertices[step].getPtr(vertex);

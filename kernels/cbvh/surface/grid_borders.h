@@ -11,7 +11,7 @@
 
 #include "border_lattices.h"
 #include "diced_grids.h"
-#include "loose_triangles.h"
+#include "irregular_triangles.h"
 #include "patch_vertices.h"
 #include "shared_border.h"
 #include "stitched_vertices.h"
@@ -45,7 +45,7 @@ namespace embree
       void build (size_t gridsPerTask, const Progress& progress)
       {
         lattices.choose(*this,gridsPerTask,progress);
-        if ((size() < 2 && !grids.hasLoose()) || size() == 0 || plan.isLossless()) return;
+        if ((size() < 2 && !grids.hasIrregular()) || size() == 0 || plan.isLossless()) return;
         table.reserve(reduceRanges(size(),4*gridsPerTask,size_t(0),[&](const range<size_t>& r) {
               size_t n = 0;
               for (size_t i=r.begin(); i!=r.end(); i++)
@@ -88,7 +88,7 @@ namespace embree
       }
 
       /*! For PositionTable. NaNs are equal. */
-      bool moveAlike (size_t a, size_t b) const
+      bool areEqualAtOtherSteps (size_t a, size_t b) const
       {
         for (unsigned step=1; step<plan.numTimeSteps; step++) {
           const float* p = position(a,step), * q = position(b,step);

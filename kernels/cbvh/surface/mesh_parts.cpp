@@ -13,7 +13,7 @@ namespace embree
   {
     /*! Moves quads to the loose primitives if their region needs less memory in mesh blocks. */
     template<typename Mesh>
-    void loosen (const Mesh* mesh, QuadRegions& parts)
+    void moveToMeshBlocks (const Mesh* mesh, QuadRegions& parts)
     {
       if (std::none_of(parts.regions.begin(),parts.regions.end(),QuadRegions::isSmallerInMeshBlocks)) return;
       const auto quads = quadsOf(mesh,parts);
@@ -56,8 +56,8 @@ namespace embree
         return isWorthIt ? found : nullptr;
       }
       const std::shared_ptr<QuadRegions> parts = std::const_pointer_cast<QuadRegions>(found);
-      parts->areAllLoose = parts->regions.empty();
-      loosen(mesh,*parts);
+      parts->areAllIrregular = parts->regions.empty();
+      moveToMeshBlocks(mesh,*parts);
       return parts;
     }
   }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Primitives that form grids are stored as grids (quad_regions.h), the others in mesh blocks (loose_triangles.h). */
+/* Primitives that form grids are stored as grids (quad_regions.h), all others in mesh blocks
+ * (irregular_triangles.h). */
 
 #include "quad_regions.h"
 

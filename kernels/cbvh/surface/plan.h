@@ -29,7 +29,7 @@ namespace embree
       }
 
       /*! True if a moving geometry that requests compression is compressed. */
-      static bool takesMotion (const CompressibleGeometry* geometry)
+      static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
         return settings.compression == RTC_COMPRESSION_VERT || settings.exactFaces != 0;

@@ -15,8 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), which is finite and at the first time step, and moveAlike(a,b), true if two
-     *  vertices that are equal there are equal at all other time steps. */
+    /*! Positions: has position(vertex), which is finite and at the first time step, and areEqualAtOtherSteps(a,b), true
+     *  if two vertices that are equal there are equal at all other time steps. */
     template<typename Positions>
     class PositionTable
     {
@@ -76,7 +76,7 @@ namespace embree
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
       /*! True if any entry is not shared. */
-      bool isAnyAlone () const
+      bool hasUnshared () const
       {
         return parallel_reduce(size_t(0),slots.size(),size_t(1) << 16,false,[&](const range<size_t>& r) {
             for (size_t i=r.begin(); i!=r.end(); i++)
@@ -116,7 +116,7 @@ namespace embree
         const size_t other = size_t(slot & indexBits);
         if (other == vertex) return true;
         const float* q = positions.position(other);
-        return p[0] == q[0] && p[1] == q[1] && p[2] == q[2] && positions.moveAlike(vertex,other);
+        return p[0] == q[0] && p[1] == q[1] && p[2] == q[2] && positions.areEqualAtOtherSteps(vertex,other);
       }
 
       mvector<uint64_t> slots;

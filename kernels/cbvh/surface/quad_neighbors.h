@@ -23,7 +23,7 @@ namespace embree
     cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< of each quad, or none
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
     size_t numLeftOut = 0;                           //!< invalid quads
-    bool haveOwnForms = false;                       //!< neighbors may have different forms
+    bool formsDiffer = false;                        //!< neighbors may have different forms
 
     size_t size () const { return isValid.size(); }
   };
@@ -80,13 +80,13 @@ namespace embree
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! True if two quads can be neighbors: neighbors have the same form, or with haveOwnForms the same number of
+    /*! True if two quads can be neighbors: neighbors have the same form, or with formsDiffer the same number of
      *  triangles. */
     bool fit (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.form ^ other.form;
       if (q.index == other.index) return false;
-      return out.haveOwnForms ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
+      return out.formsDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
     /*! Copies the corners of all quads, because they are visited repeatedly and in the order of neighbors. Returns
@@ -180,13 +180,13 @@ namespace embree
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
 
     /*! True if at least a quarter of a sample of quads has a quad on the right and a quad above that share their own
-     *  neighbor. Sets haveOwnForms if far more quads do so when forms are ignored. */
+     *  neighbor. Sets formsDiffer if far more quads do so when forms are ignored. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
       size_t looked = 0;
-      auto countRegular = [&](bool haveOwnForms) {
-        out.haveOwnForms = haveOwnForms;
+      auto countRegular = [&](bool formsDiffer) {
+        out.formsDiffer = formsDiffer;
         looked = 0;
         size_t regular = 0;
         for (size_t i=0; i<quads.size(); i+=step) {
@@ -198,8 +198,8 @@ namespace embree
         return regular;
       };
       const size_t withOwnForms = countRegular(true), withEqualForms = countRegular(false);
-      out.haveOwnForms = withOwnForms > 2*withEqualForms && quads.size() < size_t(1) << 29;
-      return 4*(out.haveOwnForms ? withOwnForms : withEqualForms) >= looked;
+      out.formsDiffer = withOwnForms > 2*withEqualForms && quads.size() < size_t(1) << 29;
+      return 4*(out.formsDiffer ? withOwnForms : withEqualForms) >= looked;
     }
 
     void findNeighbors ()

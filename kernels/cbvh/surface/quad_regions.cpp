@@ -31,11 +31,11 @@ namespace embree
         for (size_t i=0; i<of.size(); i++) flags[i] = of.isValid[i] ? 0 : TAKEN;
         out.quads.reserve(of.size());
         for (Seeds seeds : { CORNERS,EDGES,ALL })
-          for (unsigned side : { 16u,QuadRegions::leastSide+0u }) take(seeds,side);
+          for (unsigned side : { 16u,QuadRegions::minRegionSide+0u }) take(seeds,side);
         take(CORNERS,1);
         take(ALL,1);
         auto isRegular = [](const QuadRegions::Region& r) {
-          return min(r.width,r.height) >= QuadRegions::leastSide;
+          return min(r.width,r.height) >= QuadRegions::minRegionSide;
         };
         const auto loose = std::stable_partition(out.regions.begin(),out.regions.end(),isRegular);
         out.numRegular = size_t(loose - out.regions.begin());
@@ -117,7 +117,7 @@ namespace embree
           if ((!isWideOpen && width < side) || (!isHighOpen && height < side)) {
             for (unsigned y=0; y<height; y++)
               for (unsigned x=0; x<width; x++)
-                if (marksAll) flags[quadOfRegion(x,y)] = uint8_t(pass*PASS); else letGo(quadOfRegion(x,y));
+                if (marksAll) flags[quadOfRegion(x,y)] = uint8_t(pass*PASS); else releaseQuad(quadOfRegion(x,y));
             flags[seed] = uint8_t(pass*PASS);
             return false;
           }
@@ -137,7 +137,7 @@ namespace embree
         if (isSeed(quad,CORNERS)) corners.push_back(quad); else edges.push_back(quad);
       }
 
-      void letGo (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
+      void releaseQuad (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
 
       /*! Takes the neighbor of a quad if it is free and adjacent to the quad taken before it. */
       bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
@@ -154,7 +154,7 @@ namespace embree
         for (unsigned y=0, before=none; y<height; before=quadOfRegion(width,y++))
           if (!takeNext(quadOfRegion(width-1,y),QuadNeighbors::RIGHT,before,QuadNeighbors::ABOVE,
                         quadOfRegion(width,y))) {
-            while (y-- > 0) letGo(quadOfRegion(width,y));
+            while (y-- > 0) releaseQuad(quadOfRegion(width,y));
             return false;
           }
         width++;
@@ -166,7 +166,7 @@ namespace embree
         for (unsigned x=0, before=none; x<width; before=quadOfRegion(x++,height))
           if (!takeNext(quadOfRegion(x,height-1),QuadNeighbors::ABOVE,before,QuadNeighbors::RIGHT,
                         quadOfRegion(x,height))) {
-            while (x-- > 0) letGo(quadOfRegion(x,height));
+            while (x-- > 0) releaseQuad(quadOfRegion(x,height));
             return false;
           }
         height++;
@@ -222,7 +222,7 @@ namespace embree
       if (quads.size() == 0) return;
       QuadNeighbors neighbors;
       if (!NeighborFinder<decltype(quadsOf(mesh,out))>(quads,mesh->numVertices(),neighbors).run()) return;
-      out.haveOwnForms = neighbors.haveOwnForms;
+      out.formsDiffer = neighbors.formsDiffer;
       out.numLeftOut = neighbors.numLeftOut;
       RegionFinder(neighbors,out).run();
     }

@@ -75,7 +75,7 @@ namespace embree
           for (unsigned j=0; j<3; j++) {
             if (a[i] != b[(j+1)%3] || a[(i+1)%3] != b[j]) continue;
             v[0] = a[(i+2)%3]; v[1] = a[i]; v[2] = b[(j+2)%3]; v[3] = b[j];
-            turns = cbvh::formOfTurns((3-(i+2)%3)%3,(3-(j+2)%3)%3);
+            turns = cbvh::formOfFirstCorners((3-(i+2)%3)%3,(3-(j+2)%3)%3);
             return true;
           }
         return false;
@@ -131,17 +131,17 @@ namespace embree
 
     /*! Quads are loose if their region has fewer quads along a side. A block needs 138 bytes and about 1 per quad: 16
      *  bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
-    static const unsigned leastSide = 4;
+    static const unsigned minRegionSide = 4;
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty if the mesh is not regular
     size_t numRegular = 0;                   //!< regions without loose quads
     cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
-    bool haveOwnForms = false; //!< triangles of quads in a region begin at different corners
+    bool formsDiffer = false;  //!< triangles of quads in a region begin at different corners
     bool isOutOfMemory = false; //!< the regions could not be found
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
-    bool areAllLoose = false;   //!< there are no regions, and `loose` is empty
+    bool areAllIrregular = false; //!< there are no regions, and `loose` is empty
     size_t numLeftOut = 0;    //!< primitives with an index that is not a vertex; rays do not hit them
 
     size_t bytes () const
@@ -150,7 +150,7 @@ namespace embree
         + (quads.size() + firsts.size() + seconds.size() + loose.size())*sizeof(unsigned);
     }
 
-    bool hasLoose () const { return areAllLoose || !loose.empty(); }
+    bool hasIrregular () const { return areAllIrregular || !loose.empty(); }
 
     /*! Estimated bytes of all blocks, with their share of the tree. Ignores tables of numbers without a pattern. */
     size_t bytesOfBlocks () const;
@@ -191,12 +191,12 @@ namespace embree
       out.width = r.width;
       out.numbers.resize(n);
       for (size_t k=0; k<n; k++) out.numbers[k] = quads.number(at[k]);
-      const bool areAllAlike = of.seconds.empty() && !of.haveOwnForms;
-      const bool needSeconds = !areAllAlike && cbvh::isOfTriangles(out.form) && !cbvh::isOneTriangle(out.form);
+      const bool areAllAlike = of.seconds.empty() && !of.formsDiffer;
+      const bool needSeconds = !areAllAlike && cbvh::isTriangleForm(out.form) && !cbvh::isSingleTriangleForm(out.form);
       out.seconds.resize(needSeconds ? n : 0);
       out.turns.resize(needSeconds ? n : 0);
       if (!needSeconds) return;
-      const unsigned turns = cbvh::formOfTurns(3,3);
+      const unsigned turns = cbvh::formOfFirstCorners(3,3);
       out.form &= ~turns;
       for (size_t k=0; k<n; k++) {
         out.seconds[k] = quads.second(at[k]);

@@ -87,7 +87,7 @@ namespace embree
 {
   namespace isa
   {
-    static const unsigned looseSide = 4; //!< sides of grids have at least so many quads; other quads are loose
+    static const unsigned minGridSide = 4; //!< sides of grids have at least so many quads; other quads are loose
 
     struct SurfacePatch
     {

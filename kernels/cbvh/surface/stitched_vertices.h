@@ -39,7 +39,7 @@ namespace embree
       template<typename Progress>
       void find (size_t gridsPerTask, const Progress& progress)
       {
-        if (!table.isAnyAlone()) return;
+        if (!table.hasUnshared()) return;
         const mvector<Edge> open = findOpenEdges(gridsPerTask,progress);
         for (const Edge& edge : open)
           if (isBefore(edge.begin,edge.end) && table.isShared(edge.begin) && table.isShared(edge.end))
@@ -63,8 +63,8 @@ namespace embree
           const cbvh::WorldLattice lattice(lattices.ofShared(entry,step));
           return { lattice.snap(float(p.x)),lattice.snap(float(p.y)),lattice.snap(float(p.z)) };
         }
-        auto comesBefore = [](const Stitched& s, Entry e) { return s.vertex < e; };
-        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,comesBefore)->edge;
+        auto hasPrecedence = [](const Stitched& s, Entry e) { return s.vertex < e; };
+        const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,hasPrecedence)->edge;
         const cbvh::Double3 a = stored(edge.begin,step,depth+1);
         return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same parameter at all steps
       }

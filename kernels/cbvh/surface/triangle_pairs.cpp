@@ -231,7 +231,7 @@ namespace embree
       }
 
       /*! Triangle with which a triangle is paired, or none. isFirst: the other triangle is the second one. */
-      unsigned mateOf (unsigned triangle, const Edges& edges, bool& isFirst) const
+      unsigned partnerOf (unsigned triangle, const Edges& edges, bool& isFirst) const
       {
         const unsigned half = sharedHalf(triangle,edges);
         if (half == none) return none;
@@ -261,7 +261,7 @@ namespace embree
         {
           const unsigned t = unsigned(i);
           bool isFirst;
-          const unsigned mate = mateOf(t,edges,isFirst);
+          const unsigned mate = partnerOf(t,edges,isFirst);
           if (mate == none) continue;
           pairing.paired++;
           pairing.lower += isFirst == (triangles[t].number < triangles[mate].number);
@@ -295,7 +295,7 @@ namespace embree
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
             for (size_t t=r.begin(); t!=r.end(); t++) {
               bool isFirst;
-              const unsigned mate = mateOf(unsigned(t),edges,isFirst);
+              const unsigned mate = partnerOf(unsigned(t),edges,isFirst);
               if (mate != none) mates[t] = isFirst ? mate : unsigned(second);
             }
           });

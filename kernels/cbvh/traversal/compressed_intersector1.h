@@ -57,7 +57,7 @@ namespace embree
         if (bvh->root == BVH4::emptyNode || unlikely(!cbvh::mayHit(ray))) return;
         const bool isFiltered = context->hasContextFilter() || context->scene->hasGeometryFilterFunction();
         Leaves leaves = { This,ray,context,CompressedSubdivIntersector1::State(ray,bvh),isFiltered };
-        cbvh::traverseClosestHit1(bvh->root,cbvh::StillNodes(),ray,leaves);
+        cbvh::traverseClosestHit1(bvh->root,cbvh::StaticNodes(),ray,leaves);
         ray.tfar = leaves.state.framed.end(ray.tfar);
       }
 
@@ -68,7 +68,7 @@ namespace embree
         if (bvh->root == BVH4::emptyNode || unlikely(ray.tfar < 0.0f || !cbvh::mayHit(ray))) return;
         CompressedSubdivIntersector1::State state(ray,bvh);
         const bool isOccluded =
-          cbvh::traverseAnyHit1(bvh->root,cbvh::StillNodes(),ray,
+          cbvh::traverseAnyHit1(bvh->root,cbvh::StaticNodes(),ray,
             [&](BVH4::NodeRef leaf, const TravRay<4,true>& tray, size_t& lazyNode) {
             size_t type;
             const void* prim = leaf.leaf(type);
@@ -114,14 +114,15 @@ namespace embree
       static void intersect (const Accel::Intersectors* This, RayHit& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        if (cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) intersectTree(bvh,ray,context);
+        if (cbvh::mayHit(ray) && cbvh::mayIntersect(ray,boxOf(bvh))) intersectTree(bvh,ray,context);
       }
 
       static void occluded (const Accel::Intersectors* This, Ray& ray, IntersectContext* context)
       {
         const BVH4* bvh = (const BVH4*)This->ptr;
         // tfar < 0: the ray has ended
-        if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray) && cbvh::mayMeet(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
+        if (!(ray.tfar < 0.0f) && cbvh::mayHit(ray)
+          && cbvh::mayIntersect(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
       }
 
       /*! Box around all blocks at all times. */

@@ -84,7 +84,7 @@ namespace embree
 
     /*! Traces rays one by one with intersect(ray) or occluded(ray). alone: mask of these rays */
     template<int K, typename Intersect>
-    __forceinline void traceAlone (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
+    __forceinline void traceOneByOne (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
       for (; alone; alone&=alone-1) {
         const size_t k = bsf(alone);
@@ -95,7 +95,7 @@ namespace embree
       }
     }
     template<int K, typename Occluded>
-    __forceinline void traceAlone (uint32_t alone, RayK<K>& rays, const Occluded& occluded)
+    __forceinline void traceOneByOne (uint32_t alone, RayK<K>& rays, const Occluded& occluded)
     {
       for (; alone; alone&=alone-1) {
         const size_t k = bsf(alone);
@@ -117,21 +117,22 @@ namespace embree
     {
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
-        traceAlone<K>(thatMayMeet(*mask,bvh,rays),rays,
+        traceOneByOne<K>(raysThatMayHit(*mask,bvh,rays),rays,
           [&](RayHit& ray) { CompressedMotionTraversal1::intersectTree(bvh,ray,context); });
       }
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context) {
         const BVH4* bvh = (const BVH4*)This->ptr;
         const uint32_t ended = uint32_t(movemask(rays.tfar < vfloat<K>(zero)));
-        traceAlone<K>(thatMayMeet(*mask,bvh,rays) & ~ended,rays,
+        traceOneByOne<K>(raysThatMayHit(*mask,bvh,rays) & ~ended,rays,
           [&](Ray& ray) { CompressedMotionTraversal1::occludedTree(bvh,ray,context); });
       }
 
     private:
-      static __forceinline uint32_t thatMayMeet (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
+      static __forceinline uint32_t raysThatMayHit (const vint<K>& mask, const BVH4* bvh, const RayK<K>& rays)
       {
         const vbool<K> valid = validOf<K>(mask,rays);
-        return none(valid) ? 0 : uint32_t(movemask(valid & cbvh::mayMeet(rays,CompressedMotionTraversal1::boxOf(bvh))));
+        return none(valid) ? 0 : uint32_t(movemask(valid &
+          cbvh::mayIntersect(rays,CompressedMotionTraversal1::boxOf(bvh))));
       }
     };
 
@@ -141,14 +142,14 @@ namespace embree
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
       {
         const vbool<K> valid = validOf<K>(*mask,rays);
-        traceAlone<K>(together(valid,This,rays,context).alone,rays,
+        traceOneByOne<K>(together(valid,This,rays,context).alone,rays,
           [&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
       }
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
         const Traced traced = together(validOf<K>(*mask,rays),This,rays,context);
-        traceAlone<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
+        traceOneByOne<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
         vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
       }
 

@@ -44,10 +44,10 @@ namespace embree
             if (item.distance > reach()) continue;
             if (item.ref.isLeaf()) { changed |= call(item.ref); continue; }
             const size_t first = n;
-            vboolf4 isThere(true);
+            vboolf4 isPresent(true);
             const vfloat4 distance = item.ref.isAABBNode() ? distanceOf(item.ref.getAABBNode())
-              : distanceOf(item.ref,isThere);
-            for (size_t mask=movemask((distance <= vfloat4(reach())) & isThere); mask; ) {
+              : distanceOf(item.ref,isPresent);
+            for (size_t mask=movemask((distance <= vfloat4(reach())) & isPresent); mask; ) {
               const size_t i = bscf(mask);
               const BVH4::NodeRef child = item.ref.baseNode()->child(i);
               if (child != BVH4::emptyNode) stack[n++] = Item{ child,distance[i] };
@@ -75,13 +75,13 @@ namespace embree
             outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
         }
 
-        /*! isThere: receives the children that exist at the query's time */
-        vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isThere) const
+        /*! isPresent: receives the children that exist at the query's time */
+        vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isPresent) const
         {
           const BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
           const vfloat4 time(query->time);
           if (ref.isAABBNodeMB4D())
-            isThere = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
+            isPresent = (ref.getAABBNodeMB4D()->lower_t <= time) & (time < ref.getAABBNodeMB4D()->upper_t);
           return distanceOf(outside(query->p.x,madd(time,node->lower_dx,node->lower_x),
             madd(time,node->upper_dx,node->upper_x)),
                             outside(query->p.y,madd(time,node->lower_dy,node->lower_y),
@@ -115,7 +115,7 @@ namespace embree
           if (compressible(geometry)->ownType == Geometry::GTY_SUBDIV_MESH) return false;
           context->geomID = geomID;
           if (isMesh) return callTriangles(geometry,(const MeshHeader*)block);
-          if (!embree::cbvh::VerticesAtTime::isThere(header,time())) return false;
+          if (!embree::cbvh::VerticesAtTime::isPresent(header,time())) return false;
           if (hasNumbers(header->boxForm)) return callQuads(geometry,header);
           context->primID = header->primID;
           return geometry->pointQuery(query,context);
@@ -135,9 +135,9 @@ namespace embree
               const float* const diagonal[2] = { block.vertex(x+1,y),block.vertex(x,y+1) },
                 * const ends[2] = { block.vertex(x,y),block.vertex(x+1,y+1) };
               auto primitive = [&](bool isSecond) { return primitiveOfQuad(header,x,y,isSecond).primID; };
-              if (!isOfTriangles(form))
+              if (!isTriangleForm(form))
                 changed |= call(geometry,primitive(false),{ diagonal[0],diagonal[1],ends[0],ends[1] });
-              else for (int i=0; i < (isOneTriangle(form) ? 1 : 2); i++)
+              else for (int i=0; i < (isSingleTriangleForm(form) ? 1 : 2); i++)
                 changed |= call(geometry,primitive(i == 1),{ diagonal[0],diagonal[1],ends[i] });
             }
           return changed;

@@ -19,7 +19,7 @@ namespace embree
 
     /* Set by the code that maps blocks, so that codecs do not depend on it. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
-    std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockGood(nullptr);
+    std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid(nullptr);
 
     size_t threadCacheBytes (unsigned caches)
     {
@@ -33,7 +33,7 @@ namespace embree
       return bytes;
     }
 
-    void outdateThreadCaches () { cacheGeneration.fetch_add(1); }
+    void invalidateThreadCaches () { cacheGeneration.fetch_add(1); }
 
     template<typename Entries>
     __thread ThreadCache<Entries>* ThreadCache<Entries>::current = nullptr;

@@ -17,7 +17,7 @@ namespace embree
     namespace cbvh
     {
       /*! Intersects the children of a node. Returns their mask and distances. */
-      struct StillNodes
+      struct StaticNodes
       {
         static const int types = BVH_AN1;
         __forceinline size_t operator() (BVH4::NodeRef node, const TravRay<4,true>& tray, vfloat4& distances) const {
@@ -43,7 +43,7 @@ namespace embree
 
       /*! If an entry is nearer than the leaf, moves it to the top and puts the leaf in its place, so that leaves are
        *  visited in the order of their distances. Embree sorts only the children of one node. */
-      __forceinline bool putBehindNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
+      __forceinline bool deferToNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
                                           StackItemT<BVH4::NodeRef>*& top)
       {
         StackItemT<BVH4::NodeRef>* nearest = nullptr;
@@ -100,7 +100,7 @@ namespace embree
           if (unlikely(mask == 0)) continue;
           if (Leaves::hasFrame(cur)) {
             enter = reduce_min(select(vboolf4(int(mask)),distances,vfloat4(pos_inf)));
-            if (unlikely(leaves.isSorted) && putBehindNearer(cur,enter,stack,top)) continue;
+            if (unlikely(leaves.isSorted) && deferToNearer(cur,enter,stack,top)) continue;
             leaves.setEnter(enter);
           }
           size_t lazyNode = 0;

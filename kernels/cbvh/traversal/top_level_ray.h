@@ -51,7 +51,7 @@ namespace embree
       };
 
       /*! Returns false if the ray misses a box, and, due to the arithmetic of TopLevelRay, all boxes inside it. */
-      __forceinline bool mayMeet (const Ray& ray, const BBox3fa& box)
+      __forceinline bool mayIntersect (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
         const vbool4 descends = factors.rdir < vfloat4(zero);
@@ -62,7 +62,7 @@ namespace embree
       }
 
       template<int K>
-      __forceinline vbool<K> mayMeet (const RayK<K>& rays, const BBox3fa& box)
+      __forceinline vbool<K> mayIntersect (const RayK<K>& rays, const BBox3fa& box)
       {
         const vfloat<K> largest = max(max(abs(rays.dir.x),abs(rays.dir.y)),abs(rays.dir.z));
         vfloat<K> enter = max(rays.tnear(),vfloat<K>(zero)), leave = max(rays.tfar,vfloat<K>(zero));

@@ -84,12 +84,12 @@ namespace embree
         __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
         {
           alignas(16) uint8_t expanded[24]; // 8 bytes are loaded at a time
-          const uint8_t* ofAxis = expandRows(margins + k*groups.groups,expanded);
+          const uint8_t* axisMargins = expandRows(margins + k*groups.groups,expanded);
           const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
           for (int j=0; j<QuadCornersV::vectors; j++) {
             const vfloatV c[4] = { corners.at(j,0),corners.at(j,1),corners.at(j,2),corners.at(j,3) };
-            const vintV m = loadBytes(ofAxis+vectorWidth*j);
+            const vintV m = loadBytes(axisMargins+vectorWidth*j);
             vfloatV::store(out.at[0]+vectorWidth*j,
               madd(nmadd(vfloatV(m & vintV(15)),step,min(min(c[0],c[1]),min(c[2],c[3]))),spacing,origin));
             vfloatV::store(out.at[1]+vectorWidth*j,

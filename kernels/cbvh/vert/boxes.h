@@ -69,7 +69,8 @@ namespace embree
 
       /*! Returns false if a ray misses the bounds between tNear and tFar, as most rays do that hit no group. */
       template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear, Real tFar)
+      __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear,
+        Real tFar)
         -> decltype(tNear <= tFar)
       {
         const int m = bounds.axis;
@@ -90,7 +91,7 @@ namespace embree
 
       /*! The same for a block that is not raw. */
       template<typename Real>
-      __forceinline auto meetsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
+      __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
       {
         BlockBounds bounds;
@@ -103,7 +104,7 @@ namespace embree
           bounds.extent[k] = extent;
         }
         for (float& slack : bounds.slack) slack = 0.0f;
-        return meetsBounds<Real>(ray,bounds,tNear,tFar);
+        return intersectsBounds<Real>(ray,bounds,tNear,tFar);
       }
 
       /*! Bounds of a block in a segment, read directly from its steps. */

@@ -54,11 +54,11 @@ namespace embree
     {
     public:
       /*! If the slot's `block` differs, the caller must fill the slot and set `block`. */
-      __forceinline VertBoxes& slot (const void* block) { return blocks[placeOfBlock(block,512) % numBlocks]; }
+      __forceinline VertBoxes& slot (const void* block) { return blocks[slotOfBlock(block,512) % numBlocks]; }
 
       /*! If the slot's key differs, the caller must fill the slot and set the key. */
       static __forceinline size_t slot (const void* block, uint32_t lane) {
-        return (placeOfBlock(block,32) + lane) % numGroups;
+        return (slotOfBlock(block,32) + lane) % numGroups;
       }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
@@ -120,10 +120,10 @@ namespace embree
     public:
       /*! If the slot's key differs, the caller must fill the slot and set the key. */
       __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) {
-        return blocks[(placeOfBlock(block,512) + segment) % numBlocks];
+        return blocks[(slotOfBlock(block,512) + segment) % numBlocks];
       }
       __forceinline SegmentVertices& slot (const void* block, uint32_t segment, uint32_t lane) {
-        return groups[(placeOfBlock(block,32) + lane + 7*segment) % numGroups];
+        return groups[(slotOfBlock(block,32) + lane + 7*segment) % numGroups];
       }
 
       void clear ()

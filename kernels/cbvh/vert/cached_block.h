@@ -28,8 +28,8 @@ namespace embree
 
         /*! Returns false if a ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
          *  isUsable(). */
-        __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const {
-          return unlikely(isRaw(block->boxForm)) || meetsBounds<float>(ray,block,tNear,tFar);
+        __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const {
+          return unlikely(isRaw(block->boxForm)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 
         /*! Returns false if the block is damaged. No byte of it may be read then, not even its header. */

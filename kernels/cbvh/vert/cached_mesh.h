@@ -30,7 +30,7 @@ namespace embree
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
         /*! Always true: the bounds of the block are the bounds of its leaf, which the ray hits. */
-        __forceinline bool mayMeet (const VertRayAxes<float>&, float, float) const { return true; }
+        __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
         __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
 
@@ -83,7 +83,7 @@ namespace embree
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
                                              const VertTriangle::Sides& sides) {
-        return cached.point(g,t,inUnit(sides.w1/sides.sum),inUnit(sides.w2/sides.sum));
+        return cached.point(g,t,clampParameter(sides.w1/sides.sum),clampParameter(sides.w2/sides.sum));
       }
     }
   }

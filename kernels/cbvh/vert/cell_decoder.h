@@ -107,7 +107,7 @@ namespace embree
         }
       };
 
-      /*! Base: CellBase, NoBase or TurnedBase. Out: CoordinatesOfCell or WorldOfCell. */
+      /*! Base: CellBase, NoBase or RotatedBase. Out: CoordinatesOfCell or WorldOfCell. */
       template<typename Base>
       class CellDecoder
       {
@@ -198,7 +198,7 @@ namespace embree
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
               const uint32_t bit = remainderBegin(remainders,vertex,k);
-              uint64_t word; // extends past the block, by less than readBehindVert
+              uint64_t word; // extends past the block, by less than readPastVert
               memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
               x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);

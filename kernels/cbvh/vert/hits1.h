@@ -100,7 +100,7 @@ namespace embree
           t = float(exact);
           const float tfar = target.tfar();
           const uint32_t place = placeOfHit(exact,target.tnear(),tfar,nearest.block && nearest.t == tfar);
-          return likely(place == hitIsNearest) || (place == hitIsTied && nearest.isBehind(block,number,target.ids()));
+          return likely(place == hitIsNearest) || (place == hitIsTied && nearest.yieldsTo(block,number,target.ids()));
         }
 
         __forceinline bool reportHit (uint32_t g, const WideNormal<double>& normal, uint32_t h, float t,

@@ -98,13 +98,13 @@ namespace embree
             {
               const Four four(*this,vertRays,j);
               const WideNormal<Double4> n = normalOf(four.triangle);
-              const PlaneMeeting<Double4> at = meetPlane(four.triangle,n,four.org,four.dir);
+              const PlaneIntersection<Double4> at = intersectPlane(four.triangle,n,four.org,four.dir);
               const TriangleSpan<Double4> span = four.span(kz);
               const Double4 exact = clampToSpan(span,at.t);
               toFloat(exact).store(t+j);
               for (int k=0; k<3; k++) toFloat(n.at[k]).store(normal[k]+j);
               isMet |= (Double4(lanesFrom(tnear,j)) <= exact).bits() << j;
-              lies |= (15u & ~isOfPlane(at,span).bits()) << j;
+              lies |= (15u & ~isPlaneDecisive(at,span).bits()) << j;
             }
           }
 
@@ -180,7 +180,7 @@ namespace embree
           const QuadPosition<vfloat<K>> at =
             positionInQuad(sides,(triangles & vint<K>(int(0xAAAAAAAAu))) != vint<K>(zero));
           if (hasNumbers(block->boxForm)) {
-            accepted |= reportOwn(uint32_t(movemask(hit)),g,triangles,at,t,Ng);
+            accepted |= reportNumbered(uint32_t(movemask(hit)),g,triangles,at,t,Ng);
             return done;
           }
           const VertEdges edges = edgesOf(block);
@@ -188,19 +188,19 @@ namespace embree
             faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
           const vfloat<K> v =
             faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
-          const uint32_t of1 =
+          const uint32_t acceptedNow =
             uint32_t(movemask(hit
               & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));
-          for (uint32_t rest=of1; rest; rest&=rest-1) {
+          for (uint32_t rest=acceptedNow; rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
             vertRays.nearest(k) = VertNearest(block,32*g+uint32_t(bsf(uint32_t(triangles[k]))),t[k]);
           }
-          accepted |= of1;
+          accepted |= acceptedNow;
           return done;
         }
 
         /*! Reports hits in different primitives. Returns the rays that accept the hit. */
-        uint32_t reportOwn (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
+        uint32_t reportNumbered (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
                             const vfloat<K>& t, const Vec3vf<K>& Ng)
         {
           uint32_t accepted = 0;

@@ -31,7 +31,8 @@ namespace embree
       };
 
       /*! Lanes of the groups whose boxes the ray intersects. enter: receives entry distances. */
-      __forceinline uint32_t meetGroupBoxes (const VertRay& vertRay, float tnear, float tfar, const GroupBoxes& boxes,
+      __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
+        const GroupBoxes& boxes,
                                              float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
@@ -65,7 +66,7 @@ namespace embree
       }
 
       /*! Removes and returns the group with the smallest entry distance. */
-      __forceinline uint32_t takeFirst (uint32_t& open, const float enter[16])
+      __forceinline uint32_t popNearest (uint32_t& open, const float enter[16])
       {
         uint32_t best = uint32_t(bsf(open));
         for (uint32_t rest=open & (open-1); rest; rest&=rest-1) {
@@ -76,7 +77,7 @@ namespace embree
         return best;
       }
 
-      __forceinline uint32_t takeAny (uint32_t& open)
+      __forceinline uint32_t popAny (uint32_t& open)
       {
         const uint32_t g = uint32_t(bsf(open));
         open &= open-1;
@@ -107,16 +108,16 @@ namespace embree
         {
           const GroupBoxes* boxes = cached.decodedBoxes();
           if (unlikely(boxes == nullptr)) {
-            if (!cached.isUsable() || !cached.mayMeet(vertRay,ray.tnear(),ray.tfar)) return false;
+            if (!cached.isUsable() || !cached.mayIntersect(vertRay,ray.tnear(),ray.tfar)) return false;
             boxes = &cached.boxes();
           }
-          uint32_t open = meetGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
+          uint32_t open = intersectGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
           VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,
             cached);
           bool found = false;
           while (open)
           {
-            const uint32_t g = IsAnyHit<RayType>::value ? takeAny(open) : takeFirst(open,enter);
+            const uint32_t g = IsAnyHit<RayType>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > ray.tfar) continue;
             const GroupTriangles triangles(vertRay,cached.vertices(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
@@ -147,7 +148,7 @@ namespace embree
                                            const VertHeader* block)
       {
         const VertMotion motion = motionOf(block);
-        if (unlikely(!isThere(motion,ray.time()))) return false;
+        if (unlikely(!isPresent(motion,ray.time()))) return false;
         return VertIntersector1<RayType,MovingVertBlock>::intersect(ray,context,vertRay,block,
           timeInMotion(motion,ray.time()));
       }

@@ -40,7 +40,8 @@ namespace embree
           vint<K> form = vertRays.form;
           if (unlikely(cached.decodedBoxes() == nullptr)) {
             if (!cached.isUsable()) return vbool<K>(false);
-            if (likely(!isRaw(block->boxForm))) valid &= meetsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
+            if (likely(!isRaw(block->boxForm))) valid &=
+              intersectsBounds<vfloat<K>>(vertRays,block,rays.tnear(),rays.tfar);
             if (none(valid)) return valid;
           }
           const VertBoxes& boxes = cached.boxes();
@@ -109,13 +110,13 @@ namespace embree
             else axes[k].set(lanes,vertRays.org[k],vertRays.rcp[k],
               boxSlack<vfloat<K>>(vertRays.org[k],boxes.origin[k],boxes.extent[k]),(form >> (2+k)) & 1u);
           }
-          uint32_t open = meetBoxes(lanes,boxes);
+          uint32_t open = intersectBoxes(lanes,boxes);
           while (open)
           {
-            const uint32_t g = IsAnyHit<Rays>::value ? takeAny(open) : takeFirst(open,enter);
-            const vbool<K> met = lanes & meetBox(cached.boxes(),g);
+            const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
+            const vbool<K> met = lanes & intersectBox(cached.boxes(),g);
             if (none(met)) continue;
-            const uint32_t accepted = meetGroup(uint32_t(movemask(met)),form & 3u,g);
+            const uint32_t accepted = intersectGroup(uint32_t(movemask(met)),form & 3u,g);
             found |= accepted;
             if (IsAnyHit<Rays>::value && accepted) {
               lanes = andn(lanes,vbool<K>(int(accepted)));
@@ -125,7 +126,7 @@ namespace embree
         }
 
         /*! Lanes of groups whose boxes a ray may intersect. Sets `enter`. */
-        __forceinline uint32_t meetBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
+        __forceinline uint32_t intersectBoxes (const vbool<K>& lanes, const VertBoxes& boxes)
         {
           const float tnear = reduce_min(select(lanes,rays.tnear(),vfloat<K>(pos_inf))),
             tfar = reduce_max(select(lanes,rays.tfar,vfloat<K>(neg_inf)));
@@ -142,7 +143,7 @@ namespace embree
           return open & boxes.lanes;
         }
 
-        __forceinline vbool<K> meetBox (const VertBoxes& boxes, uint32_t g) const
+        __forceinline vbool<K> intersectBox (const VertBoxes& boxes, uint32_t g) const
         {
           vfloat<K> tNear = rays.tnear(), tFar = rays.tfar;
           for (int k=0; k<3; k++) {
@@ -153,7 +154,7 @@ namespace embree
           return tNear <= tFar;
         }
 
-        __forceinline uint32_t meetGroup (uint32_t mask, uint32_t kz, uint32_t g)
+        __forceinline uint32_t intersectGroup (uint32_t mask, uint32_t kz, uint32_t g)
         {
           VertHitsK<K,Rays> hits(rays,context,vertRays,block,cached);
           if (popcnt(mask) <= few) {

@@ -42,9 +42,9 @@ namespace embree
     {
     public:
       /*! If the slot's `block` (or `lane`) differs, the caller must fill the slot. */
-      __forceinline MeshBoxes& slot (const void* block) { return blocks[placeOfBlock(block,1024) % numBlocks]; }
+      __forceinline MeshBoxes& slot (const void* block) { return blocks[slotOfBlock(block,1024) % numBlocks]; }
       __forceinline MeshTriangles& slot (const void* block, uint32_t lane) {
-        return groups[(placeOfBlock(block,64) + lane) % numGroups];
+        return groups[(slotOfBlock(block,64) + lane) % numGroups];
       }
 
       void clear ()

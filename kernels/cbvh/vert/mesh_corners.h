@@ -97,7 +97,7 @@ namespace embree
       };
 
       /*! GroupTriangles::mask for a mesh block */
-      __forceinline uint32_t trianglesAround (const VertRay& ray, const MeshTriangles& triangles)
+      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles)
       {
         const MeshCornersV corners(ray,triangles);
         uint32_t mask = 0;

@@ -333,10 +333,10 @@ namespace embree
         {
 #if defined(__SSSE3__)
           const __m128i nibble = _mm_set1_epi8(15);
-          const __m128i ofLow = _mm_setr_epi8(0,1,2,2,3,3,3,3,4,4,4,4,4,4,4,4),
-            ofHigh = _mm_setr_epi8(0,5,6,6,7,7,7,7,8,8,8,8,8,8,8,8);
-          return _mm_max_epu8(_mm_shuffle_epi8(ofLow,_mm_and_si128(bytes,nibble)),
-            _mm_shuffle_epi8(ofHigh,_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
+          const __m128i lengthsOfLow = _mm_setr_epi8(0,1,2,2,3,3,3,3,4,4,4,4,4,4,4,4),
+            lengthsOfHigh = _mm_setr_epi8(0,5,6,6,7,7,7,7,8,8,8,8,8,8,8,8);
+          return _mm_max_epu8(_mm_shuffle_epi8(lengthsOfLow,_mm_and_si128(bytes,nibble)),
+            _mm_shuffle_epi8(lengthsOfHigh,_mm_and_si128(_mm_srli_epi16(bytes,4),nibble)));
 #else
           __m128i lengths = _mm_setzero_si128();
           for (int bit=0; bit<8; bit++) // x has more than `bit` bits if x >= 2^bit
@@ -395,12 +395,12 @@ namespace embree
           {
             auto wide = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
             const __m128i lane = _mm_add_epi16(_mm_setr_epi16(0,1,2,3,4,5,6,7),_mm_set1_epi16(short(8*half))),
-              isThere = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
+              isPresent = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
             const __m128i of = wide(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(of,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(of,five),_mm_set1_epi16(1)),
               entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // of the stream, minus 2
-            own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isThere);
+            own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
             // restarts, fans, turns, news, owns; then repeats, and numbers of vertices of other groups
@@ -409,9 +409,9 @@ namespace embree
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
               _mm_sub_epi16(_mm_add_epi16(entries,_mm_set1_epi16(2)),locals[half])));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(otherBits,_mm_sub_epi16(locals[half],own[half])));
-            topology[half] = _mm_and_si128(sum,isThere);
+            topology[half] = _mm_and_si128(sum,isPresent);
             vertices[half] = _mm_mullo_epi16(own[half],wide(all));
-            numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isThere);
+            numbers[half] = _mm_and_si128(_mm_add_epi16(baseBits,_mm_mullo_epi16(count,numberBits)),isPresent);
           }
           out.topologyBegin = 8*layout.topology;
           out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);

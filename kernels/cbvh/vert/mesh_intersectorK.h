@@ -43,13 +43,13 @@ namespace embree
           ray.largest = vertRays.largest[k];
           ray.descends = uint32_t(vertRays.form[k]) >> 2;
           alignas(64) float enter[16];
-          uint32_t open = meetGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
+          uint32_t open = intersectGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
           typedef VertTargetK<K,Rays> Target;
           VertHits<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
           bool found = false;
           while (open)
           {
-            const uint32_t g = IsAnyHit<Rays>::value ? takeAny(open) : takeFirst(open,enter);
+            const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > rays.tfar[k]) continue;
             const GroupTriangles triangles(ray,cached.vertices(g));
             if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;

@@ -7,7 +7,7 @@
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
-#include "../surface/loose_triangles.h"
+#include "../surface/irregular_triangles.h"
 #include "../../cvert/encoder/mesh_encoder.h"
 
 namespace embree
@@ -19,7 +19,8 @@ namespace embree
     public:
       static const uint32_t groupTriangles = 16; //!< of a full group
 
-      MeshWriter (const LooseTriangles& from, uint32_t surface, BlockStore& store, cbvh::BuildStatistics& statistics)
+      MeshWriter (const IrregularTriangles& from, uint32_t surface, BlockStore& store,
+        cbvh::BuildStatistics& statistics)
         : from(from), surface(surface), store(store), statistics(statistics) {}
 
       /*! Primitives of a full group. */
@@ -34,14 +35,14 @@ namespace embree
           for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
             cbvh::MeshTriangle& triangle = triangles[n];
             triangle.number = from.mesh.triangleOf(cluster[i].index,k);
-            if (from.mesh.areOfQuads() && from.isDegenerate(triangle.number)) continue; // half of a quad
+            if (from.mesh.areHalvesOfQuads() && from.isDegenerate(triangle.number)) continue; // half of a quad
             moved = max(moved,from.store(triangle.number,triangle.corners));
             n += hasThreeCorners(triangle); // a grid's lattice can be too coarse for an adjacent triangle
           }
         statistics.addDeviation(moved);
         if (n == 0) return;
         cbvh::MeshStatistics ofBlocks;
-        encoder.encodeCluster(triangles,n,groupTriangles,from.mesh.areOfQuads(),surface,block,ofBlocks,
+        encoder.encodeCluster(triangles,n,groupTriangles,from.mesh.areHalvesOfQuads(),surface,block,ofBlocks,
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
         store.flushIfFull();
       }
@@ -59,22 +60,22 @@ namespace embree
         cbvh::WorldBounds bounds;
         for (uint32_t i=0; i<count; i++)
           for (const float (&p)[3] : of[i].corners) bounds.extend(p[0],p[1],p[2]);
-        if (from.mesh.areOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshIsOfQuads;
+        if (from.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
         memcpy(store.begin(bytes),block,bytes);
-        store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readBehindVert);
+        store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readPastVert);
         store.hitBounds.extend(bounds);
 
         const cbvh::MeshHeader& header = *(const cbvh::MeshHeader*)block;
         const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
         const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
         cbvh::CompressionStatistics& sums = statistics.sums;
-        sums.frameBytes += layout.boxes;
+        sums.headerBytes += layout.boxes;
         sums.nodeBytes += layout.topology - layout.boxes;
         sums.leafBytes += stride - layout.topology;
         sums.numBlocks++;
       }
 
-      const LooseTriangles& from;
+      const IrregularTriangles& from;
       const uint32_t surface;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;

@@ -24,14 +24,14 @@ namespace embree
       };
 
       /*! Adds the residuals of the first step, transformed by a step's matrix, to a base. */
-      class TurnedBase
+      class RotatedBase
       {
       public:
-        __forceinline TurnedBase (const CellBase& base, const VertStep& step, const CellVertices& first)
+        __forceinline RotatedBase (const CellBase& base, const VertStep& step, const CellVertices& first)
           : base(base), first(first)
         {
-          const float unit = 1.0f/float(1u << turnShift(step.turned));
-          for (uint32_t i=0; i<9; i++) turn[i] = float(turnEntry(step,i))*unit;
+          const float unit = 1.0f/float(1u << rotationShift(step.turned));
+          for (uint32_t i=0; i<9; i++) turn[i] = float(rotationEntry(step,i))*unit;
         }
 
         /*! Exact, with fused operations or without: numbers have at most 24 bits. */
@@ -78,7 +78,7 @@ namespace embree
             CellVertices corners;
             decodeCorners(step,corners);
             VertDecoder::pack(corners,out.steps[e].corners);
-            const uint8_t* const high = step.hasHigh ? step.data+step.wordsHigh : nullptr;
+            const uint8_t* const high = step.hasHighBits ? step.data+step.wordsHigh : nullptr;
             decodeGroupWords(step.data+step.words,high,step.cell + cellBytes(step.word),layout,out.steps[e].words,
                              out.steps[e].fields);
             if (unlikely(!isSheared)) continue;
@@ -114,12 +114,12 @@ namespace embree
             const VertSpacing spacing = spacingOf(step.word,cornersOf(step));
             const WorldOfCell world = { out.ends[e],spacing,step.origin };
             const uint8_t* fields = step.data + cells.fields[lane];
-            const bool turns = isGroupTurned(step,gy*layout.groupsX+gx);
+            const bool turns = isGroupRotated(step,gy*layout.groupsX+gx);
             if (turns && !hasFirst) {
               residualsOfFirst(boxes,lane,first);
               hasFirst = true;
             }
-            if (turns) decodeCell(cells.words[lane],fields,TurnedBase(base,laterOf(step),first),world);
+            if (turns) decodeCell(cells.words[lane],fields,RotatedBase(base,laterOf(step),first),world);
             else decodeCell(cells.words[lane],fields,base,world);
             if (unlikely(step.remainders != 0))
               addRemainders(step.data,step.remainders,spacing,block->region,gx,gy,out.ends[e]);
@@ -137,10 +137,10 @@ namespace embree
           auto corner = [&](int c) { return cornerAt(cornersOf(step),c); };
           const CellPrediction prediction(corner(0),corner(1),corner(2),corner(3));
           const CellBase base(prediction,false,quadsX,quadsY);
-          if (isFirstCellTurned(step)) {
+          if (isFirstCellRotated(step)) {
             CellVertices first;
             decodeCell(block->word,(const uint8_t*)block+layout.cell,NoBase(),CoordinatesOfCell{ first });
-            decodeCell(step.word,step.data+step.cell,TurnedBase(base,laterOf(step),first),CoordinatesOfCell{ out });
+            decodeCell(step.word,step.data+step.cell,RotatedBase(base,laterOf(step),first),CoordinatesOfCell{ out });
           }
           else decodeCell(step.word,step.data+step.cell,base,CoordinatesOfCell{ out });
         }

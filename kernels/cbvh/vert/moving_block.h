@@ -38,13 +38,13 @@ namespace embree
         __forceinline bool isUsable () const { return true; }
 
         /*! Returns false if a ray misses the block's bounds between tNear and tFar. Decodes nothing. */
-        __forceinline bool mayMeet (const VertRayAxes<float>& ray, float tNear, float tFar) const
+        __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const
         {
           const SegmentReach reach(block,segment);
           if (unlikely(reach.raw)) return true;
           BlockBounds bounds;
           reach.set(fraction,bounds);
-          return meetsBounds<float>(ray,bounds,tNear,tFar);
+          return intersectsBounds<float>(ray,bounds,tNear,tFar);
         }
 
         /*! Valid as long as this object. */
@@ -73,7 +73,7 @@ namespace embree
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           if (lane != this->lane) interpolate(lane);
-          return ofLane;
+          return laneVertices;
         }
 
       private:
@@ -116,7 +116,7 @@ namespace embree
           const Between between(fraction);
           for (int k=0; k<3; k++)
             for (int l=0; l<cellVectors*vectorWidth; l+=vectorWidth)
-              vfloatV::store(ofLane.at[k]+l,
+              vfloatV::store(laneVertices.at[k]+l,
                              between(vfloatV::load(slot.ends[0].at[k]+l),vfloatV::load(slot.ends[1].at[k]+l)));
         }
 
@@ -124,10 +124,10 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< of the group in ofLane
+        mutable uint32_t lane;        //!< of the group in laneVertices
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
-        mutable CellVertices ofLane;
+        mutable CellVertices laneVertices;
       };
     }
   }

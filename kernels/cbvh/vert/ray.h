@@ -45,13 +45,13 @@ namespace embree
           : block(block), triangle(triangle), t(t) {}
 
         /*! True if a hit at the same distance takes precedence over this one. */
-        __forceinline bool isBehind (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
-          return comesBefore(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
+        __forceinline bool yieldsTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
+          return hasPrecedence(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
         }
 
       private:
-        static __forceinline TriangleName nameOf (const VertHeader* block, uint32_t triangle, const SurfaceIDs& ids) {
-          return TriangleName{ ids[block->surface],block->primID,block->region,triangle };
+        static __forceinline TriangleKey nameOf (const VertHeader* block, uint32_t triangle, const SurfaceIDs& ids) {
+          return TriangleKey{ ids[block->surface],block->primID,block->region,triangle };
         }
       };
 

@@ -46,7 +46,7 @@ namespace embree
         int first = end;
         for (int l=4*row; l<4*row+4; l++)
           if (hasField[l]) first = std::min(first,field[l]*bits/8);
-        const int offset = std::max(std::min(first,end+readBehind-16),0);
+        const int offset = std::max(std::min(first,end+readPast-16),0);
         w.offset[row] = uint8_t(offset);
         for (int l=4*row; l<4*row+4; l++)
         {

@@ -51,7 +51,7 @@ namespace embree
 
       static const int maxWindowBits = 32;
       static const int maxBitsOfFour = 25; //!< largest field that fits into four bytes from any first bit
-      static const int readBehind = 8;     //!< windows read at most this many bytes after the last field
+      static const int readPast = 8;       //!< windows read at most this many bytes after the last field
 
       /*! Windows of smaller fields would read too far after the last field, and four fields of 31 bits can span 17
        *  bytes. */

@@ -139,7 +139,7 @@ namespace embree
 
         /*! Bits of the mask are lanes. */
         __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles)
-          : mask(trianglesAround(ray,triangles)) {}
+          : mask(trianglesHitByLine(ray,triangles)) {}
 
       private:
         static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)

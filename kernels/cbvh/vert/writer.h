@@ -86,18 +86,18 @@ namespace embree
         const size_t width = strip.x1-strip.x0+1, count = width*(strip.y1-strip.y0+1);
         moved.reserve(3*count*plan.numTimeSteps); // vectors would grow to a power of two
         moved.resize(3*count*plan.numTimeSteps);
-        auto ofStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
+        auto verticesOfStep = [&](unsigned step) { return (float(*)[3])moved.data() + count*step; };
         size_t flipped = 0;
         for (unsigned step=0; step<plan.numTimeSteps; step++)
         {
           PatchVertices& vertices = evaluate(strip,step);
           flipped = max(flipped,snapVertices(patch,step,strip,latticeOf(patch,step),vertices));
-          memcpy(ofStep(step),vertices.displaced(),count*sizeof(float[3]));
+          memcpy(verticesOfStep(step),vertices.displaced(),count*sizeof(float[3]));
         }
         statistics.sums.numFlippedQuads += flipped;
         forBlocks(patch,strip,[&](unsigned x, unsigned y, unsigned w, unsigned h) {
             writeMovingBlock(patch,x,y,w,h,[&](unsigned step, float (*out)[3]) {
-                copyBlock(ofStep(step),width,x,y-strip.y0,w,h,out);
+                copyBlock(verticesOfStep(step),width,x,y-strip.y0,w,h,out);
               });
           });
       }
@@ -190,7 +190,7 @@ namespace embree
         if (patch.numbers)
           addMeshQuads(patch,size_t(cbvh::vertQuadsX(header->region))*cbvh::vertQuadsY(header->region));
         store.hitBounds.extend(bounds);
-        store.end(size,toBBox(bounds),type,cbvh::readBehindVert);
+        store.end(size,toBBox(bounds),type,cbvh::readPastVert);
       }
 
       /*! bytes: without padding */
@@ -201,7 +201,7 @@ namespace embree
         const size_t nodesEnd = block.raw ? layout.margins : layout.cell;
         const size_t quads = size_t(cbvh::vertQuadsX(header->region))*size_t(cbvh::vertQuadsY(header->region));
         cbvh::CompressionStatistics& sums = statistics.sums;
-        sums.frameBytes += layout.margins;
+        sums.headerBytes += layout.margins;
         sums.nodeBytes += nodesEnd - layout.margins;
         sums.leafBytes += stride - nodesEnd;
         sums.numBlocks++;
@@ -223,7 +223,7 @@ namespace embree
       void addMeshQuads (const SurfacePatch& patch, size_t quads)
       {
         statistics.sums.numMeshQuads += quads;
-        if (min(patch.quads[0],patch.quads[1]) < looseSide) statistics.sums.numLooseQuads += quads;
+        if (min(patch.quads[0],patch.quads[1]) < minGridSide) statistics.sums.numIrregularQuads += quads;
       }
 
       /*! Placement of a block without numbers. */

@@ -99,7 +99,7 @@ CVERT_END
 CVERT_BEGIN
 
 /*! Requires an address that is a multiple of 4. */
-CVERT_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
+CBVH_FUNCTION float floatAt (CVERT_POINTER(void) at, uint32_t i) { return floatOfBits(wordAt(at,i)); }
 
 CVERT_END
 

@@ -66,7 +66,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /*! a0 b1 - a1 b0 */
-  inline double crossOf(Double4 a, Double4 b) {
+  inline double crossOfXY(Double4 a, Double4 b) {
     const __m128d l = _mm256_castpd256_pd128(b.v), p = _mm_mul_pd(_mm256_castpd256_pd128(a.v),_mm_shuffle_pd(l,l,1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }

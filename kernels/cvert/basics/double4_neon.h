@@ -77,7 +77,7 @@ namespace cvert { inline namespace CVERT_ISA
     return {{ vreinterpretq_u64_s64(vmovl_s32(vget_low_s32(set))),vreinterpretq_u64_s64(vmovl_high_s32(set)) }};
   }
 
-  inline double crossOf(Double4 a, Double4 b) {
+  inline double crossOfXY(Double4 a, Double4 b) {
     const float64x2_t p = vmulq_f64(a.v[0],vextq_f64(b.v[0],b.v[0],1));
     return vgetq_lane_f64(p,0) - vgetq_lane_f64(p,1);
   }

@@ -65,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
       set = _mm_cmpgt_epi32(lanes,_mm_setzero_si128());
     return {{ _mm_castsi128_pd(_mm_unpacklo_epi32(set,set)),_mm_castsi128_pd(_mm_unpackhi_epi32(set,set)) }};
   }
-  inline double crossOf(Double4 a, Double4 b) {
+  inline double crossOfXY(Double4 a, Double4 b) {
     const __m128d p = _mm_mul_pd(a.v[0],_mm_shuffle_pd(b.v[0],b.v[0],1));
     return _mm_cvtsd_f64(_mm_sub_sd(p,_mm_unpackhi_pd(p,p)));
   }

@@ -54,8 +54,8 @@ namespace cvert { inline namespace CVERT_ISA
 
   inline uint32_t bitsOf(uint32x4_t mask) { return vaddvq_u32(vandq_u32(mask,uint32x4_t{ 1,2,4,8 })); }
 
-  inline uint32_t lanesBelow(Float4 a, Float4 b) { return bitsOf(vcltq_f32(a.v,b.v)); }
-  inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return bitsOf(vcleq_f32(a.v,b.v)); }
+  inline uint32_t lanesLess(Float4 a, Float4 b) { return bitsOf(vcltq_f32(a.v,b.v)); }
+  inline uint32_t lanesLessEqual(Float4 a, Float4 b) { return bitsOf(vcleq_f32(a.v,b.v)); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return bitsOf(vceqq_f32(a.v,b.v)); }
 
   struct Int4
@@ -84,14 +84,14 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  inline Int4 shiftSigned(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(-n)); }
+  inline Int4 shiftArithmetic(Int4 a, int n) { return vshlq_s32(a.v,vdupq_n_s32(-n)); }
 
   inline Int4 min(Int4 a, Int4 b) { return vminq_s32(a.v,b.v); }
   inline Int4 max(Int4 a, Int4 b) { return vmaxq_s32(a.v,b.v); }
 
   inline int least(Int4 a) { return vminvq_s32(a.v); }
   inline int greatest(Int4 a) { return vmaxvq_s32(a.v); }
-  inline int anyOf(Int4 a) {
+  inline int reduceOr(Int4 a) {
     const int64x2_t halves = vreinterpretq_s64_s32(a.v);
     const uint64_t both = uint64_t(vgetq_lane_s64(halves,0) | vgetq_lane_s64(halves,1));
     return int(uint32_t(both | both >> 32));

@@ -57,8 +57,8 @@ namespace cvert { inline namespace CVERT_ISA
   inline uint32_t lanesWhere(const Comparison& isTrue) {
     return uint32_t(isTrue(0)) | uint32_t(isTrue(1)) << 1 | uint32_t(isTrue(2)) << 2 | uint32_t(isTrue(3)) << 3;
   }
-  inline uint32_t lanesBelow(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] < b.v[i]; }); }
-  inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] <= b.v[i]; }); }
+  inline uint32_t lanesLess(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] < b.v[i]; }); }
+  inline uint32_t lanesLessEqual(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] <= b.v[i]; }); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] == b.v[i]; }); }
 
   struct Int4
@@ -85,7 +85,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator>>(Int4 a, int n) { return of([&](int i) { return n < 32 ? a.v[i] >> n : 0u; }); }
   };
 
-  inline Int4 shiftSigned(Int4 a, int n) {
+  inline Int4 shiftArithmetic(Int4 a, int n) {
     return Int4::of([&](int i) { return int32_t(a.v[i]) >> (n < 32 ? n : 31); });
   }
 
@@ -105,7 +105,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline int least(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return min(x,y); }); }
   inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
-  inline int anyOf(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
+  inline int reduceOr(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
   inline Int4 square(Int4 a) { return a*a; }
   inline Float4 toFloat(Int4 a) { return Float4::of([&](int i) { return float(int32_t(a.v[i])); }); }

@@ -46,8 +46,8 @@ namespace cvert { inline namespace CVERT_ISA
   }
 
   /* Return one bit per lane. */
-  inline uint32_t lanesBelow(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
-  inline uint32_t lanesNotAbove(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v,b.v))); }
+  inline uint32_t lanesLess(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
+  inline uint32_t lanesLessEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v,b.v))); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
 
   struct Int4
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   /*! Arithmetic shift. */
-  inline Int4 shiftSigned(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
+  inline Int4 shiftArithmetic(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
 
   /*! lower 32 bits of each product */
   inline Int4 operator*(Int4 a, Int4 b) {
@@ -103,7 +103,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline int least(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return min(x,y); }); }
   inline int greatest(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return max(x,y); }); }
-  inline int anyOf(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
+  inline int reduceOr(Int4 a) { return reduced(a,[](Int4 x, Int4 y) { return x | y; }); }
 
   /*! Requires lanes below 256. */
   inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }

@@ -21,7 +21,7 @@
 
 #define CVERT_BEGIN
 #define CVERT_END
-#define CVERT_FUNCTION
+#define CBVH_FUNCTION
 #define CVERT_CONSTANT const
 #define CVERT_REAL
 #define CVERT_OF(Type) Type
@@ -50,7 +50,7 @@
 
 #define CVERT_BEGIN namespace cvert { inline namespace CVERT_ISA {
 #define CVERT_END }}
-#define CVERT_FUNCTION inline
+#define CBVH_FUNCTION inline
 #define CVERT_CONSTANT static constexpr
 #define CVERT_REAL template<typename Real>
 #define CVERT_OF(Type) Type<Real>
@@ -66,11 +66,11 @@
 CVERT_BEGIN
 
 /* Functions of the standard library and of GLSL treat NaN and equal operands differently, and may be calls in C++. */
-CVERT_REAL CVERT_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
-CVERT_REAL CVERT_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
-CVERT_REAL CVERT_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
-CVERT_REAL CVERT_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
-CVERT_REAL CVERT_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
+CVERT_REAL CBVH_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
+CVERT_REAL CBVH_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
+CVERT_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
+CVERT_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
+CVERT_REAL CBVH_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
 /* product: never fused with a sum */
 #ifdef VULKAN

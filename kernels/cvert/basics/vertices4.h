@@ -39,7 +39,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t finite = 7;
     for (size_t i=0; i<count; i++) {
       const Float4 v = loadVertex(vertices,i,count);
-      finite &= lanesBelow(abs(v),maxCoordinate);
+      finite &= lanesLess(abs(v),maxCoordinate);
       low = min(low,v);
       high = max(high,v);
     }

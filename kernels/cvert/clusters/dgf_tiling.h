@@ -67,7 +67,7 @@ namespace cvert
         void add (uint32_t y)
         {
           for (uint32_t x=0; x<count; x++)
-            if (points.isThere[y*points.width+x]) spans[x].add(points.at[y*points.width+x]);
+            if (points.isPresent[y*points.width+x]) spans[x].add(points.at[y*points.width+x]);
         }
       };
 

@@ -22,7 +22,7 @@ namespace cvert
     static const int32_t maxOffset = 0xFFFF;
 
     int32_t at[maxSide*maxSide][3]; //!< row by row; 0 for vertices that are not finite
-    bool isThere[maxSide*maxSide];  //!< finite
+    bool isPresent[maxSide*maxSide]; //!< finite
     uint32_t width;
     uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 
@@ -37,8 +37,8 @@ namespace cvert
           const float* p = vertices + 3*(size_t(y)*stride + x);
           const Parts parts[3] = { Parts(p[0]),Parts(p[1]),Parts(p[2]) };
           const uint32_t i = y*width + x;
-          isThere[i] = parts[0].isFinite() && parts[1].isFinite() && parts[2].isFinite();
-          if (!isThere[i]) continue;
+          isPresent[i] = parts[0].isFinite() && parts[1].isFinite() && parts[2].isFinite();
+          if (!isPresent[i]) continue;
           for (int k=0; k<3; k++)
             if (parts[k].mantissa != 0) lowest = lowest < parts[k].lowestBit() ? lowest : parts[k].lowestBit();
         }
@@ -47,7 +47,7 @@ namespace cvert
       for (uint32_t y=0; y<rows; y++)
         for (uint32_t x=0; x<columns; x++)
           for (int k=0; k<3; k++)
-            if (!locate(vertices[3*(size_t(y)*stride + x) + k],lowest,isThere[y*width+x],at[y*width+x][k]))
+            if (!locate(vertices[3*(size_t(y)*stride + x) + k],lowest,isPresent[y*width+x],at[y*width+x][k]))
               return false;
       return true;
     }
@@ -75,11 +75,11 @@ namespace cvert
       int lowestBit () const { return exponent + __builtin_ctz(mantissa); }
     };
 
-    static bool locate (float x, int spacing, bool isThere, int32_t& out)
+    static bool locate (float x, int spacing, bool isPresent, int32_t& out)
     {
       out = 0;
       const Parts parts(x);
-      if (!isThere || parts.mantissa == 0) return true;
+      if (!isPresent || parts.mantissa == 0) return true;
       const int shift = parts.exponent - spacing;
       if (shift > 8) return false;
       // exact because the spacing is at most the lowest bit

@@ -20,14 +20,14 @@ struct CodedCell
   int quadsX, quadsY;        //!< per side
 };
 
-CVERT_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
+CBVH_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
 {
   return Int3(cornerCoordinate(cornerWord(step,cornerPair(c,0)),c,0),
               cornerCoordinate(cornerWord(step,cornerPair(c,1)),c,1),
               cornerCoordinate(cornerWord(step,cornerPair(c,2)),c,2));
 }
 
-CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
+CBVH_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
 {
   CodedCell cell;
   cell.word = step.word;
@@ -43,7 +43,7 @@ CVERT_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
 }
 
 /*! c00 to c11: corners of the group, which are vertices of the first cell. fields: fieldsOfGroup. */
-CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
+CBVH_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
                                       uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
 {
   CodedCell cell;
@@ -61,12 +61,12 @@ CVERT_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, 
 
 /* --- residuals ------------------------------------------------------------------------- */
 
-CVERT_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, int bits) {
+CBVH_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, int bits) {
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
 /*! Returns a residual by axis. word, fields: as in CodedCell. */
-CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
+CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
   uint32_t begin = 8u*fields;
@@ -89,13 +89,13 @@ CVERT_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, ui
 }
 
 /*! Applies the matrix of a later step to a residual of the first step. */
-CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
+CBVH_FUNCTION Int3 rotatedByStep (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1];
-  uint32_t shift = turnShift(step.turned);
-  return Int3(turnedResidual(turnEntry(a,0u),turnEntry(a,1u),turnEntry(a,2u),r.x,r.y,r.z,shift),
-              turnedResidual(turnEntry(a,3u),turnEntry(b,0u),turnEntry(b,1u),r.x,r.y,r.z,shift),
-              turnedResidual(turnEntry(b,2u),turnEntry(b,3u),turnEntry(step.turned,3u),r.x,r.y,r.z,shift));
+  uint32_t shift = rotationShift(step.turned);
+  return Int3(rotatedResidual(rotationEntry(a,0u),rotationEntry(a,1u),rotationEntry(a,2u),r.x,r.y,r.z,shift),
+              rotatedResidual(rotationEntry(a,3u),rotationEntry(b,0u),rotationEntry(b,1u),r.x,r.y,r.z,shift),
+              rotatedResidual(rotationEntry(b,2u),rotationEntry(b,3u),rotationEntry(step.turned,3u),r.x,r.y,r.z,shift));
 }
 
 /* --- coordinates ----------------------------------------------------------------------- */
@@ -103,11 +103,11 @@ CVERT_FUNCTION Int3 turnedByStep (CVERT_IN(StepView) step, Int3 r)
 /*! Predictions of a row: (start + weight slope) >> 8, equal to cellPrediction. */
 struct CellRow { Int3 start, slope; };
 
-CVERT_FUNCTION int weightInCell (int i, int distance, int quads) {
+CBVH_FUNCTION int weightInCell (int i, int distance, int quads) {
   return quads == 4*distance ? 4*i : cellWeight(i,distance,quads);
 }
 
-CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
+CBVH_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
 {
   int weight = weightInCell(j,cell.distance,cell.quadsY);
   CellRow row;
@@ -117,7 +117,7 @@ CVERT_FUNCTION CellRow rowOfCell (CVERT_IN(CodedCell) cell, int j)
 }
 
 /*! Vertex i of row j. data: of the step. */
-CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
+CBVH_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, CVERT_IN(CellRow) row, int i,
                                  int j)
 {
   Int3 vertex = (row.start + weightInCell(i,cell.distance,cell.quadsX)*row.slope) >> 8;
@@ -126,21 +126,21 @@ CVERT_FUNCTION Int3 vertexOfRow (CVERT_POINTER(void) data, CVERT_IN(CodedCell) c
   return vertex;
 }
 
-CVERT_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) {
+CBVH_FUNCTION Int3 vertexOfCell (CVERT_POINTER(void) data, CVERT_IN(CodedCell) cell, int i, int j) {
   return vertexOfRow(data,cell,rowOfCell(cell,j),i,j);
 }
 
 /* --- the world ------------------------------------------------------------------------- */
 
 /*! Index in the block, row by row, of vertex i, j of a group. Smaller groups repeat their last vertices. */
-CVERT_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
+CBVH_FUNCTION uint32_t vertexOfGroup (uint32_t region, uint32_t gx, uint32_t gy, uint32_t i, uint32_t j)
 {
   uint32_t quadsX = vertQuadsX(region), quadsY = vertQuadsY(region), x = groupQuads*gx + i, y = groupQuads*gy + j;
   return (y < quadsY ? y : quadsY)*(quadsX+1u) + (x < quadsX ? x : quadsX);
 }
 
 /*! World coordinate without remainder. Requires a step that is not raw. The sum is exact, see block.h. */
-CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
+CBVH_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordinate)
 {
   CVERT_PRECISE float at = step.origin[axis] + float(coordinate)*step.spacing.at[axis];
   return at;
@@ -148,7 +148,7 @@ CVERT_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coord
 
 /*! Adds the remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
  *  vertexOfGroup. */
-CVERT_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
+CBVH_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {
   uint32_t bits = remainderBits(step.remainders,axis);
   if (bits == 0u) return lattice;
@@ -158,7 +158,7 @@ CVERT_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, in
 }
 
 /*! Requires a raw step. */
-CVERT_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
+CBVH_FUNCTION float rawVertex (CVERT_IN(StepView) step, uint32_t vertex, int axis) {
   return floatAt(step.data,step.vertices/4u + 3u*vertex + uint32_t(axis));
 }
 

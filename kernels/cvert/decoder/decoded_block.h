@@ -77,14 +77,14 @@ namespace cvert { inline namespace CVERT_ISA
     void decode()
     {
       const StepView first = viewOfFirstStep(block,layout);
-      decodeCell(firstCell(view,block->region),FirstFields{ isFirstCellTurned(view),first.word,first.cell },corners);
+      decodeCell(firstCell(view,block->region),FirstFields{ isFirstCellRotated(view),first.word,first.cell },corners);
       uint32_t at = view.cell + cellBytes(view.word);
       for (uint32_t g=0; g<layout.groups; g++)
       {
         const uint32_t gx = g % layout.groupsX, gy = g / layout.groupsX;
         auto corner = [&](uint32_t c) { return corners[cornerOfGroup(g,c)]; };
         const CodedCell cell = cellOfGroup(view,block->region,gx,gy,at,corner(0),corner(1),corner(2),corner(3));
-        FirstFields turns = { isGroupTurned(view,g),0,0 };
+        FirstFields turns = { isGroupRotated(view,g),0,0 };
         if (turns.isTurned) turns = FirstFields{ true,wordOfGroup(first,g),fieldsOfGroup(first,g) };
         Int3 group[cellVertices];
         decodeCell(cell,turns,group);
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
           Int3& vertex = out[5*j+i];
           vertex = vertexOfRow(view.data,cell,row,i,j);
           if (first.isTurned && cellField(i,j) >= 0)
-            vertex = vertex + turnedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
+            vertex = vertex + rotatedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
         }
       }
     }

@@ -16,7 +16,7 @@ struct BoxPlanes { float lower, upper; };
 
 /*! Box of a group's corners, enlarged by margins. Requires a step that is not raw. form: boxForm of the segment that
  *  begins or ends with the step. margins: their byte for the axis. */
-CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
+CBVH_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {
   int m = shearedAxis(form);
@@ -40,7 +40,7 @@ CVERT_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, 
 }
 
 /*! Requires a raw block. offsets: its layout. */
-CVERT_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
+CBVH_FUNCTION BoxPlanes rawPlanesOfGroup (CVERT_POINTER(VertHeader) block, CVERT_IN(VertLayout) offsets, uint32_t g,
                                            int axis)
 {
   BoxPlanes planes;

@@ -20,7 +20,7 @@ struct StepView
   uint32_t word;            //!< word of the first cell
   uint32_t turned;          //!< VertStep::turned; 0 at the first step
   uint32_t remainders;      //!< word of remainders, or 0 if there are none
-  bool hasHigh;             //!< words of groups have upper bits
+  bool hasHighBits;         //!< words of groups have upper bits
   uint32_t corners;         //!< offset of the words of corners, relative to data
   uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets relative to data, as in VertLayout
 };
@@ -46,7 +46,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   step.form = CVERT_AT(VertHeader,block).boxForm;
   step.word = CVERT_AT(VertHeader,block).word;
   step.turned = 0u;
-  step.hasHigh = true;
+  step.hasHighBits = true;
   step.corners = vertCornersOffset;
   step.margins = offsets.margins;
   step.words = offsets.words;
@@ -69,7 +69,7 @@ CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t
   step.form = CVERT_AT(VertStep,later).boxForm;
   step.word = CVERT_AT(VertStep,later).word;
   step.turned = CVERT_AT(VertStep,later).turned;
-  step.hasHigh = hasUpperBits(step.form);
+  step.hasHighBits = hasUpperBits(step.form);
   step.corners = stepCornersOffset;
   VertStepLayout offsets = vertStepLayout(region,step.form);
   step.margins = offsets.margins;
@@ -87,33 +87,34 @@ CVERT_INLINE StepView viewOfStep (CVERT_POINTER(VertHeader) block, CVERT_IN(Vert
   return viewOfLaterStep(block,CVERT_AT(VertHeader,block).region,number);
 }
 
-CVERT_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
+CBVH_FUNCTION uint32_t cornerWord (CVERT_IN(StepView) step, int i) {
   return wordAt(step.data,step.corners/4u + uint32_t(i));
 }
 
-CVERT_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
-  return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHigh,g);
+CBVH_FUNCTION uint32_t wordOfGroup (CVERT_IN(StepView) step, uint32_t g) {
+  return wordOfGroup(step.data,step.words,step.wordsHigh,step.hasHighBits,g);
 }
 
 /*! Offset relative to data. */
-CVERT_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
+CBVH_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
   return endOfFields(step.data,step.cell,step.word,step.words,g);
 }
 
-CVERT_FUNCTION bool isFirstCellTurned (CVERT_IN(StepView) step) { return step.isLater && isFirstCellTurned(step.form); }
-CVERT_FUNCTION bool isGroupTurned (CVERT_IN(StepView) step, uint32_t g) { return isTurned(step.turned,g); }
+CBVH_FUNCTION bool isFirstCellRotated (CVERT_IN(StepView) step) { return step.isLater
+  && isFirstCellRotated(step.form); }
+CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return isTurned(step.turned,g); }
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
 /*! Bounds at the beginning of a segment. */
-CVERT_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
+CBVH_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
   return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
 }
 
 /*! Bounds at the end of a segment. form: boxForm of the step with which it begins. */
-CVERT_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
+CBVH_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
   return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.turned),step.spacing);
 }
 

@@ -156,7 +156,7 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::unsupported("reserved bits of a time step's corners are set: expected 0");
       if (!isForm(step.boxForm))
         return Reason::damaged("the sheared axis or a slope of a time step's boxes is out of range");
-      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellTurned(step.boxForm)))
+      if (isRaw(header.boxForm) && ((step.turned & 65535u) || isFirstCellRotated(step.boxForm)))
         return Reason::damaged("a time step predicts residuals from the first step, which is raw");
       if (((step.turned >> 16) & 7u) == 7u)
         return Reason::damaged("the scale of a time step's matrix is 7: expected 0 to 6");
@@ -179,12 +179,14 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const uint32_t form = header.patchQuads;
       const bool isTableOfTriangles = patternOfNumbers(form) == numbersInTriangleTable;
-      if (form >> 17 || (haveHalves(form) && (isTableOfTriangles || !isOfTriangles(form) || isOneTriangle(form))))
+      if (form >> 17 || (haveTrianglePairs(form) && (isTableOfTriangles || !isTriangleForm(form)
+        || isSingleTriangleForm(form))))
         return Reason::unsupported("the form of its numbers, %, is unknown",form);
-      if (isTableOfTriangles && (!isOfTriangles(form) || isOneTriangle(form) || (form & formOfTurns(3,3))))
+      if (isTableOfTriangles && (!isTriangleForm(form) || isSingleTriangleForm(form)
+        || (form & formOfFirstCorners(3,3))))
         return Reason::unsupported("the form of its table of triangles, %, is unknown",form);
       for (bool isSecond : { false,true })
-        if (turnOfTriangle(header.patchQuads,isSecond) > 2)
+        if (firstCornerOfTriangle(header.patchQuads,isSecond) > 2)
           return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
       return Reason();
     }
@@ -194,12 +196,12 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const uint32_t form = header.patchQuads;
       if (!hasNumbers(header.boxForm)) return Reason();
-      if (haveHalves(form)) {
+      if (haveTrianglePairs(form)) {
         const VertNumbers stored = storedNumbersOf(&header);
         if (stored.x < end || stored.x % 4 != 0 || stored.y != 0)
           return Reason::damaged("the numbers of its second triangles begin at %: expected a multiple of 4 from % on, "
                                  "followed by 0",stored.x,end);
-        end = size_t(stored.x) + sizeof(VertHalves);
+        end = size_t(stored.x) + sizeof(VertTrianglePairs);
         if (bytes < end) return Reason::damaged("it has % bytes: the numbers of its second triangles need %",bytes,end);
       }
       if (!haveTable(form)) return Reason();
@@ -220,7 +222,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t y=0; y<vertQuadsY(header.region); y++)
         for (uint32_t x=0; x<vertQuadsX(header.region); x++)
           for (bool isSecond : { false,true })
-            if (turnOfTriangle(primitiveOfQuad(&header,x,y,isSecond).form,isSecond) > 2)
+            if (firstCornerOfTriangle(primitiveOfQuad(&header,x,y,isSecond).form,isSecond) > 2)
               return Reason::damaged("a triangle starts with corner 3: expected 0 to 2");
       return Reason();
     }
@@ -244,6 +246,6 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   /*! Returns the first error in the cVERT block at data, which must be aligned to 4 bytes and may have up to `bytes`
-   *  bytes. Valid blocks can be decoded: decoders read only the block and readBehindVert bytes after it. */
+   *  bytes. Valid blocks can be decoded: decoders read only the block and readPastVert bytes after it. */
   inline Reason validateVert(const void* data, size_t bytes) { return VertValidation::validate(data,bytes); }
 }}

@@ -136,6 +136,6 @@ namespace cvert { inline namespace CVERT_ISA
   };
 
   /*! Returns the first error in the mesh block at data, which must be aligned to 4 bytes and may have up to `bytes`
-   *  bytes. Valid blocks can be decoded: decoders read only the block and readBehindVert bytes after it. */
+   *  bytes. Valid blocks can be decoded: decoders read only the block and readPastVert bytes after it. */
   inline Reason validateMesh (const void* data, size_t bytes) { return MeshValidation::validate(data,bytes); }
 }}

@@ -83,7 +83,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
         if (isBalanced || !hasRemainders()) break;
         int bits[3];
-        if (!findMovable(bits)) break;
+        if (!findMovableBits(bits)) break;
         isBalanced = true;
         if (!coarsen(bits)) return false;
       }
@@ -129,15 +129,15 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     /*! In blocks with remainders, residuals keep about this many bits; their other bits become remainders. This saves
      *  bits: a vertex between groups has a residual in each of their cells, but only one remainder. */
-    static const int bitsOfNoise = 5;
+    static const int noiseBits = 5;
 
     /*! bits: receives the bits per axis that can move from residuals to remainders. Returns false if there are none. */
-    bool findMovable (int bits[3]) const
+    bool findMovableBits (int bits[3]) const
     {
       bool any = false;
       for (int k=0; k<3; k++) {
         const int mean = int(residualBits[k]/layout.groups);
-        bits[k] = remainderBits[k] == remaindersAreFloats ? 0 : std::max(mean-bitsOfNoise,0);
+        bits[k] = remainderBits[k] == remaindersAreFloats ? 0 : std::max(mean-noiseBits,0);
         any |= bits[k] > 0;
       }
       return any;

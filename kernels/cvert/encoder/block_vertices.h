@@ -198,7 +198,7 @@ namespace cvert { inline namespace CVERT_ISA
         add(0,p.x); add(1,p.y); add(2,p.z);
       }
       for (int k=0; k<3; k++) {
-        const unsigned differences = integral[k] == 15 ? unsigned(anyOf(any[k])) : 0;
+        const unsigned differences = integral[k] == 15 ? unsigned(reduceOr(any[k])) : 0;
         if (differences != 0) {
           // the origin must be a multiple, too
           const float vertex = vertices[0][k];
@@ -261,13 +261,13 @@ namespace cvert { inline namespace CVERT_ISA
     void placeWithRemainders (int k)
     {
       const double unit = std::ldexp(1.0,-exponent[k]), first = double(origin[k])*unit,
-        ofRemainder = std::ldexp(1.0,int(remainderBits[k]));
+        remainderUnits = std::ldexp(1.0,int(remainderBits[k]));
       for (uint32_t i=0; i<((numVertices()+3u) & ~3u); i++)
       {
         const double at = double(vertices[i][k])*unit - first, whole = std::floor(at);
         coordinates[k][i] = int(whole);
         if (remainderBits[k] == remaindersAreFloats) memcpy(&remainders[k][i],&vertices[i][k],sizeof(float));
-        else remainders[k][i] = uint32_t((at-whole)*ofRemainder);
+        else remainders[k][i] = uint32_t((at-whole)*remainderUnits);
       }
     }
   };

@@ -39,7 +39,7 @@ namespace cvert { inline namespace CVERT_ISA
         {
           const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
           const Int4 sum = x*alongX + y*alongY + x*y*twist;
-          (Int4::load(c+v) - (Int4(c00) + shiftSigned(sum+Int4(128),8))).store(residuals[k]+v);
+          (Int4::load(c+v) - (Int4(c00) + shiftArithmetic(sum+Int4(128),8))).store(residuals[k]+v);
         }
       }
     }
@@ -157,11 +157,11 @@ namespace cvert { inline namespace CVERT_ISA
       Int4 used = 0, any = 0;
       for (int v=0; v<paddedVertices; v+=4) {
         const Int4 x = Int4::load(r+v);
-        used = used | (x ^ shiftSigned(x,31));
+        used = used | (x ^ shiftArithmetic(x,31));
         any = any | x;
       }
-      const int bits = anyOf(used);
-      return bits ? 33-__builtin_clz(unsigned(bits)) : anyOf(any) ? 1 : 0;
+      const int bits = reduceOr(used);
+      return bits ? 33-__builtin_clz(unsigned(bits)) : reduceOr(any) ? 1 : 0;
     }
 
     /*! Subtracts the best slope from a component if this saves bits. Returns the slope or 0. squares, products: sums of
@@ -176,7 +176,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (slope == 0) return 0;
       int rest[paddedVertices];
       for (int v=0; v<paddedVertices; v+=4) // as slopeResidual
-        (Int4::load(r+v) - shiftSigned(Int4(slope)*Int4::load(main+v) + Int4(8),4)).store(rest+v);
+        (Int4::load(r+v) - shiftArithmetic(Int4(slope)*Int4::load(main+v) + Int4(8),4)).store(rest+v);
       const int restBits = bitsOf(rest);
       if (restBits >= bits) return 0;
       memcpy(r,rest,sizeof(rest));

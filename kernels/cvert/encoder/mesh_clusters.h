@@ -83,9 +83,9 @@ namespace cvert { inline namespace CVERT_ISA
     {
       Lanes lanes = Lanes{} + uint16_t(65535);
 
-      /*! isThere: 0xFFFF, or 0 to leave the bounds unchanged */
-      void extend (Lanes item, uint16_t isThere) {
-        item |= uint16_t(~isThere);
+      /*! isPresent: 0xFFFF, or 0 to leave the bounds unchanged */
+      void extend (Lanes item, uint16_t isPresent) {
+        item |= uint16_t(~isPresent);
         lanes = item < lanes ? item : lanes;
       }
       double area () const {

@@ -20,7 +20,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshTriangle
   {
     float corners[3][3]; //!< by corner and axis; finite, three different points
-    uint32_t number;       //!< number of its primitive, or see meshIsOfQuads
+    uint32_t number;       //!< number of its primitive, or see meshHasQuads
   };
 
   struct MeshStatistics
@@ -56,10 +56,10 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Encodes a cluster of MeshClusters with groups of groupTriangles. Calls onBlock(bytes,first,count) for each
-     *  block; there are several if groups were divided. areOfQuads: both triangles of a quad, which follow
+     *  block; there are several if groups were divided. areHalvesOfQuads: both triangles of a quad, which follow
      *  each other, stay in one block. */
     template<typename OnBlock>
-    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areOfQuads,
+    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areHalvesOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
     {
       uint32_t stored;
@@ -73,7 +73,7 @@ namespace cvert { inline namespace CVERT_ISA
         const MeshStatistics before = statistics;
         size_t bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
         const uint32_t next = first+stored;
-        if (areOfQuads && next < count && triangles[next].number == (triangles[next-1].number | 1)) {
+        if (areHalvesOfQuads && next < count && triangles[next].number == (triangles[next-1].number | 1)) {
           for (uint32_t g=0; g<groups; g++) ends[g] = std::min(ends[g],stored-1);
           statistics = before;
           bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
@@ -208,7 +208,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (fits) {
         const double unit = std::ldexp(1.0,-exponent[k]);
         for (uint32_t v=0; v<numVertices; v++) coordinates[k][v] = uint32_t(int((double(vertices[v][k])-least)*unit));
-        if (std::ldexp(span,-step) < double(1 << fewCoordinateBits)) return;
+        if (std::ldexp(span,-step) < double(1 << maxUnrankedBits)) return;
       }
       const uint32_t first = rankOfFloat(lo);
       for (uint32_t v=0; v<numVertices; v++) other[v] = rankOfFloat(vertices[v][k])-first;
@@ -243,7 +243,7 @@ namespace cvert { inline namespace CVERT_ISA
       return bits > 8+least ? bits-8 : least;
     }
 
-    static const int fewCoordinateBits = 18; //!< up to this many, ranks are not tried
+    static const int maxUnrankedBits = 18;   //!< up to this many, ranks are not tried
 
     /*! Shears an axis if this makes its fields shorter. */
     void chooseShear ()

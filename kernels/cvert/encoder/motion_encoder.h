@@ -7,7 +7,7 @@
 
 #include "block_encoder.h"
 #include "../format/motion.h"
-#include "turn_fit.h"
+#include "rotation_fit.h"
 #include <vector>
 
 namespace cvert { inline namespace CVERT_ISA
@@ -15,7 +15,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MotionStatistics : public VertStatistics
   {
     uint32_t stepBytes = 0;    //!< without the first step
-    uint32_t turnedGroups = 0; //!< sum over all steps
+    uint32_t rotatedGroups = 0; //!< sum over all steps
   };
 
   class MotionEncoder : private VertEncoder
@@ -163,17 +163,17 @@ namespace cvert { inline namespace CVERT_ISA
       }
       // fields are at an offset that depends on the words
       uint32_t words[maxVertGroups+1];
-      bool areTurned[maxVertGroups+1], haveSlopes = false;
+      bool areRotated[maxVertGroups+1], haveSlopes = false;
       for (uint32_t i=0; i<=groups; i++) {
         const uint32_t g = i < groups ? i : firstCell;
-        if (!encodeCell(g,words[g],areTurned[g])) return false;
+        if (!encodeCell(g,words[g],areRotated[g])) return false;
         if (i < groups) {
           haveSlopes |= (words[g] >> 14) != 0;
-          header.turned |= uint32_t(areTurned[g]) << g;
+          header.turned |= uint32_t(areRotated[g]) << g;
         }
       }
-      for (uint32_t g=0; g<groups; g++) statistics.turnedGroups += areTurned[g];
-      header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areTurned[firstCell]) << 25
+      for (uint32_t g=0; g<groups; g++) statistics.rotatedGroups += areRotated[g];
+      header.boxForm = uint32_t(now.hasRemainders()) << 24 | uint32_t(areRotated[firstCell]) << 25
         | uint32_t(haveSlopes) << 26 | uint32_t(step+1 < motion.numSteps) << 27;
       header.word = words[firstCell];
       now.write(header.origin,header.corners,header.word);
@@ -216,7 +216,7 @@ namespace cvert { inline namespace CVERT_ISA
         turned = cell.encodeNoise();
         if (turned) { word = cell.word; bits = cellFieldBits(word); }
       }
-      if (bits > fewBits) {
+      if (bits > maxUntriedBits) {
         memcpy(cell.residuals,own[g],sizeof(Residuals));
         if (cell.encode() && cellFieldBits(cell.word) < bits) {
           word = cell.word;
@@ -237,7 +237,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     //! Fields of up to this many bits are encoded as turned residuals without trying the others.
-    static const int fewBits = 6;
+    static const int maxUntriedBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
     VertMotion motion;
@@ -250,6 +250,6 @@ namespace cvert { inline namespace CVERT_ISA
     std::vector<bool> invalid;  //!< invalid at any step
     BlockVertices other;        //!< of odd steps
     Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step, and of the current step
-    TurnFit turns;
+    RotationFit turns;
   };
 }}

@@ -27,7 +27,7 @@ namespace cvert { inline namespace CVERT_ISA
   class NumbersEncoder
   {
   public:
-    static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertHalves) + 16;
+    static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
     uint32_t form;             //!< for VertHeader::patchQuads
     VertNumbers pattern;       //!< stored after the header
@@ -41,7 +41,7 @@ namespace cvert { inline namespace CVERT_ISA
       highest = 0;
       copy(of.numbers,of.width,x0,y0,numbers);
       extend(numbers);
-      uint32_t ofBlock = of.form;
+      uint32_t blockForm = of.form;
       if (!of.seconds.empty())
       {
         uint32_t seconds[vertBlockQuads*vertBlockQuads];
@@ -55,34 +55,34 @@ namespace cvert { inline namespace CVERT_ISA
         if (!isUniform) {
           extend(seconds);
           for (unsigned i=0; i<width*height; i++) {
-            entries[2*i] = (numbers[i]-lowest) << turnBits | turnOfTriangle(turns[i],false);
-            entries[2*i+1] = (seconds[i]-lowest) << turnBits | turnOfTriangle(turns[i],true);
+            entries[2*i] = (numbers[i]-lowest) << firstCornerBits | firstCornerOfTriangle(turns[i],false);
+            entries[2*i+1] = (seconds[i]-lowest) << firstCornerBits | firstCornerOfTriangle(turns[i],true);
           }
           return setTable(of.form,numbersInTriangleTable);
         }
-        ofBlock |= turns[0] | (distance == 1 ? 0 : numbersOfHalves);
+        blockForm |= turns[0] | (distance == 1 ? 0 : numbersOfTrianglePairs);
       }
-      if (setRows(ofBlock) || setRecursive(ofBlock)) return;
+      if (setRows(blockForm) || setRecursive(blockForm)) return;
       for (unsigned i=0; i<width*height; i++) entries[i] = numbers[i]-lowest;
-      setTable(ofBlock,numbersInTable);
+      setTable(blockForm,numbersInTable);
     }
 
     /*! Completes a block of `bytes` bytes. Returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = first;
-      if (haveHalves(form)) bytes = writeHalves((uint8_t*)header,bytes);
+      if (haveTrianglePairs(form)) bytes = writeTrianglePairs((uint8_t*)header,bytes);
       return haveTable(form) ? writeTable((uint8_t*)header,bytes) : bytes;
     }
 
   private:
-    size_t writeHalves (uint8_t* block, size_t bytes) const
+    size_t writeTrianglePairs (uint8_t* block, size_t bytes) const
     {
       const size_t begin = (bytes+3) & ~size_t(3);
       memset(block+bytes,0,begin-bytes);
       const VertNumbers stored = { uint32_t(begin),0 };
       memcpy(block+vertHeaderBytes,&stored,sizeof(stored));
-      const VertHalves halves = { pattern,distance };
+      const VertTrianglePairs halves = { pattern,distance };
       memcpy(block+begin,&halves,sizeof(halves));
       return begin+sizeof(halves);
     }
@@ -90,7 +90,8 @@ namespace cvert { inline namespace CVERT_ISA
     size_t writeTable (uint8_t* block, size_t bytes) const
     {
       const VertNumbers table = { uint32_t(bytes),pattern.y };
-      memcpy(block + (haveHalves(form) ? bytes-sizeof(VertHalves) : vertHeaderBytes),&table,sizeof(table));
+      memcpy(block + (haveTrianglePairs(form) ? bytes-sizeof(VertTrianglePairs)
+        : vertHeaderBytes),&table,sizeof(table));
       uint8_t* const out = block+bytes;
       const unsigned count = width*height*entriesPerQuad(form);
       const size_t size = (bytesOfNumberTable(count,table.y)+3) & ~size_t(3);
@@ -128,7 +129,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool setRecursive (uint32_t of)
     {
-      const uint32_t step = isOfTriangles(of) && !haveHalves(of) ? 2 : 1;
+      const uint32_t step = isTriangleForm(of) && !haveTrianglePairs(of) ? 2 : 1;
       auto code = [&](unsigned i) { return (numbers[i]-lowest)/step; };
       if ((highest-lowest)/step > 255) return false;
       first = lowest;

@@ -39,7 +39,7 @@ namespace cvert { inline namespace CVERT_ISA
         : lower(cross(b-a,c-a)), upper(cross(d-b,c-b)) {}
     };
     const Normals n(own,width), m(stored,width);
-    const uint32_t flipped = lanesBelow(dot(n.lower,m.lower),0.0f) | lanesBelow(dot(n.upper,m.upper),0.0f);
+    const uint32_t flipped = lanesLess(dot(n.lower,m.lower),0.0f) | lanesLess(dot(n.upper,m.upper),0.0f);
     return uint32_t(uint64_t(0x4332322132212110u) >> (4*flipped)) & 15u; // population count
   }
 }}

@@ -95,7 +95,7 @@ namespace cvert
         return begin % filePage == 0 && begin <= bytes && size <= bytes-begin && after <= bytes-begin-size;
       };
       if (!isPart(g.tree,g.treeBytes,0)) failAt(i,"its tree is outside of the file");
-      if (!isPart(g.blocks,g.blockBytes,fileReadBehind)) failAt(i,"its blocks are outside of the file");
+      if (!isPart(g.blocks,g.blockBytes,fileReadPast)) failAt(i,"its blocks are outside of the file");
       if (const Reason reason = validateRecord(g)) failAt(i,reason.message());
     }
     return Reason();

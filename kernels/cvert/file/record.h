@@ -19,7 +19,7 @@ namespace cvert
   Reason validateRecord (const FileGeometry& record);
 
   /*! Checks a cVERT block at data with at most `bytes` bytes, except for its surface number. Decoders of valid blocks
-   *  read only the block and readBehindVert bytes after it, and report primitives that the geometry has. */
+   *  read only the block and readPastVert bytes after it, and report primitives that the geometry has. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 
   /*! The same for a mesh block. */

@@ -107,7 +107,7 @@ namespace cvert
     void keep (bool isKept) { keeps = isKept; }
 
     /*! Copies permissions, and the owner if the process may, of the file that this one replaces. */
-    void takeOver ()
+    void copyPermissions ()
     {
       if (place.kind != OutputPath::REGULAR) return;
       const struct stat& status = place.status;

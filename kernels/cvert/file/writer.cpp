@@ -90,7 +90,7 @@ namespace cvert
 
   void FileWriter::begin ()
   {
-    file->takeOver();
+    file->copyPermissions();
     const FileHeader none = FileHeader();
     write(&none,sizeof(none));
     padTo(filePage);
@@ -195,7 +195,7 @@ namespace cvert
     writeBlocks(surface);
     const uint64_t end = at;
     padTo(filePage);
-    if (at-end < fileReadBehind) { const char zeros[fileReadBehind] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
+    if (at-end < fileReadPast) { const char zeros[fileReadPast] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
     directory.push_back(record);
     hasMeshBlocks |= surface.hasMeshBlocks;
     // starts writing to the disk, so that the next checkpoint need not wait

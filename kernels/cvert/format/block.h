@@ -40,12 +40,12 @@ CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
 /*! Decoders may read this many bytes after a block. */
-CVERT_CONSTANT uint32_t readBehindVert = 16u;
+CVERT_CONSTANT uint32_t readPastVert = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< per side of a group
 CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^maxVertHeight quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks of a patch begin at multiples of this
-CVERT_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
 CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< in the header
@@ -75,17 +75,17 @@ struct VertHeader
 CVERT_READABLE(VertHeader,16)
 
 /*! x, y: first quad of the block in the patch, multiples of vertBlockQuads. */
-CVERT_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
+CBVH_FUNCTION uint32_t vertRegion (uint32_t quadsX, uint32_t quadsY, uint32_t x, uint32_t y) {
   return (quadsX-1u) | ((quadsY-1u) << 4) | ((x/vertBlockQuads) << 8) | ((y/vertBlockQuads) << 20);
 }
-CVERT_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
-CVERT_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
-CVERT_FUNCTION uint32_t vertX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
-CVERT_FUNCTION uint32_t vertY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertQuadsX (uint32_t region) { return (region & 15u) + 1u; }
+CBVH_FUNCTION uint32_t vertQuadsY (uint32_t region) { return ((region >> 4) & 15u) + 1u; }
+CBVH_FUNCTION uint32_t vertX (uint32_t region) { return ((region >> 8) & 4095u)*vertBlockQuads; }
+CBVH_FUNCTION uint32_t vertY (uint32_t region) { return (region >> 20)*vertBlockQuads; }
 
-CVERT_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
-CVERT_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
-CVERT_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
+CBVH_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (quadsX-1u) | ((quadsY-1u) << 16); }
+CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
+CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
 /*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate of the edge
  *  minus 1, which may be less than the patch's quads along it. The upper 4 bits of the first two are the parameters u
@@ -97,9 +97,9 @@ struct VertEdges
 };
 CVERT_READABLE(VertEdges,4)
 
-CVERT_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
+CBVH_FUNCTION bool hasEdges (uint32_t boxForm) { return ((boxForm >> 29) & 1u) != 0u; }
 
-CVERT_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
+CBVH_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rate2, uint32_t rate3, uint32_t cornerU,
                                     uint32_t cornerV)
 {
   VertEdges edges;
@@ -107,11 +107,11 @@ CVERT_FUNCTION VertEdges vertEdges (uint32_t rate0, uint32_t rate1, uint32_t rat
   edges.high = (rate2-1u) | ((rate3-1u) << 16);
   return edges;
 }
-CVERT_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
+CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
   return (((edge < 2 ? edges.low : edges.high) >> (16*(edge & 1))) & 4095u) + 1u;
 }
-CVERT_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
-CVERT_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
+CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
+CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
 /*! Follows the header, and edges or numbers, of a moving block. */
 struct VertMotion
@@ -123,16 +123,16 @@ struct VertMotion
 };
 CVERT_READABLE(VertMotion,4)
 
-CVERT_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
+CBVH_FUNCTION bool isMoving (uint32_t boxForm) { return (boxForm >> 31) != 0u; }
 
-CVERT_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
+CBVH_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
   return vertHeaderBytes + (hasEdges(boxForm) || hasNumbers(boxForm) ? vertEdgesBytes : 0u);
 }
 
-CVERT_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
+CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
 /*! quads: in the row or column of group g. */
-CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
+CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
   return rest < groupQuads ? rest : groupQuads;
@@ -146,24 +146,24 @@ CVERT_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
  * bits, main axis and slopes in the word of a cell. */
 
 /*! Margins on an axis are multiples of 2^marginShift. */
-CVERT_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
+CBVH_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
 
-CVERT_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
+CBVH_FUNCTION int shearedAxis (uint32_t boxForm) { return cellAxis(boxForm,0); }
 
 /*! Slope of axis m+i (i = 1 or 2), in 1/16. */
-CVERT_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
+CBVH_FUNCTION int shearSlope (uint32_t boxForm, int i) { return cellSlope(boxForm,i); }
 
 /*! Unit of a block's reach, in coordinates. Bits 0..7 and 8..15 of the reach are the upper bounds on the axes m+1 and
  *  m+2, whose lower bounds are 0. Bits 16..23 and 24..31, signed, bound the sheared coordinate. */
-CVERT_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
-CVERT_FUNCTION int reachOf (uint32_t reach, int i)
+CBVH_FUNCTION uint32_t reachStep (uint32_t boxForm) { return 1u << ((boxForm >> 25) & 15u); }
+CBVH_FUNCTION int reachOf (uint32_t reach, int i)
 {
   int bits = int((reach >> (8*i)) & 255u);
   return i >= 2 && bits >= 128 ? bits-256 : bits;
 }
 
 CVERT_CONSTANT uint32_t rawForm = 3u << 12; //!< boxForm of a raw block
-CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
+CBVH_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 3u; }
 
 /* Coordinates leave two bits free in each of the 12 values of corners. For value i, in order of corners:
  *
@@ -171,20 +171,20 @@ CVERT_FUNCTION bool isRaw (uint32_t boxForm) { return ((boxForm >> 12) & 3u) == 
  *   i = 8 to 11   bit 15: bit i-8 of the version of the block's format, bit 14: reserved, 0 */
 
 /*! Bit `at` (14 or 15) of both values in a word. */
-CVERT_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
+CBVH_FUNCTION uint32_t cornerBits (uint32_t pair, uint32_t at) {
   return ((pair >> at) & 1u) | ((pair >> (at+15u)) & 2u);
 }
 
 /*! Bit `at` of the 8 values in four words. */
-CVERT_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
+CBVH_FUNCTION uint32_t cornerBits (uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3, uint32_t at) {
   return cornerBits(c0,at) | cornerBits(c1,at) << 2 | cornerBits(c2,at) << 4 | cornerBits(c3,at) << 6;
 }
 
 /*! c4, c5: the last two words of corners. Steps of moving blocks have version 0. */
-CVERT_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
+CBVH_FUNCTION uint32_t versionOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,15u) | cornerBits(c5,15u) << 2;
 }
-CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
+CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
   return cornerBits(c4,14u) | cornerBits(c5,14u) << 2;
 }
 
@@ -192,7 +192,7 @@ CVERT_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
 struct VertSpacing { float at[3]; };
 
 /*! word: word of the first cell. c0 to c3: words of corners. */
-CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
+CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
 {
   VertSpacing spacing;
   spacing.at[0] = floatOfBits((word >> 24) << 23);
@@ -206,7 +206,7 @@ CVERT_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1,
 struct BlockReach { float upper[2], sheared[2]; };
 
 /*! step: reachStep. The products are exact. */
-CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
+CBVH_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing)
 {
   int m = shearedAxis(boxForm);
   BlockReach bounds;
@@ -220,32 +220,32 @@ CVERT_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32
 /*! Upper bound, on any axis, of the distance between the origin and the block's vertices and planes of boxes. Slopes
  *  are less than 1, so no vertex is farther away than the sum of the bounds; margins may double this. All axes share
  *  the bound because the shear of a ray mixes their rounding errors. */
-CVERT_FUNCTION float extentOfReach (BlockReach bounds) {
+CBVH_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
 
-CVERT_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
+CBVH_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step, VertSpacing spacing) {
   return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
 /*! Factor by which a coordinate on axis m+i (i = 1 or 2) enters the sheared coordinate, in spacings of m. */
-CVERT_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
+CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/*! words, wordsHigh: offsets of the lower and the upper bits. If hasHigh is false, upper bits are 0. */
-CVERT_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHigh,
+/*! words, wordsHigh: offsets of the lower and the upper bits. If hasHighBits is false, upper bits are 0. */
+CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
                                      uint32_t g)
 {
   uint32_t low = halfAt(data,words+2u*g);
-  return hasHigh ? low | (byteAt(data,wordsHigh+g) << 16) : low;
+  return hasHighBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
 /*! Returns the offset after the fields of the first `groups` groups. cell, word: offset of the fields and word of the
  *  first cell. */
-CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
+CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
@@ -261,23 +261,23 @@ CVERT_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, ui
  *
  * Remainders are stored row by row, x, y and z of each vertex, without gaps, lowest bit first. */
 
-CVERT_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
-CVERT_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
-CVERT_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
+CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 1u) != 0u; }
+CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
+CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
 /*! Stored bits per vertex on an axis: the bits of a remainder, or 32 for a float. */
-CVERT_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
+CBVH_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
   return bits == remaindersAreFloats ? 32u : bits;
 }
 
-CVERT_FUNCTION uint32_t remainderStride (uint32_t remainders) {
+CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
 /*! Position of a remainder, in bits. vertex: index, row by row. */
-CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
+CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
   if (axis > 0) bit += storedRemainderBits(remainders,0);
@@ -285,26 +285,26 @@ CVERT_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, in
   return bit;
 }
 
-CVERT_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
+CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
 /*! Adds a remainder to a coordinate of a vertex. word: the remainder in the lowest bits. bits: remainderBits, not 0. */
-CVERT_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
+CBVH_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
   return without + float(word & ((1u << bits) - 1u))*remainderSpacing(spacing,bits);
 }
 
-CVERT_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
+CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) {
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
 /* Margins of a group on an axis, in coordinates. margins: the group's byte. */
-CVERT_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
-CVERT_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
+CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
+CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
 /* Corner c (column + 2 row) of the block. pair: word cornerPair(c,axis) of corners. */
-CVERT_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
-CVERT_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
+CBVH_FUNCTION int cornerPair (int c, int axis) { return (3*c + axis) >> 1; }
+CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
   return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
 }
 
@@ -323,7 +323,7 @@ struct VertLayout
   uint32_t rawBytes;
 };
 
-CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
+CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 {
   uint32_t begin = motionOffset(boxForm) + (isMoving(boxForm) ? vertMotionBytes : 0u);
   VertLayout offsets;
@@ -346,20 +346,20 @@ CVERT_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
 
 /*! Vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate equals quads (no vertex
  *  moves) or is at most maxVertRate, so that the product fits into 32 bits. */
-CVERT_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
+CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate) {
   return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
 }
 
 /*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: rate of the edge on which
  *  the row lies, or `quads` inside the patch. */
-CVERT_REAL CVERT_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
+CVERT_REAL CBVH_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
 
 /* --- parts after the header ------------------------------------------------------------ */
 
 /*! All zero if the block stores no edges. */
-CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
+CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
   edges.low = edges.high = 0u;
@@ -368,17 +368,17 @@ CVERT_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 }
 
 /*! Requires a block with numbers. */
-CVERT_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
+CBVH_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
 
 /*! Numbers and their distance, which is 1 if the block does not store it. */
-CVERT_FUNCTION VertHalves halvesOf (CVERT_POINTER(VertHeader) block)
+CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
 {
-  VertHalves halves;
+  VertTrianglePairs halves;
   halves.numbers = storedNumbersOf(block);
   halves.distance = 1u;
-  if (haveHalves(CVERT_AT(VertHeader,block).patchQuads)) {
+  if (haveTrianglePairs(CVERT_AT(VertHeader,block).patchQuads)) {
     uint32_t at = halves.numbers.x >> 2;
     halves.numbers.x = wordAt(block,at);
     halves.numbers.y = wordAt(block,at+1u);
@@ -387,17 +387,17 @@ CVERT_FUNCTION VertHalves halvesOf (CVERT_POINTER(VertHeader) block)
   return halves;
 }
 
-CVERT_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return halvesOf(block).numbers; }
+CBVH_FUNCTION VertNumbers numbersOf (CVERT_POINTER(VertHeader) block) { return trianglePairsOf(block).numbers; }
 
-CVERT_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
+CBVH_FUNCTION VertMotion motionOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertMotion,bytesAfter(block,motionOffset(CVERT_AT(VertHeader,block).boxForm)));
 }
 
 /*! Primitive of the first or second triangle of quad x, y. Requires a block with numbers. Clamps x and y, because hits
  *  of a damaged block may lie outside it. */
-CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
+CBVH_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y, bool isSecond)
 {
-  VertHalves halves = halvesOf(block);
+  VertTrianglePairs halves = trianglePairsOf(block);
   VertNumbers numbers = halves.numbers;
   uint32_t form = CVERT_AT(VertHeader,block).patchQuads, first = CVERT_AT(VertHeader,block).primID;
   uint32_t region = CVERT_AT(VertHeader,block).region;
@@ -414,18 +414,18 @@ CVERT_FUNCTION QuadPrimitive primitiveOfQuad (CVERT_POINTER(VertHeader) block, u
     uint32_t read = bitsAt(bytesAfter(block,numbers.x & ~3u),8u*(numbers.x & 3u) + numbers.y*entry,numbers.y);
     number = numbers.y < 32u ? read & ((1u << numbers.y) - 1u) : read;
     if (patternOfNumbers(form) == numbersInTriangleTable) {
-      uint32_t turn = number & ((1u << turnBits) - 1u);
-      primitive.form = form | formOfTurns(turn,turn);
-      primitive.primID = first + (number >> turnBits);
+      uint32_t turn = number & ((1u << firstCornerBits) - 1u);
+      primitive.form = form | formOfFirstCorners(turn,turn);
+      primitive.primID = first + (number >> firstCornerBits);
       return primitive;
     }
   }
   primitive.primID = first + number;
-  if (isOfTriangles(form) && !isOneTriangle(form) && isSecond) primitive.primID += halves.distance;
+  if (isTriangleForm(form) && !isSingleTriangleForm(form) && isSecond) primitive.primID += halves.distance;
   return primitive;
 }
 
-CVERT_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
+CBVH_FUNCTION uint32_t numberOfQuad (CVERT_POINTER(VertHeader) block, uint32_t x, uint32_t y) {
   return primitiveOfQuad(block,x,y,false).primID;
 }
 

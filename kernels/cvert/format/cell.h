@@ -42,22 +42,22 @@ CVERT_CONSTANT int maxSlope = 15;
  *  which a float represents exactly. */
 CVERT_CONSTANT int maxExtent = 16384;
 
-CVERT_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) & 15u); }
-CVERT_FUNCTION int cellFieldBits (uint32_t word) { return cellBits(word,0) + cellBits(word,1) + cellBits(word,2); }
-CVERT_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); }
+CBVH_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) & 15u); }
+CBVH_FUNCTION int cellFieldBits (uint32_t word) { return cellBits(word,0) + cellBits(word,1) + cellBits(word,2); }
+CBVH_FUNCTION int cellMainAxis (uint32_t word) { return int((word >> 12) & 3u); }
 
 /*! Axis i (0 to 2) after another, modulo 3; axis 3 counts as 0. A table, because a branch would be mispredicted. */
-CVERT_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
+CBVH_FUNCTION int axisAfter (int axis, int i) { return int((0x924u >> (2*(axis + i))) & 3u); }
 
-CVERT_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
+CBVH_FUNCTION int cellAxis (uint32_t word, int i) { return axisAfter(cellMainAxis(word),i); }
 
 /*! Slope of component i (1 or 2), in 1/16. */
-CVERT_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)) >> 27; }
+CBVH_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)) >> 27; }
 
-CVERT_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
+CBVH_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
 
 /*! Returns -1 for a corner. */
-CVERT_FUNCTION int cellField (int i, int j)
+CBVH_FUNCTION int cellField (int i, int j)
 {
   bool corner = (i == 0 || i == 4) && (j == 0 || j == 4);
   return corner ? -1 : 5*j + i - (j == 0 ? 1 : j == 4 ? 3 : 2);
@@ -65,17 +65,17 @@ CVERT_FUNCTION int cellField (int i, int j)
 
 /*! Weight, in 1/16, of the upper corner in the prediction of vertex i, which is step*i quads from the lower corner.
  *  quads: quads of the cell along this direction. */
-CVERT_FUNCTION int cellWeight (int i, int step, int quads)
+CBVH_FUNCTION int cellWeight (int i, int step, int quads)
 {
   int x = step*i;
   if (x > quads) x = quads;
   return (32*x + quads)/(2*quads);
 }
 
-CVERT_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
+CBVH_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
 
 /*! Decodes the `bits` bits of a field that start at bit `shift`. */
-CVERT_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
+CBVH_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
 {
   if (bits == 0) return 0;
   uint32_t value = (field >> shift) & ((1u << bits) - 1u);
@@ -83,10 +83,10 @@ CVERT_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
 }
 
 /*! Contribution of a slope to a component. main: residual along the main axis. Rounds to nearest, halves up. */
-CVERT_FUNCTION int slopeResidual (int slope, int main) { return (slope*main + 8) >> 4; }
+CBVH_FUNCTION int slopeResidual (int slope, int main) { return (slope*main + 8) >> 4; }
 
 /*! Bilinear prediction. Rounds to nearest, halves up. */
-CVERT_FUNCTION int cellPrediction (int c00, int c10, int c01, int c11, int weightX, int weightY)
+CBVH_FUNCTION int cellPrediction (int c00, int c10, int c01, int c11, int weightX, int weightY)
 {
   int sum = 16*weightX*(c10-c00) + 16*weightY*(c01-c00) + weightX*weightY*(c11-c10-c01+c00);
   return c00 + ((sum + 128) >> 8);

@@ -43,27 +43,27 @@ struct VertStep
 CVERT_READABLE(VertStep,4)
 
 /* Units of the bounds of a block at the beginning and at the end of a segment, see reachStep. */
-CVERT_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
-CVERT_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >> 19) & 15u); }
+CBVH_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
+CBVH_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >> 19) & 15u); }
 
-CVERT_FUNCTION bool isFirstCellTurned (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
-CVERT_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
-CVERT_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
-CVERT_FUNCTION bool isTurned (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
+CBVH_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
+CBVH_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
+CBVH_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
+CBVH_FUNCTION bool isTurned (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
 
-/*! 1 to 7; entries of the matrix are multiples of 2^-turnShift */
-CVERT_FUNCTION uint32_t turnShift (uint32_t turned) { return 7u - ((turned >> 16) & 7u); }
+/*! 1 to 7; entries of the matrix are multiples of 2^-rotationShift */
+CBVH_FUNCTION uint32_t rotationShift (uint32_t turned) { return 7u - ((turned >> 16) & 7u); }
 
 /*! Signed byte 0 to 3 of a word of entries. */
-CVERT_FUNCTION int turnEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
+CBVH_FUNCTION int rotationEntry (uint32_t word, uint32_t byte) { return int(word << (24u - 8u*byte)) >> 24; }
 
 /*! Product of a row of the matrix and a residual. Rounds to nearest, halves up. */
-CVERT_FUNCTION int turnedResidual (int a, int b, int c, int x, int y, int z, uint32_t shift) {
+CBVH_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, uint32_t shift) {
   return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
 }
 
 /*! True from the first step to the last, both included. */
-CVERT_FUNCTION bool isThere (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
+CBVH_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
 /*! Segment of a time, and position in it, 0 to 1, as Embree computes them. */
 struct TimeInMotion
@@ -72,7 +72,7 @@ struct TimeInMotion
   float fraction;
 };
 
-CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
+CBVH_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 {
   float steps = (time-motion.begin)/(motion.end-motion.begin)*float(motion.numSteps-1u);
   TimeInMotion at;
@@ -83,7 +83,7 @@ CVERT_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
 }
 
 /*! fraction: position between the steps a and b, 0 to 1 */
-CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
+CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
 {
   float e = 1.0f-fraction;
   BlockReach bounds;
@@ -97,7 +97,7 @@ CVERT_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fracti
 /*! Distance by which planes of boxes must move outwards on an axis between two steps, because vertices, origins and
  *  planes there are rounded by less than 3 times 2^-24 of themselves. a, b: origins at the steps on that axis. extent:
  *  the larger extentOfReach of the two steps. */
-CVERT_FUNCTION float motionSlack (float a, float b, float extent) {
+CBVH_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
 
@@ -109,7 +109,7 @@ struct VertStepLayout
   uint32_t vertices, rawBytes; //!< of a raw step
 };
 
-CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
+CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
 {
   uint32_t groups = groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region));
   VertStepLayout offsets;
@@ -123,12 +123,12 @@ CVERT_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
-CVERT_FUNCTION int turnEntry (CVERT_IN(VertStep) step, uint32_t i) {
-  return i < 8u ? turnEntry(step.turn[i >> 2],i & 3u) : turnEntry(step.turned,3u);
+CBVH_FUNCTION int rotationEntry (CVERT_IN(VertStep) step, uint32_t i) {
+  return i < 8u ? rotationEntry(step.turn[i >> 2],i & 3u) : rotationEntry(step.turned,3u);
 }
 
 /*! Requires step >= 1. */
-CVERT_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
+CBVH_FUNCTION CVERT_POINTER(VertStep) stepOf (CVERT_POINTER(VertHeader) block, uint32_t step) {
   return CVERT_AS(VertStep,bytesAfter(block,wordAt(block,motionOf(block).steps/4u + step-1u)));
 }
 
@@ -162,7 +162,8 @@ inline uint32_t vertBytes (const VertHeader* block)
     const uint32_t entries = vertQuadsX(block->region)*vertQuadsY(block->region)*entriesPerQuad(form);
     return numbers.x + bytesOfNumberTable(entries,numbers.y);
   }
-  if (hasNumbers(block->boxForm) && haveHalves(form)) return storedNumbersOf(block).x + uint32_t(sizeof(VertHalves));
+  if (hasNumbers(block->boxForm) && haveTrianglePairs(form)) return storedNumbersOf(block).x
+    + uint32_t(sizeof(VertTrianglePairs));
   if (!isMoving(block->boxForm)) return vertFirstStepSize(block);
   const VertStep* last = stepOf(block,motionOf(block).numSteps-1);
   return uint32_t((const uint8_t*)last - (const uint8_t*)block) + vertStepSize(last,block->region);

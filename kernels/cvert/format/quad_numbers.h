@@ -13,9 +13,9 @@
  * form of the numbers, and primID their base.
  *
  * The number of a quad of two triangles is the number of its first triangle. The number of the second triangle is
- * higher by 1, or by a distance in VertHalves if the application lists all first triangles before all second ones. The
- * parameters of a triangle depend on its turn: the corner with which the application's triangle begins. The form or the
- * table stores turns. */
+ * higher by 1, or by a distance in VertTrianglePairs if the application lists all first triangles before all second
+ * ones. The parameters of a triangle depend on its turn: the corner with which the application's triangle begins. The
+ * form or the table stores turns. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
@@ -27,41 +27,43 @@ CVERT_BEGIN
 struct VertNumbers
 {
   /* rows: steps. recursive: 8 bits for each bit of x and y. tables: offset from the start of the block, and bits per
-   * quad or triangle. With VertHalves, x is the offset of VertHalves from the start of the block, and y is 0. */
+   * quad or triangle. With VertTrianglePairs, x is the offset of VertTrianglePairs from the start of the block, and y
+   * is 0. */
   uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
 /*! Part of blocks whose second triangles do not follow the first ones. Only a table may follow it. */
-struct VertHalves
+struct VertTrianglePairs
 {
   VertNumbers numbers;
   uint32_t distance; //!< from a first triangle's number to its second triangle's number, modulo 2^32
 };
-CVERT_READABLE(VertHalves,4)
+CVERT_READABLE(VertTrianglePairs,4)
 
-CVERT_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
+CBVH_FUNCTION bool hasNumbers (uint32_t boxForm) { return ((boxForm >> 30) & 1u) != 0u; }
 
 /* Forms: bits 0..1: pattern; 2: triangles; 3: single triangles; 4..5, 6..7: turns of the first and the second triangle;
- * 8..15: initial value of recursive numbers; 16: has VertHalves. */
+ * 8..15: initial value of recursive numbers; 16: has VertTrianglePairs. */
 CVERT_CONSTANT uint32_t numbersInRows = 0u;
 CVERT_CONSTANT uint32_t numbersRecursive = 1u;
 CVERT_CONSTANT uint32_t numbersInTable = 2u;
 CVERT_CONSTANT uint32_t numbersInTriangleTable = 3u;
 CVERT_CONSTANT uint32_t numbersOfTriangles = 4u;
 CVERT_CONSTANT uint32_t numbersOfOneTriangle = 8u;
-CVERT_CONSTANT uint32_t numbersOfHalves = 1u << 16;
+CVERT_CONSTANT uint32_t numbersOfTrianglePairs = 1u << 16;
 
-CVERT_FUNCTION uint32_t patternOfNumbers (uint32_t form) { return form & 3u; }
-CVERT_FUNCTION bool haveTable (uint32_t form) { return patternOfNumbers(form) >= numbersInTable; }
-CVERT_FUNCTION bool haveHalves (uint32_t form) { return (form & numbersOfHalves) != 0u; }
-CVERT_FUNCTION bool isOfTriangles (uint32_t form) { return (form & numbersOfTriangles) != 0u; }
-CVERT_FUNCTION bool isOneTriangle (uint32_t form) { return (form & numbersOfOneTriangle) != 0u; }
-CVERT_FUNCTION uint32_t formOfTurns (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
-CVERT_FUNCTION uint32_t turnOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6 : 4)) & 3u; }
+CBVH_FUNCTION uint32_t patternOfNumbers (uint32_t form) { return form & 3u; }
+CBVH_FUNCTION bool haveTable (uint32_t form) { return patternOfNumbers(form) >= numbersInTable; }
+CBVH_FUNCTION bool haveTrianglePairs (uint32_t form) { return (form & numbersOfTrianglePairs) != 0u; }
+CBVH_FUNCTION bool isTriangleForm (uint32_t form) { return (form & numbersOfTriangles) != 0u; }
+CBVH_FUNCTION bool isSingleTriangleForm (uint32_t form) { return (form & numbersOfOneTriangle) != 0u; }
+CBVH_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { return (first << 4) | (second << 6); }
+CBVH_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
+  : 4)) & 3u; }
 
 /*! Number of quad x, y relative to the first. Requires a form without table. */
-CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
+CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
   uint32_t code = (form >> 8) & 255u;
@@ -69,18 +71,18 @@ CVERT_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint3
     if (((x >> i) & 1u) != 0u) code ^= (numbers.x >> (8u*i)) & 255u;
     if (((y >> i) & 1u) != 0u) code ^= (numbers.y >> (8u*i)) & 255u;
   }
-  return isOfTriangles(form) && !haveHalves(form) ? 2u*code : code;
+  return isTriangleForm(form) && !haveTrianglePairs(form) ? 2u*code : code;
 }
 
 /*! The lowest bits of an entry in a table of triangles. Numbers in it are therefore within 2^30 of the lowest. */
-CVERT_CONSTANT uint32_t turnBits = 2u;
+CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
-CVERT_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
+CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
   return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
 
 /*! Bytes of a table. Readers may read 32 bits after its end. */
-CVERT_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
+CBVH_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
 /*! The quad or one of its triangles. */
 struct QuadPrimitive
@@ -91,16 +93,16 @@ struct QuadPrimitive
 
 struct OwnParameters { float u, v; };
 
-CVERT_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
+CBVH_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
 {
   OwnParameters parameters;
   parameters.u = a;
   parameters.v = b;
-  if (!isOfTriangles(form)) return parameters;
+  if (!isTriangleForm(form)) return parameters;
   // weights of the corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
-  uint32_t turn = turnOfTriangle(form,isSecond);
+  uint32_t turn = firstCornerOfTriangle(form,isSecond);
   parameters.u = turn == 0u ? w1 : turn == 1u ? w2 : w0;
   parameters.v = turn == 0u ? w2 : turn == 1u ? w0 : w1;
   return parameters;

@@ -81,7 +81,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
 /*! Factor of a world axis in the sheared coordinate: i = 0 for the sheared axis m, 1 and 2 for the next axes. */
-CVERT_FUNCTION float shearOf (uint32_t boxForm, int i) {
+CBVH_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
 
@@ -100,7 +100,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) int
 
 /*! Axis of the largest magnitude, or the first of several. NaN counts as largest. Has no branches, which would often be
  *  mispredicted. */
-CVERT_FUNCTION int largestAxis (float x, float y, float z)
+CBVH_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
   return 2*isZ + (isY & (1-isZ));
@@ -157,7 +157,7 @@ struct ExactProduct
   bool isNegative;
 };
 
-CVERT_FUNCTION ExactProduct exactProduct (float a, float b)
+CBVH_FUNCTION ExactProduct exactProduct (float a, float b)
 {
   uint32_t s = bitsOfFloat(a), t = bitsOfFloat(b);
   uint32_t m = s & 0x7FFFFFu, n = t & 0x7FFFFFu;
@@ -187,7 +187,7 @@ CVERT_FUNCTION ExactProduct exactProduct (float a, float b)
 }
 
 /*! Sign of |p| - |q|. */
-CVERT_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
+CBVH_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
 {
   bool isZeroP = (p.high | p.low) == 0u, isZeroQ = (q.high | q.low) == 0u;
   if (isZeroP || isZeroQ) return isZeroP ? (isZeroQ ? 0 : -1) : 1;
@@ -197,7 +197,7 @@ CVERT_FUNCTION int compareMagnitudes (ExactProduct p, ExactProduct q)
   return 0;
 }
 
-CVERT_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
+CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 {
   ExactProduct p = exactProduct(ax,by), q = exactProduct(ay,bx);
   if (p.isNegative == q.isNegative) return p.isNegative ? -compareMagnitudes(p,q) : compareMagnitudes(p,q);
@@ -206,18 +206,18 @@ CVERT_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
 /*! The same in doubles, in which products of floats are exact. */
-CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by)
+CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
   return p > q ? 1 : p < q ? -1 : 0;
 }
 #else
-CVERT_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
+CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
 /*! True if a sheared triangle contains the ray, by exact signs. A side of 0 counts as inside for both triangles of its
  *  edge. A triangle with three sides of 0 is a line, which other triangles cover. */
-CVERT_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
+CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
   if (!(size < infinity)) return false; // a vertex is not finite
@@ -253,13 +253,13 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(WideNormal) normalOf (CVERT_OF_WIDE(WideTr
  *  smaller angles. */
 CVERT_CONSTANT float minCosine = 1e-6f;
 
-CVERT_WIDE struct PlaneMeeting
+CVERT_WIDE struct PlaneIntersection
 {
   Wide t;            //!< infinite or NaN if the ray is parallel
   Wide speed, least; //!< n d, and the largest |n d| of a ray in the plane
 };
 
-CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(WideTriangle) triangle,
+CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_OF_WIDE(WideTriangle) triangle,
                                                               CVERT_OF_WIDE(WideNormal) normal, const Wide org[3],
                                                               const Wide dir[3])
 {
@@ -270,7 +270,7 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneMeeting) meetPlane (CVERT_OF_WIDE(Wid
     size = size + magnitude(along);
     height = height + product(normal.at[k],triangle.at[k][0] - org[k]);
   }
-  CVERT_OF_WIDE(PlaneMeeting) at;
+  CVERT_OF_WIDE(PlaneIntersection) at;
   at.t = height/speed;
   at.speed = speed;
   at.least = Wide(minCosine)*size;
@@ -298,12 +298,13 @@ CVERT_WIDE CVERT_INLINE Wide clampToSpan (CVERT_OF_WIDE(TriangleSpan) span, Wide
 
 /*! True if the plane determines the distance: the ray does not lie in it, or the distance is within the triangle.
  *  Otherwise the ray may be inside only because vertices are rounded. */
-CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isOfPlane (CVERT_OF_WIDE(PlaneMeeting) at, CVERT_OF_WIDE(TriangleSpan) span) {
+CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isPlaneDecisive (CVERT_OF_WIDE(PlaneIntersection) at,
+  CVERT_OF_WIDE(TriangleSpan) span) {
   return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
 }
 
 /*! Distance at which a ray is nearest to a triangle's longest edge. */
-CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
+CVERT_WIDE CBVH_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
                                                  const Wide dir[3])
 {
   Wide best = Wide(-1.0f), t = Wide(0.0f);
@@ -330,12 +331,12 @@ CVERT_WIDE CVERT_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) tri
 /*! Distance at which a ray hits a triangle that its line passes through. If the ray lies in the plane, it hits where it
  *  is nearest to the longest edge, but not before tnear: otherwise a ray could leave a closed surface there without a
  *  hit. */
-CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
+CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)
 {
-  CVERT_OF_WIDE(PlaneMeeting) at = meetPlane(triangle,normal,org,dir);
-  if (CVERT_LIKELY(isOfPlane(at,span))) return clampToSpan(span,at.t);
+  CVERT_OF_WIDE(PlaneIntersection) at = intersectPlane(triangle,normal,org,dir);
+  if (CVERT_LIKELY(isPlaneDecisive(at,span))) return clampToSpan(span,at.t);
   Wide t = clampToSpan(span,alongLongestEdge(triangle,org,dir));
   return tnear <= span.farthest ? greater(t,tnear) : t;
 }
@@ -345,19 +346,19 @@ CVERT_WIDE CVERT_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triang
 /* results of placeOfHit */
 CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< does not count
 CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< counts
-CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< counts if it comesBefore the previous hit of the ray
+CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< counts if it hasPrecedence the previous hit of the ray
 
-/*! tfar: end of the ray, or distance of the nearest hit so far. isOfHit: tfar is the distance of a cVERT hit. */
-CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isOfHit)
+/*! tfar: end of the ray, or distance of the nearest hit so far. isHitDistance: tfar is the distance of a cVERT hit. */
+CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isHitDistance)
 {
   float t = float(exact);
-  uint32_t farther = isOfHit ? (t == tfar ? hitIsTied : hitIsOutside)
+  uint32_t farther = isHitDistance ? (t == tfar ? hitIsTied : hitIsOutside)
                              : (exact <= Wide(tfar) ? hitIsNearest : hitIsOutside);
   return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
 }
 
 /*! Identifies a triangle of a scene. */
-struct TriangleName
+struct TriangleKey
 {
   uint32_t geomID, primID;
   uint32_t region;     //!< VertHeader::region of the block
@@ -367,7 +368,7 @@ struct TriangleName
 
 /*! Order of hits at the same distance. The first one counts, so that the order in which blocks are traced does not
  *  matter. */
-CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
+CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
   if (a.primID != b.primID) return a.primID < b.primID;
@@ -375,15 +376,15 @@ CVERT_FUNCTION bool comesBefore (TriangleName a, TriangleName b)
 }
 
 /*! Corner of the quad, column + 2 row, at a vertex of triangle h of a group. */
-CVERT_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
+CBVH_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
 /* Position in its group of the quad of triangle h. */
-CVERT_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
-CVERT_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
+CBVH_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
+CBVH_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
@@ -401,21 +402,21 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
 }
 
 /*! Clamps to 0 to 1. NaN of slivers becomes 1/2: the middle of the diagonal belongs to both triangles. */
-CVERT_REAL CVERT_INLINE Real inUnit (Real x) {
+CVERT_REAL CVERT_INLINE Real clampParameter (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
 /*! Parameter of the face at position a of quad x of `quads` along the patch. corner: of the patch, in halves. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
-  return Real(0.5f*float(corner)) + greater((x + inUnit(a))/Real(float(quads)),Real(0.0f));
+  return Real(0.5f*float(corner)) + greater((x + clampParameter(a))/Real(float(quads)),Real(0.0f));
 }
 
 /* Position in the patch of the first quad of the group in a lane. */
-CVERT_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
-CVERT_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
+CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
+CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
 
 /*! True if an edge has a lower rate than the patch has quads. Requires a block with edges. */
-CVERT_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
+CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   return vertRate(edges,0) != quadsX || vertRate(edges,1) != quadsY || vertRate(edges,2) != quadsX
@@ -423,7 +424,7 @@ CVERT_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 }
 
 /*! True if a quad is at such an edge, where its parameters are interpolated from those of its vertices. */
-CVERT_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
+CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
   return (y == 0u && vertRate(edges,0) != quadsX) || (x+1u == quadsX && vertRate(edges,1) != quadsY)
@@ -434,11 +435,11 @@ struct FaceParameters { float u, v; };
 
 /*! Parameters at position (a,b) of a quad that isAtLowerEdge: barycentric interpolation of the parameters of vertices,
  *  which Embree stitches there. */
-CVERT_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
+CBVH_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
-  float p = inUnit(a), q = inUnit(b), s = 0.0f, t = 0.0f;
+  float p = clampParameter(a), q = clampParameter(b), s = 0.0f, t = 0.0f;
   for (uint32_t c=0u; c<4u; c++)
   {
     float w = c == 0u ? (isSecond ? 0.0f : 1.0f-p-q) : c == 1u ? (isSecond ? 1.0f-q : p)
@@ -468,7 +469,7 @@ CVERT_INLINE SurfacePoint pointOfNumberedQuad (CVERT_POINTER(VertHeader) block, 
   uint32_t x = groupQuads*(lane & 3u) + quadXOfTriangle(h), y = groupQuads*(lane >> 2) + quadYOfTriangle(h);
   bool isSecond = (h & 1u) != 0u;
   QuadPrimitive primitive = primitiveOfQuad(block,x,y,isSecond);
-  OwnParameters own = ownParameters(primitive.form,isSecond,inUnit(at.a),inUnit(at.b));
+  OwnParameters own = ownParameters(primitive.form,isSecond,clampParameter(at.a),clampParameter(at.b));
   SurfacePoint point;
   point.primID = primitive.primID;
   point.u = own.u;

@@ -18,7 +18,7 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readBehind = 16;             // readable bytes after a block, which shaders read in whole words
+constexpr size_t readPast = 16;               // readable bytes after a block, which shaders read in whole words
 constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size do not share buffers
 
 bool isVert(const FlatBlock& block) {
@@ -102,8 +102,8 @@ private:
   void addBuffer(size_t least)
   {
     const size_t longest = std::min(device.capabilities.maxAllocation, size_t(1) << 30) & ~size_t(blockAlignment - 1);
-    end = std::max(std::min(rest, longest - readBehind), least);
-    buffers.emplace_back(new Buffer(device, end + readBehind, Buffer::OnDevice, "blocks"));
+    end = std::max(std::min(rest, longest - readPast), least);
+    buffers.emplace_back(new Buffer(device, end + readPast, Buffer::OnDevice, "blocks"));
     used = 0;
   }
 
@@ -162,7 +162,7 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
   for (const PlacedBlock& placed : blocks) {
     const FlatBlock& block = *placed.block;
     requireValid(block);
-    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadInWords(block) ? readBehind : 0);
+    const size_t begin = size_t(block.data), end = begin + block.bytes + (isReadInWords(block) ? readPast : 0);
     ranges.push_back({begin & ~(alignment - 1), (end + alignment - 1) & ~(alignment - 1)});
   }
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.begin < b.begin; });

@@ -109,8 +109,8 @@ Device::Device(RTCDevice embree, const RTCVulkanHandles& given) : embree(embree)
   if (capabilities.info.unsupported[0])
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("the Vulkan device ") + capabilities.info.name
                       + " cannot be used: " + capabilities.info.unsupported);
-  auto checkEnabled = [&](bool isEnabled, bool isThere, const char* name, const char* member) {
-    if (isEnabled && !isThere)
+  auto checkEnabled = [&](bool isEnabled, bool isPresent, const char* name, const char* member) {
+    if (isEnabled && !isPresent)
       throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, std::string("invalid ") + member + ": the Vulkan device "
                         + capabilities.info.name + " has no " + name);
   };

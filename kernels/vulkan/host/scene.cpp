@@ -425,7 +425,7 @@ private:
     statistics.topLevelBytes = tree.nodes.size()*sizeof(FlatNode) + tree.movingNodes.size()*sizeof(FlatMovingNode)
       + cells.size()*sizeof(cells[0]) + blocks.size()*sizeof(BlockData);
     statistics.importedBytes = out.blocks.importedBytes;
-    statistics.sentBytes = uploader.written;
+    statistics.uploadedBytes = uploader.written;
     statistics.deviceBytes = out.arena.bytes() + statistics.structureBytes
       + (statistics.importedBytes ? 0 : out.blocks.bytes());
     if (statistics.importedBytes) {

@@ -67,15 +67,15 @@ bool cbvhHasOnly (uint kind)
   return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
-/* Returns a node at a time. isThere: whether each child exists then. */
-CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isThere)
+/* Returns a node at a time. isPresent: whether each child exists then. */
+CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
 {
   CbvhNode now = node.atZero;
   for (int k = 0; k < 3; k++) {
     now.lower[k] += time*node.lowerDifference[k];
     now.upper[k] += time*node.upperDifference[k];
   }
-  isThere = bvec4(uvec4(lessThanEqual(node.begin, vec4(time)))*uvec4(lessThan(vec4(time), node.end)));
+  isPresent = bvec4(uvec4(lessThanEqual(node.begin, vec4(time)))*uvec4(lessThan(vec4(time), node.end)));
   return now;
 }
 
@@ -85,7 +85,7 @@ const float cbvhNodeSlack = 4.0*floatUlp;
 
 /* Returns sorted keys of the children, nearest first: the distance, with the child in the lower two bits. Missed
  * children have the key 0xFFFFFFFF. Of two at the same distance, the later one comes first, as in Embree. */
-uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar)
+uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
   for (int k = 0; k < 3; k++) {
@@ -95,7 +95,7 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isThere, CbvhTravel ray, float tfar
   }
   bvec4 isMet = lessThanEqual(enter*(1.0 - cbvhNodeSlack), leave*(1.0 + cbvhNodeSlack));
   uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isMet);
-  keys = mix(uvec4(0xFFFFFFFFu), keys, isThere);
+  keys = mix(uvec4(0xFFFFFFFFu), keys, isPresent);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
   keys = uvec4(min(keys.x, keys.y), max(keys.x, keys.y), min(keys.z, keys.w), max(keys.z, keys.w));
   return uvec4(keys.x, min(keys.y, keys.z), max(keys.y, keys.z), keys.w);
@@ -105,7 +105,7 @@ uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
 /* Intersects a leaf that is not an instance. framed: see cbvhReport. */
-bool cbvhTraceLeaf (SceneData scene, CbvhTravel ray, uint reference, const bool anyHit, inout CbvhHit hit,
+bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const bool anyHit, inout CbvhHit hit,
                     inout vec2 framed, inout CbvhVertNearest nearest)
 {
   uint type = referenceType(reference), index = referenceIndex(reference);
@@ -134,7 +134,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
 
   SceneData scene = CbvhSceneAt(address).scene;
   CbvhNodes nodes = CbvhNodes(scene.nodes);
-  CbvhTravel ray = cbvhTravel(worldRay);
+  CbvhPreparedRay ray = cbvhPreparedRay(worldRay);
   bool found = false;
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
@@ -147,12 +147,12 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   {
     while (current != emptyReference && cbvhIsNode(referenceType(current)))
     {
-      bvec4 isThere = bvec4(true);
+      bvec4 isPresent = bvec4(true);
       CbvhNode node;
       if (cbvhHasKind(movingNodeReference) && referenceType(current) == movingNodeReference)
-        node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isThere);
+        node = cbvhNodeAt(CbvhMovingNodes(scene.movingNodes).at[referenceIndex(current)], ray.time, isPresent);
       else node = nodes.at[current];
-      uvec4 keys = cbvhSortChildren(node, isThere, ray, hit.t);
+      uvec4 keys = cbvhSortChildren(node, isPresent, ray, hit.t);
       current = emptyReference;
       if (keys.w != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.w)], keys.w);
       if (keys.z != 0xFFFFFFFFu) stack[top++] = uvec2(node.children[cbvhChildOfKey(keys.z)], keys.z);
@@ -174,7 +174,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
         {
           CbvhRay local = cbvhTransformed(toLocal, worldRay);
           if (cbvhMayHit(local)) {
-            ray = cbvhTravel(local);
+            ray = cbvhPreparedRay(local);
             ray.instID = geomID;
             ray.firstGeometry = instance.firstGeometry;
             instanceTop = top;
@@ -190,7 +190,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
     }
 
     do {
-      if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhTravel(worldRay); instanceTop = -1; }
+      if (cbvhHasKind(instanceReference) && top == instanceTop) { ray = cbvhPreparedRay(worldRay); instanceTop = -1; }
       if (top == 0) {
         if (hit.t == framed.x) hit.t = framed.y;
         return found;

@@ -106,7 +106,7 @@ BlockHeader cbvhReadHeader (CbvhPointer block)
   vec4 q0 = uintBitsToFloat(cbvhQuadword(block, 0u));
   for (int i = 0; i < 3; i++) {
     vec4 column = uintBitsToFloat(cbvhQuadword(block, 1u + uint(i)));
-    header.centre[i] = q0[i];
+    header.center[i] = q0[i];
     for (int k = 0; k < 4; k++) header.columns[i][k] = column[k];
   }
   header.surface = floatBitsToUint(q0.w);
@@ -145,7 +145,8 @@ struct CbvhLeafHit
 
 /* Stores the hit and returns true if it is nearer than the stored one by the rule of framed/nearest_hit.h, except for
  * its order of faces. framed: `t` and `own` of that rule, for the stored hit. */
-bool cbvhReport (BlockHeader header, uint geomID, CbvhTravel ray, CbvhLocalRay local, uint numLeaves, CbvhLeafHit at,
+bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
+  CbvhLeafHit at,
                  inout CbvhHit hit, inout vec2 framed)
 {
   float own = min(max(worldT(local.segment, at.s)*local.scale, ray.tnear), ray.tfar),
@@ -173,8 +174,8 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhTravel ray, CbvhLocalRay l
 }
 
 /* Returns the segment's parameter for world distance t, rounded up. */
-float cbvhBehind (Segment s, float t) {
-  return t < s.t1 && s.t0 < s.t1 ? localShare(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
+float cbvhShareAfter (Segment s, float t) {
+  return t < s.t1 && s.t0 < s.t1 ? localFraction(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
 }
 
 LeafPatch cbvhSolidLeaf (NodeBox box)
@@ -194,7 +195,8 @@ CbvhLeafHit cbvhHitOnPatch (CbvhLocalRay local, LeafPatch patch_, uint leaf, flo
   return CbvhLeafHit(s, leaf, u, v, patchSlope(patch_, 0, v), patchSlope(patch_, 1, u), from);
 }
 
-bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhTravel ray, uint leaf,
+bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint numLeaves, CbvhPreparedRay ray,
+  uint leaf,
                    const bool anyHit, inout CbvhHit hit)
 {
   uint height = heightOf(header.info), width = (1u << height) + 1u, plane = width*width, first = leafOffset/4u;
@@ -224,7 +226,7 @@ bool cbvhGridLeaf (CbvhPointer block, BlockHeader header, uint leafOffset, uint 
 }
 
 /* kind: constant if the scene has only one. */
-bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel ray, const bool anyHit,
+bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPreparedRay ray, const bool anyHit,
                       inout CbvhHit hit, inout vec2 framed)
 {
   BlockHeader header = cbvhReadHeader(block);
@@ -258,7 +260,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
   WalkState state = startOfWalk();
   CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
   /* parameter of the nearest hit */
-  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhBehind(local.segment, hit.t*rcpScale), 1.0) : 1.0;
+  float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhShareAfter(local.segment, hit.t*rcpScale), 1.0) : 1.0;
   bool found = false;
 
   uint depth = 0u, m = 0u, hits = 0u, passed = 0u;
@@ -309,7 +311,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
     while (true)
     {
       uint isHit = (hits >> shift) & 15u, isPassed = (passed >> shift) & 15u;
-      uint events = kind == kindLeaf && wantsPassed(state) ? isHit | isPassed : isHit;
+      uint events = kind == kindLeaf && needsPassedBoxes(state) ? isHit | isPassed : isHit;
       if (events == 0u) break;
       uint i = uint(findLSB(events));
       uint before = (2u << i) - 1u;
@@ -356,7 +358,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         if (!cbvhGridLeaf(block, header, layout_.leafOffset, layout_.leaves, ray, leaf, anyHit, hit)) continue;
         found = true;
         if (anyHit) return true;
-        best = cbvhBehind(local.segment, hit.t*rcpScale);
+        best = cbvhShareAfter(local.segment, hit.t*rcpScale);
       }
       else if (kind == kindVoxel)
       {
@@ -379,7 +381,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0);
         if (v.hit == hitLip) {
           Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, local.segment.epsilon[2]);
-          LipMeeting at = meetLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leaves - 1u, lip);
+          LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leaves - 1u, lip);
           isMet = at.met;
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
@@ -406,7 +408,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhTravel 
       depth--;
       m >>= 2;
       uint rest = (hits >> (4u*depth)) & 15u;
-      if (kind == kindLeaf && wantsPassed(state)) rest |= (passed >> (4u*depth)) & 15u;
+      if (kind == kindLeaf && needsPassedBoxes(state)) rest |= (passed >> (4u*depth)) & 15u;
       if (rest != 0u) { isDone = false; break; }
     }
     if (isDone) return found;

@@ -91,7 +91,7 @@ struct CbvhMeshAxes
 /* Boxes do not bound the sheared coordinate if a ratio of spacings exceeds 2^30, because it would not be exact. */
 const int cbvhMaxMeshRatio = 30;
 
-CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert)
+CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   CbvhMeshAxes axes = CbvhMeshAxes(3, true, vec3(0.0), 0.0, 1.0, 0.0);
   vec3 reach; // bound of coordinates; planes have 8 bits
@@ -123,7 +123,7 @@ CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert
 }
 
 /* Clips the ray by a group's box on axis k. plane, extent: as stored. */
-RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, CbvhTravel ray, CbvhVertRay vert,
+RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert,
                                      CbvhMeshAxes axes, uint plane, uint extent, int k)
 {
   uint shift = meshBoxShift(block.spacings, block.form, uint(k)), begin = plane << shift;
@@ -150,7 +150,7 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
 
 /* Sets the sections of the block, cbvhMeshGroups and cbvhMeshEntries. Returns the mask of groups whose boxes the ray
  * hits. */
-uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhTravel ray, float tfar)
+uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float tfar)
 {
   CbvhVertRay vert = cbvhVertRay(ray);
   CbvhMeshAxes axes = cbvhMeshAxes(block, ray, vert);
@@ -260,7 +260,7 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 /* --- triangles -------------------------------------------------------------------------- */
 
 /* Returns the mask of triangles that the line of the ray may pass, ignoring their orientation. */
-uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear)
+uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear)
 {
   uint mask = 0u, t = 0u;
   uint missing = 3u; // entries until triangle t is complete
@@ -289,7 +289,7 @@ uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
     + cbvhMeshBits(block, first + baseBits + t*bits, bits);
 }
 
-bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel ray, CbvhShear shear, uint t,
+bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear, uint t,
                           inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   StripTriangle entries = stripTriangle(group.restarts, group.fans, cbvhMeshBits(block, group.turns + 2u*t, 2u), t);
@@ -299,11 +299,11 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhTravel r
     b = c;
     c = cbvhStreamVertex(block, group, i == 0 ? entries.v0 : i == 1 ? entries.v1 : entries.v2);
   }
-  TriangleName name = TriangleName(block.geomID, block.primID, CVERT_AT(MeshHeader, block.at).bytes, 32u*group.g + t);
+  TriangleKey name = TriangleKey(block.geomID, block.primID, CVERT_AT(MeshHeader, block.at).bytes, 32u*group.g + t);
   CbvhVertHit at;
-  if (!cbvhMeetsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
+  if (!cbvhHitsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
   uint number = cbvhMeshNumber(block, group.g, t);
-  float u = inUnit(at.sides.w1/at.sides.sum), v = inUnit(at.sides.w2/at.sides.sum);
+  float u = clampParameter(at.sides.w1/at.sides.sum), v = clampParameter(at.sides.w2/at.sides.sum);
   if (isSecondOfQuad(block.form, number)) {
     u = 1.0 - u;
     v = 1.0 - v;
@@ -324,7 +324,7 @@ uint cbvhFirstMeshGroup (uint open)
 }
 
 /* Loops have one exit, see cbvhTraceGroup. */
-bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
+bool cbvhTraceMesh (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;

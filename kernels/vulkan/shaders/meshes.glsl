@@ -15,7 +15,7 @@ vec3 cbvhMeshVertex (GeometryData geometry, uint i)
               floatAt(geometry.vertices, first + 2u));
 }
 
-bool cbvhTraceRun (SceneData scene, CbvhTravel ray, uint first, uint count, const bool anyHit, inout CbvhHit hit)
+bool cbvhTraceRun (SceneData scene, CbvhPreparedRay ray, uint first, uint count, const bool anyHit, inout CbvhHit hit)
 {
   bool found = false;
   for (uint i = first; i < first + count; i++)
@@ -45,7 +45,7 @@ vec2 cbvhGridParameters (CbvhPointer grid, uint first, uint plane, uint i)
   return vec2(float(uv & 0xFFFFu), float(uv >> 16))*(8.0/65536.0);
 }
 
-bool cbvhTraceCell (SceneData scene, CbvhTravel ray, uint index, const bool anyHit, inout CbvhHit hit)
+bool cbvhTraceCell (SceneData scene, CbvhPreparedRay ray, uint index, const bool anyHit, inout CbvhHit hit)
 {
   uvec2 cell = CbvhPairs(scene.cells).at[index];
   CbvhPointer grid = cbvhPointer(scene, cell.x);

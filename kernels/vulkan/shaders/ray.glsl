@@ -41,7 +41,7 @@ struct CbvhHit
 const uint CBVH_NONE = 0xFFFFFFFFu;
 
 /* A ray in the space of the traversed scene or instance. */
-struct CbvhTravel
+struct CbvhPreparedRay
 {
   vec3 org, dir;
   vec3 rcp;       // finite
@@ -71,9 +71,9 @@ bool cbvhMayHit (CbvhRay ray)
          ray.tnear <= ray.tfar && ray.tfar >= 0.0;
 }
 
-CbvhTravel cbvhTravel (CbvhRay ray)
+CbvhPreparedRay cbvhPreparedRay (CbvhRay ray)
 {
-  CbvhTravel travel;
+  CbvhPreparedRay travel;
   travel.org = ray.origin;
   travel.dir = ray.direction;
   vec3 size = abs(ray.direction);
@@ -88,12 +88,12 @@ CbvhTravel cbvhTravel (CbvhRay ray)
   return travel;
 }
 
-bool cbvhIsSeen (SceneData scene, CbvhTravel ray, uint geomID)
+bool cbvhIsSeen (SceneData scene, CbvhPreparedRay ray, uint geomID)
 {
   return (CbvhGeometries(scene.geometries).at[ray.firstGeometry + geomID].mask & ray.mask) != 0u;
 }
 
-void cbvhSetHit (inout CbvhHit hit, CbvhTravel ray, float t, float u, float v, vec3 Ng, uint primID, uint geomID)
+void cbvhSetHit (inout CbvhHit hit, CbvhPreparedRay ray, float t, float u, float v, vec3 Ng, uint primID, uint geomID)
 {
   hit.t = t;
   hit.u = u;

@@ -33,7 +33,7 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
 }
 
 /* Tests the exact box, because the driver's is larger. Sets ray.enter. */
-bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhTravel ray)
+bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
   for (int k = 0; k < 3; k++) {
@@ -62,7 +62,7 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
     local = cbvhTransformed(toLocal, ray);
     if (!cbvhMayHit(local)) return false;
   }
-  CbvhTravel travel = cbvhTravel(local);
+  CbvhPreparedRay travel = cbvhPreparedRay(local);
   travel.instID = place.instID;
   travel.firstGeometry = place.firstGeometry;
   if (!cbvhMeetsLeaf(leaf, found.hit.t, travel)) return false;

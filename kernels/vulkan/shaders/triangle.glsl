@@ -36,7 +36,7 @@ vec3 cbvhStableNormal (vec3 a, vec3 b, vec3 c)
   return mix(crossBC, crossAB, lessThan(abs(ab), abs(bc)));
 }
 
-bool cbvhPluecker (CbvhTravel ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
+bool cbvhPluecker (CbvhPreparedRay ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
 {
   vec3 v0 = a - ray.org, v1 = b - ray.org, v2 = c - ray.org;
   vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
@@ -53,7 +53,7 @@ bool cbvhPluecker (CbvhTravel ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhT
   return true;
 }
 
-bool cbvhMoellerTrumbore (CbvhTravel ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
+bool cbvhMoellerTrumbore (CbvhPreparedRay ray, float tfar, vec3 a, vec3 b, vec3 c, out CbvhTriangleHit hit)
 {
   vec3 e1 = a - b, e2 = c - a, Ng = cross(e2, e1), C = a - ray.org, R = cross(C, ray.dir);
   float den = dot(Ng, ray.dir), absDen = abs(den), sgn = den < 0.0 ? -1.0 : 1.0;

@@ -27,7 +27,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 /* --- triangles ------------------------------------------------------------------------- */
 
 /* Returns the mask of triangles that the line of the ray may pass: bits 2q and 2q + 1 for quad q. */
-uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
+uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
                     const bool moves)
 {
   uint mask = 0u;
@@ -66,7 +66,8 @@ uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShe
 }
 
 /* h: bit of cbvhTriangles */
-bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy, uint h,
+bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
+  uint h,
                       const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   int i = int(quadXOfTriangle(h)), j = int(quadYOfTriangle(h));
@@ -78,9 +79,9 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhS
   vec3 a = vertices[0], b = vertices[1], c = vertices[2];
   if (block.hasRaw && !(cbvhIsFinite(a) && cbvhIsFinite(b) && cbvhIsFinite(c))) return false;
   uint lane = gx + 4u*gy;
-  TriangleName name = TriangleName(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
+  TriangleKey name = TriangleKey(block.geomID, CVERT_AT(VertHeader, block.at).primID, block.region, 32u*lane + h);
   CbvhVertHit at;
-  if (!cbvhMeetsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
+  if (!cbvhHitsTriangle(ray, shear, a, b, c, name, hit.t, nearest, at)) return false;
   SurfacePoint point = surfacePoint(block.at, lane, h, positionInQuad(at.sides, (h & 1u) != 0u));
   cbvhSetHit(hit, ray, at.t, point.u, point.v, at.Ng, point.primID, name.geomID);
   return true;
@@ -88,12 +89,12 @@ bool cbvhHitTriangle (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhS
 
 /* Returns m such that the order 0 ^ m, 1 ^ m, ... of groups x + 4y tends to visit near groups first. alongX, alongY:
  * axes of the block. */
-uint cbvhMirror (CbvhTravel ray, vec3 alongX, vec3 alongY) {
+uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
 }
 
 /* Returns the mask of groups of a static block whose boxes the ray hits, with bit (x + 4y) ^ mirror. */
-uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
+uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                  float tfar, uint mirror)
 {
   uint open = 0u;
@@ -122,7 +123,7 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhTravel ray, CbvhVertR
 
 /* Loops here and below have one exit, because lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once
  * while other rays continue. */
-bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhShear shear, uint gx, uint gy,
+bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
                      const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
   bool found = false;
@@ -139,7 +140,7 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhTravel ray, CbvhSh
 }
 
 /* Intersects a static block. */
-bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
+bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;
@@ -174,7 +175,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool 
 }
 
 /* Intersects a moving block. */
-bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhTravel ray, const bool anyHit, inout CbvhHit hit,
+bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                           inout CbvhVertNearest nearest)
 {
   if (!cbvhIsSeen(scene, ray, at.geomID)) return false;

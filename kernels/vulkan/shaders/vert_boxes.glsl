@@ -18,7 +18,7 @@ struct CbvhVertRay
   float largest;   // largest absolute component of the direction
 };
 
-CbvhVertRay cbvhVertRay (CbvhTravel ray)
+CbvhVertRay cbvhVertRay (CbvhPreparedRay ray)
 {
   CbvhVertRay vert;
   vec3 size = abs(ray.dir);
@@ -43,7 +43,7 @@ float cbvhShearOf (uint boxForm, int k)
   return shearOf(boxForm, k >= m ? k - m : k - m + 3);
 }
 
-CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhTravel ray, CbvhVertRay vert)
+CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   ShearedCoordinate along = noShearedCoordinate();
   for (int k = 0; k < 3; k++)
@@ -52,10 +52,12 @@ CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhTravel r
                       shearedSlack(along.size));
 }
 
-float cbvhSlack (CbvhVertAxes axes, CbvhTravel ray, int k) { return boxSlack(ray.org[k], axes.origin[k], axes.extent); }
+float cbvhSlack (CbvhVertAxes axes, CbvhPreparedRay ray, int k) { return boxSlack(ray.org[k], axes.origin[k],
+  axes.extent); }
 
 /* Widens the bounds of the block by `slack` on each axis. */
-bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack, float tfar)
+bool cbvhMeetsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack,
+  float tfar)
 {
   int m = shearedAxis(axes.boxForm);
   RayInterval interval = RayInterval(ray.tnear, tfar);
@@ -69,7 +71,7 @@ bool cbvhMeetsBounds (CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, Block
   return interval.from <= interval.to;
 }
 
-RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
+RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                                  BoxPlanes planes, int k)
 {
   bool isSheared = k == shearedAxis(axes.boxForm);
@@ -79,7 +81,7 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhTravel ray, CbvhVertR
 }
 
 /* For a block that is not raw. c00 to c11: corners of group g. */
-bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g,
+bool cbvhMeetsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g,
                      ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
@@ -92,7 +94,7 @@ bool cbvhMeetsGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, Cbvh
 }
 
 /* For a raw block. */
-bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhTravel ray, CbvhVertRay vert, float tfar, uint g)
+bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
   VertLayout offsets = vertLayout(block.region, block.boxForm);

@@ -39,7 +39,7 @@ vec3 cbvhBetween (vec3 a, vec3 b, float fraction) {
 bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment segment)
 {
   VertMotion motion = motionOf(block.at);
-  if (!isThere(motion, time)) return false;
+  if (!isPresent(motion, time)) return false;
   TimeInMotion place = timeInMotion(motion, time);
   segment.fraction = clamp(place.fraction, 0.0, 1.0); // division on devices is not exact
   segment.begin = block.first;
@@ -65,13 +65,13 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
     StepView step_ = cbvhEnd(segment, e);
     if (isRaw(step_.form)) continue;
     CodedCell cell = firstCell(step_, block.region);
-    bool turns = isFirstCellTurned(step_);
+    bool turns = isFirstCellRotated(step_);
     [[dont_unroll]] for (int v = 0; v < cellVertices; v++)
     {
       int i = v % 5, j = v/5, field = cellField(i, j);
       ivec3 corner = vertexOfCell(step_.data, cell, i, j);
       if (turns && field >= 0)
-        corner += turnedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
+        corner += rotatedByStep(step_, residualOfField(block.at, block.first.word, block.first.cell, field));
       cbvhCornersAtEnds[e][v] = corner;
     }
   }
@@ -85,7 +85,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
   {
     StepView step_ = cbvhEnd(segment, e);
     CodedCell cell = cbvhNoCell();
-    bool raw = isRaw(step_.form), turns = !raw && isGroupTurned(step_, g);
+    bool raw = isRaw(step_.form), turns = !raw && isGroupRotated(step_, g);
     uint firstWord = 0u, firstFields = 0u;
     if (!raw) {
       int c = 5*int(gy) + int(gx);
@@ -105,7 +105,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
       else {
         ivec3 vertex = vertexOfCell(step_.data, cell, i, j);
         if (turns && field >= 0)
-          vertex += turnedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
+          vertex += rotatedByStep(step_, residualOfField(block.at, firstWord, firstFields, field));
         at = cbvhWorldVertex(block, step_, gx, gy, i, j, vertex);
       }
       if (e == 0) cbvhVerticesNow[v] = at;
@@ -116,7 +116,7 @@ void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy
 
 /* --- boxes, unless a step is raw ------------------------------------------------------- */
 
-CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert)
+CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert)
 {
   uint form = segment.begin.form;
   float extent = max(extentOfReach(reachAtBegin(segment.begin)), extentOfReach(reachAtEnd(segment.end, form)));
@@ -137,7 +137,7 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
   return slack;
 }
 
-bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
+bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
                         float tfar)
 {
   BlockReach reach = reachBetween(reachAtBegin(segment.begin), reachAtEnd(segment.end, axes.boxForm), segment.fraction);
@@ -145,7 +145,8 @@ bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, C
 }
 
 /* Needs cbvhDecodeCorners. */
-bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhTravel ray, CbvhVertRay vert, CbvhVertAxes axes,
+bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
+  CbvhVertAxes axes,
                         vec3 slack, float tfar, uint gx, uint gy)
 {
   int c = 5*int(gy) + int(gx), m = shearedAxis(axes.boxForm);

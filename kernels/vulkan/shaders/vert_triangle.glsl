@@ -58,10 +58,10 @@ struct CbvhVertNearest
   bool isSet;
   uint instID;
   float t;
-  TriangleName name;
+  TriangleKey name;
 };
 
-CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleName(0u, 0u, 0u, 0u)); }
+CbvhVertNearest cbvhNoVertNearest () { return CbvhVertNearest(false, 0u, 0.0, TriangleKey(0u, 0u, 0u, 0u)); }
 
 struct CbvhVertHit
 {
@@ -72,7 +72,7 @@ struct CbvhVertHit
 
 /* Returns true and sets `nearest` if the ray hits the triangle nearer than tfar, or at the same distance as `nearest`
  * and before it in the order of names. tfar: distance of the nearest hit of any kind. */
-bool cbvhMeetsTriangle (CbvhTravel ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleName name, float tfar,
+bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey name, float tfar,
                         inout CbvhVertNearest nearest, out CbvhVertHit at)
 {
   vec2 A = cbvhSheared(shear, ray.org, a), B = cbvhSheared(shear, ray.org, b), C = cbvhSheared(shear, ray.org, c);
@@ -87,7 +87,7 @@ bool cbvhMeetsTriangle (CbvhTravel ray, CbvhShear shear, vec3 a, vec3 b, vec3 c,
   TriangleSpan span = spanOf(triangle.at[kz][0], triangle.at[kz][1], triangle.at[kz][2], org[kz], dir[kz]);
   Wide exact = distanceOfHit(triangle, normal, span, org, dir, Wide(ray.tnear));
   uint place = placeOfHit(exact, ray.tnear, tfar, nearest.isSet && nearest.t == tfar && nearest.instID == ray.instID);
-  if (place == hitIsOutside || (place == hitIsTied && !comesBefore(name, nearest.name))) return false;
+  if (place == hitIsOutside || (place == hitIsTied && !hasPrecedence(name, nearest.name))) return false;
 
   at.t = float(exact);
   at.Ng = vec3(normal.at[0], normal.at[1], normal.at[2]);

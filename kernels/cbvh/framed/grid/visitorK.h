@@ -31,7 +31,7 @@ namespace embree
         static const uint32_t kind = kindGrid;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxMeeting<K>&,
+        __forceinline void leaf (const NodeEntries::Tile&, uint32_t m, uint32_t child, const BoxRangesK<K>&,
                                  const vbool<K>& lanes)
         {
           uint32_t accepted = 0;

@@ -21,12 +21,12 @@ CVERT_REAL struct Parabola
   Real f0, f1, saddle;
 };
 
-CVERT_REAL CVERT_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
+CVERT_REAL CBVH_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
 /*! Returns the k at which f changes sign, or the end nearer to the patch if f does not. */
-CVERT_REAL CVERT_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
+CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
   /* saddle k^2 - b k - f0 = 0. q does not cancel, and exactly one root is between 0 and 1. */
@@ -48,7 +48,7 @@ CVERT_REAL struct Lip
   Real width, reach, epsilon;
 };
 
-CVERT_REAL struct LipMeeting
+CVERT_REAL struct LipIntersection
 {
   bool met;
   Real k;  //!< a position in the lip; if !met, the first one near the side
@@ -56,9 +56,10 @@ CVERT_REAL struct LipMeeting
 
 /*! p0, p1: distance of the ray from the side at entry and exit, 1 at the opposite side. In the part near the side, f
  *  has its extremes at the ends of this part or at its vertex. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLip (CVERT_OF(Parabola) f, Real p0, Real p1, CVERT_OF(Lip) lip)
+CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabola) f, Real p0, Real p1,
+  CVERT_OF(Lip) lip)
 {
-  CVERT_OF(LipMeeting) at;
+  CVERT_OF(LipIntersection) at;
   at.met = false;
   at.k = Real(0);
   Real k0 = Real(0), k1 = Real(1);
@@ -90,14 +91,14 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLip (CVERT_OF(Parabola) f, Re
 
 /* --- patches ------------------------------------------------------------------------- */
 
-CVERT_REAL CVERT_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
+CVERT_REAL CBVH_FUNCTION Real patchZ (LeafPatch leaf, Real u, Real v)
 {
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
   return z0 + u*(z1-z0) + v*(z2-z0) + u*v*(z0-z1-z2+z3);
 }
 
 /*! Slope along an axis, in frame units. across: v for axis 0, u for axis 1. Solid leaves are flat. */
-CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
+CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
 {
   if (leaf.solid) return Real(0);
   Real z0 = Real(leaf.z[0]), z1 = Real(leaf.z[1]), z2 = Real(leaf.z[2]), z3 = Real(leaf.z[3]);
@@ -105,7 +106,7 @@ CVERT_REAL CVERT_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across
 }
 
 /*! Position in a box along an axis, 0 to 1. */
-CVERT_REAL CVERT_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
+CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
@@ -117,7 +118,7 @@ CVERT_REAL struct Crossing
   LeafEvent event;
 };
 
-CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segment, LeafPatch leaf)
+CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segment, LeafPatch leaf)
 {
   CVERT_OF(Crossing) x;
   CVERT_OF(Range) inBox = rangeInBox(segment,leaf.box,3), inColumn = rangeInBox(segment,leaf.box,2);
@@ -154,10 +155,11 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segme
 
 /*! Returns the first position at which a ray intersects a lip of leaf (leafX,leafY). last: number of the last leaf of a
  *  side of the block. */
-CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX, uint32_t leafY,
+CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
+  uint32_t leafY,
   uint32_t last, CVERT_OF(Lip) lip)
 {
-  CVERT_OF(LipMeeting) at;
+  CVERT_OF(LipIntersection) at;
   at.met = false;
   at.k = Real(0);
   for (int side=0; side<4; side++)
@@ -167,7 +169,7 @@ CVERT_REAL CVERT_FUNCTION CVERT_OF(LipMeeting) meetLipsOfLeaf (CVERT_OF(Crossing
     if (at.met || cell != (upper ? last : 0u)) continue;
     Real p0 = side < 2 ? x.u0 : x.v0, p1 = side < 2 ? x.u1 : x.v1;
     if (upper) { p0 = Real(1)-p0; p1 = Real(1)-p1; }
-    at = meetLip(x.f,p0,p1,lip);
+    at = intersectLip(x.f,p0,p1,lip);
   }
   return at;
 }

@@ -38,7 +38,7 @@ struct Heights
   uint32_t high;  //!< bytes 4 to 7
 };
 
-CVERT_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u; }
+CBVH_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u; }
 
 /* --- lattices ------------------------------------------------------------------------ */
 
@@ -46,9 +46,9 @@ CVERT_CONSTANT int latticeBins = 128;
 /*! Range of the bins, in heights of the parent's box. Exceeds 1, because patches are extrapolated to the corners. */
 CVERT_CONSTANT float latticeRange = 1.5f;
 
-CVERT_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
+CBVH_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
 
-CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
+CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
 {
   if (vertex != 4) {
     int i = latticeByte(vertex);
@@ -64,21 +64,21 @@ CVERT_FUNCTION int latticeHeight (Heights heights, int vertex)
  * thickness. */
 CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
-CVERT_FUNCTION int latticeShift (int axis) { return 15*axis; }
+CBVH_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
 /*! Distance of an outer plane from the parent's plane, in parent extents. Fine steps compensate for the rounding of the
  *  parent; codes extend to a third, for quads that do not fill their parent. */
-CVERT_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
+CBVH_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
 /*! The middle plane bounds nothing, so it is rounded to the nearest code. */
-CVERT_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
+CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
 /*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight
  *  edges from the lattice. */
-CVERT_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
+CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0, 1 or 2 along an axis. */
-CVERT_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
+CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox parent)
 {
   uint32_t bits = word >> latticeShift(axis);
   float at = plane == 0 ? latticeOuter(bits & latticePlaneMask)
@@ -99,9 +99,9 @@ CVERT_CONSTANT int looseBins = 32;
 CVERT_CONSTANT float looseRange = 2.0f; //!< in heights of the leaf's box
 CVERT_CONSTANT int looseThicknessShift = 60;
 /*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
-CVERT_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
+CBVH_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
-CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
+CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
   int shift = looseBits*child; // 0, 15, 30, 45: the field at 30 crosses both halves
   if (shift >= 32) return (heights.high >> (shift-32)) & looseMask;
@@ -110,8 +110,8 @@ CVERT_FUNCTION uint32_t looseLeaf (Heights heights, int child)
   return bits & looseMask;
 }
 
-CVERT_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
-CVERT_FUNCTION float looseThicknessOf (Heights heights) {
+CBVH_FUNCTION int looseHeight (uint32_t leaf, int corner) { return int((leaf >> (5*corner)) & 31u); }
+CBVH_FUNCTION float looseThicknessOf (Heights heights) {
   return looseThickness((heights.high >> (looseThicknessShift-32)) & 7u);
 }
 
@@ -120,7 +120,7 @@ CVERT_FUNCTION float looseThicknessOf (Heights heights) {
 /*! The range is centered on the box. Height q is at lower + (q+1/2) size. */
 struct HeightBins { float lower, size; };
 
-CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
+CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
 {
   HeightBins bins;
   bins.lower = box.lower[2] - 0.5f*(range-1.0f)*box.extent[2];
@@ -128,7 +128,7 @@ CVERT_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
   return bins;
 }
 
-CVERT_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
+CBVH_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.lower + (height+0.5f)*bins.size; }
 
 struct LeafPatch
 {
@@ -139,7 +139,7 @@ struct LeafPatch
   bool empty;
 };
 
-CVERT_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CBVH_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.box = decodeChild(word,child,parent);
@@ -153,7 +153,7 @@ CVERT_FUNCTION LeafPatch decodeLooseLeaf (uint32_t word, Heights heights, int ch
   return leaf;
 }
 
-CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   LeafPatch leaf;
   leaf.solid = false;
@@ -180,7 +180,7 @@ CVERT_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int 
   return leaf;
 }
 
-CVERT_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
+CBVH_FUNCTION LeafPatch decodeLeaf (uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (isLoose(heights)) return decodeLooseLeaf(word,heights,child,parent);
   return decodeLatticeLeaf(word,heights,child,parent);

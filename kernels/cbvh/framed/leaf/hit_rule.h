@@ -71,7 +71,7 @@ struct WalkState
   bool found;       //!< a hit was accepted
 };
 
-CVERT_FUNCTION WalkState startOfWalk ()
+CBVH_FUNCTION WalkState startOfWalk ()
 {
   WalkState state;
   state.side = sideUnknown;
@@ -107,7 +107,7 @@ struct Verdict
   WalkState next;   //!< state if there is no hit, or if it is not accepted
 };
 
-CVERT_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
+CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
 {
   Verdict v;
   v.hit = hit;
@@ -117,14 +117,14 @@ CVERT_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
 }
 
 /*! The walk continues after an accepted hit, because a nearer hit can follow. */
-CVERT_FUNCTION WalkState afterHit (WalkState state)
+CBVH_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
   state.pending = false;
   return state;
 }
 
-CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
+CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 {
   bool crosses = leaf.enter != leaf.leave || leaf.changes;
   bool entersBox = leaf.solid && !leaf.started;
@@ -153,12 +153,13 @@ CVERT_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
 }
 
 /*! True if passBox() must be called for boxes that the ray passes. */
-CVERT_FUNCTION bool wantsPassed (WalkState state) {
+CBVH_FUNCTION bool needsPassedBoxes (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
-/*! Call only if wantsPassed(). A ray passes over (under) a box if it overlaps the box in x and y, but misses it. */
-CVERT_FUNCTION Verdict passBox (WalkState state, bool above)
+/*! Call only if needsPassedBoxes(). A ray passes over (under) a box if it overlaps the box in x and y, but misses
+ *  it. */
+CBVH_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;
   next.side = above ? sideAbove : sideBelow;

@@ -47,7 +47,7 @@ namespace embree
 
       /*! As isPoor(), before all quads and edges of the patch were measured. The first quarter is a sample of the
        *  remaining quads, if it is large enough and distributed over the patch. All edges are counted. */
-      bool isGivenUp(size_t allQuads, size_t allEdges) const
+      bool isClearlyPoor(size_t allQuads, size_t allEdges) const
       {
         const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
         return poorQuads > maxPoorQuads*double(std::max(size_t(quads),enough))

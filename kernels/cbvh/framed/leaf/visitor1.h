@@ -29,7 +29,7 @@ namespace embree
 
         __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 
-        bool passedAbove (bool above)
+        bool passSubtree (bool above)
         {
           const Verdict v = passBox(state,above);
           setState(v.next);
@@ -69,7 +69,7 @@ namespace embree
         __forceinline void setState (const WalkState& next)
         {
           state = next;
-          passedMask = wantsPassed(state) ? ~0u : 0u;
+          passedMask = needsPassedBoxes(state) ? ~0u : 0u;
         }
 
         /*! Returns true if the walk may end. */
@@ -83,15 +83,16 @@ namespace embree
         __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           if (hit == hitNone) return false;
-          if (unlikely(hit == hitLip)) return meetsLips(x,reach,number,s);
+          if (unlikely(hit == hitLip)) return intersectsLips(x,reach,number,s);
           s = hit == hitRoot ? between(x,parabolaRoot(x.f)) : x.s0;
           return true;
         }
 
-        __noinline bool meetsLips (const Crossing<float>& x, float reach, uint32_t number, float& s) const
+        __noinline bool intersectsLips (const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRay.epsilonZ };
-          const LipMeeting<float> at = meetLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
+          const LipIntersection<float> at =
+            intersectLipsOfLeaf(x,mortonX(number),mortonY(number),this->layout.leaves-1,lip);
           s = between(x,at.k);
           return at.met;
         }

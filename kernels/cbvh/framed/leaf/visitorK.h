@@ -40,7 +40,7 @@ namespace embree
         vbool<K> enterAbove, leaveAbove, changes, nearEntry, near, started, ended;
 
         __forceinline Crossings (const FrameRays<K>& rays, const LeafSurfaces& surfaces, uint32_t leaf,
-                                 const BoxMeeting<K>& box,
+                                 const BoxRangesK<K>& box,
                                  const vbool<K>& started, const vbool<K>& ended) : started(started), ended(ended)
         {
           s0 = max(box.sNear,vfloat<K>(zero));
@@ -109,8 +109,8 @@ namespace embree
 
         __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 
-        /*! As wantsPassed() of framed/leaf/hit_rule.h. */
-        __forceinline vbool<K> wantsPassed () const { return state.pending | !(state.known | state.found); }
+        /*! As needsPassedBoxes() of framed/leaf/hit_rule.h. */
+        __forceinline vbool<K> needsPassedBoxes () const { return state.pending | !(state.known | state.found); }
 
         /*! As passBox(). */
         __forceinline void pass (const vbool<K>& above, const vbool<K>& lanes)
@@ -123,7 +123,7 @@ namespace embree
           if (unlikely(any(step))) reportExits(step,before);
         }
 
-        void leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box, const vbool<K>& lanes)
+        void leaf (const LeafTile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const LeafSurfaces& surfaces = tile.surfaces;
           const Crossings<K> x(this->frameRays,surfaces,child,box,this->startInside(box),this->endInside(box));
@@ -227,7 +227,8 @@ namespace embree
             const uint32_t k = uint32_t(bsf(rest));
             const Crossing<float> at = x.at(k);
             const Lip<float> lip = { borderWidthOf(this->block->info),reach,this->frameRays.epsilonZ[k] };
-            const LipMeeting<float> meeting = meetLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leaves-1,lip);
+            const LipIntersection<float> meeting =
+              intersectLipsOfLeaf(at,mortonX(leaf),mortonY(leaf),this->layout.leaves-1,lip);
             s[k] = between(at,meeting.k);
             if (!meeting.met) missed |= 1u << k;
           }

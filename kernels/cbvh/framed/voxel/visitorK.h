@@ -19,7 +19,7 @@ namespace embree
         static const uint32_t kind = kindVoxel;
         using BlockVisitorK<K,Rays>::BlockVisitorK;
 
-        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxMeeting<K>& box,
+        __forceinline void leaf (const NodeEntries::Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box,
                                  const vbool<K>& lanes)
         {
           LeafHits<K> hits;

@@ -32,7 +32,7 @@ namespace embree
       const uint32_t perPrimitive;
       const size_t numPrimitives;
 
-      bool areOfQuads () const { return perPrimitive == 2; }
+      bool areHalvesOfQuads () const { return perPrimitive == 2; }
 
       /*! i: 0 for the first triangle of a primitive, 1 for the second. */
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
@@ -49,7 +49,7 @@ namespace embree
       bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
-        const uint32_t n = areOfQuads() ? 4 : 3;
+        const uint32_t n = areHalvesOfQuads() ? 4 : 3;
         unsigned v[4];
         memcpy(v,indices + (triangle >> (perPrimitive-1))*stride,n*sizeof(unsigned));
         const float* p[4];
@@ -59,7 +59,7 @@ namespace embree
           if (!cbvh::isFinite(p[i])) return false;
         }
         for (int c=0; c<3; c++) {
-          const int i = areOfQuads() ? ofQuad[triangle & 1][c] : c;
+          const int i = areHalvesOfQuads() ? ofQuad[triangle & 1][c] : c;
           out[c] = p[i];
           numbers[c] = v[i];
         }
@@ -84,11 +84,11 @@ namespace embree
       ~StoredBorders () {}
     };
 
-    class LooseTriangles
+    class IrregularTriangles
     {
     public:
       /*! primitives: ascending; null for all of the mesh. plan and primitives must outlive this object. */
-      LooseTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
+      IrregularTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
                       Device* device)
         : mesh(mesh), primitives(primitives), plan(plan), device(device), centers(device,0) {}
 
@@ -97,7 +97,7 @@ namespace embree
       size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
 
       size_t bytesInEmbree () const {
-        return numPrimitives()*(mesh.areOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
+        return numPrimitives()*(mesh.areHalvesOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
       }
 
       /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's

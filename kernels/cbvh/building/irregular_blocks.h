@@ -14,14 +14,14 @@ namespace embree
 {
   namespace isa
   {
-    class LooseBlocks
+    class IrregularBlocks
     {
     public:
       /*! parts: must have loose primitives. plan must outlive this object. */
-      LooseBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
+      IrregularBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
                    const CompressionPlan& plan, Device* device)
         : device(device), plan(plan), parts(parts),
-          triangles(mesh,parts->areAllLoose ? nullptr : &parts->loose,plan,device) {}
+          triangles(mesh,parts->areAllIrregular ? nullptr : &parts->loose,plan,device) {}
 
       size_t numPrimitives () const { return triangles.numPrimitives(); }
       size_t estimateBlocks () const {
@@ -64,9 +64,9 @@ namespace embree
         cbvh::BuildStatistics statistics;
         statistics.bytesInEmbree = triangles.bytesInEmbree();
         // two triangles count as a quad
-        const bool areQuads = triangles.mesh.areOfQuads();
+        const bool areQuads = triangles.mesh.areHalvesOfQuads();
         const size_t quads = areQuads ? triangles.centers.size() : (triangles.centers.size()+1)/2;
-        statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numLooseQuads = quads;
+        statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numIrregularQuads = quads;
         statistics.sums.numInvalidQuads = areQuads ? triangles.numInvalid : (triangles.numInvalid+1)/2;
         statistics.sums.maxVertexSpacing = triangles.spacing();
         results.add(statistics);
@@ -96,7 +96,7 @@ namespace embree
       Device* const device;
       const CompressionPlan& plan;
       const std::shared_ptr<const QuadRegions> parts;
-      LooseTriangles triangles;
+      IrregularTriangles triangles;
     };
   }
 }
