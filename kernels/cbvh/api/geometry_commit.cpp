@@ -154,7 +154,7 @@ namespace embree
 
   bool beginCommit (SubdivMesh* mesh)
   {
-    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertexCounts && mesh->topology[0].vertexIndices,
+    const bool isChanged = begin(mesh,mesh->vertices[0] && mesh->faceVertices && mesh->topology[0].vertexIndices,
                                  "vertices, faces and indices");
     if (!isChanged) return false;
     const bool asks = requestsCompression(mesh), moves = mesh->numTimeSteps != 1;
@@ -253,7 +253,7 @@ namespace embree
       if (!hasAttributes) topology.halfEdges.clear();
       else if (topology.halfEdges.size() > mesh->numHalfEdges) topology.halfEdges.resize(mesh->numHalfEdges);
     }
-    mesh->faceVertexCounts = BufferView<unsigned int>();
+    mesh->faceVertices = BufferView<unsigned int>();
     mesh->edge_creases = BufferView<SubdivMesh::Edge>();
     mesh->edge_crease_weights = BufferView<float>();
     mesh->vertex_creases = BufferView<unsigned int>();

@@ -22,10 +22,10 @@ namespace embree
     const HalfEdge* firstEdge (const SubdivMesh* mesh, const SubdivMesh::Topology& topology, unsigned face)
     {
       if (face >= mesh->size() || topology.halfEdges.size() == 0) return nullptr;
-      if (mesh->faceVertexCounts && !isa::hasEdges(mesh,face)) return nullptr;
+      if (mesh->faceVertices && !isa::hasEdges(mesh,face)) return nullptr;
       const HalfEdge* const edge = topology.getHalfEdge(face);
       /* released: a face without edges begins where the next one does */
-      if (!mesh->faceVertexCounts && face+1 < mesh->size() && edge == topology.getHalfEdge(face+1)) return nullptr;
+      if (!mesh->faceVertices && face+1 < mesh->size() && edge == topology.getHalfEdge(face+1)) return nullptr;
       return edge < topology.halfEdges.end() ? edge : nullptr;
     }
 
@@ -53,7 +53,7 @@ namespace embree
 
   void markUnsupportedFaces (SubdivMesh* mesh)
   {
-    if (!mesh->faceVertexCounts) return; // released; already marked
+    if (!mesh->faceVertices) return; // released; already marked
     for (SubdivMesh::Topology& topology : mesh->topology)
     {
       if (topology.halfEdges.size() == 0) continue;
@@ -62,7 +62,7 @@ namespace embree
           {
             if (!isa::hasEdges(mesh,f)) continue;
             HalfEdge& first = const_cast<HalfEdge&>(*topology.getHalfEdge(f));
-            if (mayBeUnsupported(first.patch_type) && !isa::canBeEvaluated(&first,mesh->faceVertexCounts[f]))
+            if (mayBeUnsupported(first.patch_type) && !isa::canBeEvaluated(&first,mesh->faceVertices[f]))
               first.patch_type = unsupportedPatch;
           }
         });

@@ -35,7 +35,7 @@ namespace embree
           add(topology.vertexIndices);
           bytes += topology.halfEdges.size()*sizeof(HalfEdge);
         }
-        add(mesh->faceVertexCounts);
+        add(mesh->faceVertices);
         add(mesh->edge_creases);
         add(mesh->edge_crease_weights);
         add(mesh->vertex_creases);

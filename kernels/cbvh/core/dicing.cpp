@@ -65,7 +65,7 @@ namespace embree
         std::vector<Edge> edges(rates.size());
         for (size_t f=0, e=0; f<mesh->numFaces(); f++)
         {
-          const unsigned n = mesh->faceVertexCounts[f];
+          const unsigned n = mesh->faceVertices[f];
           for (unsigned i=0; i<n; i++) {
             const uint64_t a = indices[e+i], b = indices[e+(i+1)%n];
             edges[e+i] = Edge{ min(a,b) << 32 | max(a,b),uint32_t(e+i) };
@@ -94,13 +94,13 @@ namespace embree
         const DicingView view(camera);
         std::vector<uint32_t> first(mesh->numFaces());
         uint32_t edges = 0;
-        for (size_t f=0; f<first.size(); f++) { first[f] = edges; edges += mesh->faceVertexCounts[f]; }
+        for (size_t f=0; f<first.size(); f++) { first[f] = edges; edges += mesh->faceVertices[f]; }
         std::vector<float> rates(mesh->numEdges(),1.0f);
         parallel_for(size_t(0),mesh->numFaces(),size_t(16),[&](const range<size_t>& r) {
             DicingSamples samples(mesh,view);
             for (size_t f=r.begin(); f!=r.end(); f++)
             {
-              const unsigned n = mesh->faceVertexCounts[f];
+              const unsigned n = mesh->faceVertices[f];
               float* const out = &rates[first[f]];
               for (unsigned step=0; step<mesh->numTimeSteps; step++)
               {

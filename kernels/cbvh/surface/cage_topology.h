@@ -86,7 +86,7 @@ namespace embree
       size_t numHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
-          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertexCounts[f];
+          if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertices[f];
         return 0;
       }
 
@@ -97,7 +97,7 @@ namespace embree
       {
         if (!hasEdges(mesh,f)) return;
         const HalfEdge* h = mesh->getHalfEdge(0,f);
-        const unsigned n = mesh->faceVertexCounts[f];
+        const unsigned n = mesh->faceVertices[f];
         for (unsigned i=0; i<n; i++) edge(h+i) = Edge();
         if (!hasSurface(mesh,f)) return;
         bool isTracedByGrid = false;

@@ -6,15 +6,15 @@
 namespace embree
 {
   static std::string nameOf (const SubdivMesh* mesh, size_t face) {
-    return "face " + std::to_string(face) + " of " + std::to_string(mesh->faceVertexCounts[face]) + " vertices: ";
+    return "face " + std::to_string(face) + " of " + std::to_string(mesh->faceVertices[face]) + " vertices: ";
   }
 
   void checkSizes (const SubdivMesh* mesh)
   {
     const size_t numIndices = mesh->topology[0].vertexIndices.size();
     size_t corners = 0;
-    for (size_t f=0; f<mesh->faceVertexCounts.size(); f++)
-      if ((corners += mesh->faceVertexCounts[f]) > numIndices)
+    for (size_t f=0; f<mesh->faceVertices.size(); f++)
+      if ((corners += mesh->faceVertices[f]) > numIndices)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "the index buffer ends after "
             + std::to_string(numIndices) + " indices");
 
@@ -45,8 +45,8 @@ namespace embree
         return none;
       },[](size_t a, size_t b) { return min(a,b); });
     size_t begin = 0;
-    for (size_t f=0; f<mesh->faceVertexCounts.size(); begin+=mesh->faceVertexCounts[f++])
-      if (begin + mesh->faceVertexCounts[f] > firstWrong)
+    for (size_t f=0; f<mesh->faceVertices.size(); begin+=mesh->faceVertices[f++])
+      if (begin + mesh->faceVertices[f] > firstWrong)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "index " + std::to_string(firstWrong-begin)
             + " is vertex " + std::to_string(indices[firstWrong]) + ": expected less than "
               + std::to_string(numVertices));

@@ -12,7 +12,7 @@ namespace embree
   namespace isa
   {
     /*! Embree's half-edge of a face without edges belongs to the next face. */
-    inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertexCounts[face] != 0; }
+    inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
     /*! True if a face has a surface at any time step. */
     inline bool hasSurface(const SubdivMesh* mesh, size_t face)
@@ -56,7 +56,7 @@ namespace embree
     /*! True if Embree cannot evaluate a face, whatever its vertices are. False for holes. */
     inline bool isUnsupported(const SubdivMesh* mesh, size_t face)
     {
-      if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertexCounts[face])) return false;
+      if (!hasEdges(mesh,face) || canBeEvaluated(mesh->getHalfEdge(0,face),mesh->faceVertices[face])) return false;
       for (size_t i=0; i<mesh->holes.size(); i++)
         if (mesh->holes[i] == face) return false;
       return true;
