@@ -162,8 +162,8 @@ namespace embree
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     choose(mesh,asks && moves,
-           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur,
-             because exact_faces is 0","faces");
+           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0",
+           "faces");
     return true;
   }
 
