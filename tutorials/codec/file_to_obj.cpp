@@ -6,6 +6,7 @@
 // file_to_obj FILE.cbvh > FILE.obj
 
 #include <cvert/decoder/decoded_block.h>
+#include <cvert/decoder/decoded_mesh.h>
 #include <cvert/file/file.h>
 #include <cvert/file/tree_reader.h>
 
@@ -44,6 +45,22 @@ unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
   return numVertices + width*height;
 }
 
+// Writes the triangles of a mesh block. Returns the number of vertices so far.
+unsigned writeMeshBlock(const cvert::MeshHeader* block, unsigned numVertices)
+{
+  const auto decoded = std::make_unique<cvert::DecodedMesh>(block);
+  for (unsigned i = 0; i < decoded->numVertices; i++) {
+    const float* p = decoded->vertices[i];
+    std::printf("v %.9g %.9g %.9g\n", p[0], p[1], p[2]);
+  }
+  for (unsigned i = 0; i < decoded->numTriangles; i++) {
+    const unsigned first = numVertices + 1; // OBJ counts from 1
+    const auto& corners = decoded->triangles[i];
+    std::printf("f %u %u %u\n", first + corners[0], first + corners[1], first + corners[2]);
+  }
+  return numVertices + decoded->numVertices;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -62,7 +79,9 @@ int main(int argc, char** argv)
         if (type == cvert::FILE_FRAMED)
           throw cvert::Error(cvert::ErrorCode::UNSUPPORTED,
                              file.path + ": the file contains blocks of another representation: expected cVERT");
-        numVertices = writeBlock((const cvert::VertHeader*)(file.blocks(i) + offset), numVertices);
+        const char* const block = file.blocks(i) + offset;
+        numVertices = type == cvert::FILE_MESH ? writeMeshBlock((const cvert::MeshHeader*)block, numVertices)
+                                               : writeBlock((const cvert::VertHeader*)block, numVertices);
       });
     }
   }
