@@ -52,7 +52,7 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 /* Share of a scene's progress that is reported for building geometries here, if any are built. */
 constexpr double shareOfBuilds = 0.9;
 
-bool tellProgress(void* scene, double done)
+bool reportProgress(void* scene, double done)
 {
   const Scene& of = *(const Scene*)scene;
   return !of.isCanceled && (!of.progress || of.progress(of.progressPtr, done));
@@ -209,7 +209,7 @@ RTC_API void rtcSetSceneProgressMonitorFunction(RTCScene scene, RTCProgressMonit
   if (!found) { REAL(rtcSetSceneProgressMonitorFunction)(scene, progress, ptr); return; }
   found->progress = progress;
   found->progressPtr = ptr;
-  REAL(rtcSetSceneProgressMonitorFunction)(scene, progress ? tellProgress : nullptr, found);
+  REAL(rtcSetSceneProgressMonitorFunction)(scene, progress ? reportProgress : nullptr, found);
 }
 
 /* --- geometries ----------------------------------------------------------------------------- */
