@@ -102,7 +102,7 @@ private:
   InputPtr current, pending;    // committed input, and input of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
   bool isLossless = false, committedLossless = false;
-  unsigned int mask = ~0u, appliedMask = ~0u; // as set, and of the committed geometry
-  std::atomic<bool> isChanging{false}; // by an object of class Change
+  unsigned int mask = ~0u, appliedMask = ~0u; // set value, and value of the committed geometry
+  std::atomic<bool> isChanging{false}; // true while an object of class Change exists
   std::atomic<bool> isPendingInUse{false}; // callbacks of the pending input may be called
 };

@@ -32,7 +32,7 @@ namespace embree
       /*! own: vertex as its face evaluates it. stored: the same vertex, decoded from its block. */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
-      /*! squaredDistance: of a vertex from its stored position. */
+      /*! squaredDistance: squared distance of a vertex from its stored position. */
       void addDeviation (double squaredDistance) { deviation2 = std::max(deviation2,squaredDistance); }
 
       /*! For a vertex on an edge between two faces. shared: the vertex as the face that owns the edge evaluates it. */

@@ -37,7 +37,7 @@ namespace embree
           left[{ namesOf(geometry).primitives,geometry->surface.rejectionReason }] += geometry->size();
       }
 
-      /*! treeBytes: of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
+      /*! treeBytes: size of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
       std::string text (size_t treeBytes, const cbvh::CompressionStatistics& scene) const
       {
         const cbvh::CompressionStatistics& sums = all.sums;
@@ -99,8 +99,8 @@ namespace embree
       }
 
       struct Compressed { Names names; size_t count = 0; };
-      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< by type and kind
-      cbvh::BuildStatistics all;                                         //!< of these
+      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< compressed geometries, by type and kind
+      cbvh::BuildStatistics all;                                         //!< statistics of `compressed` together
       /*! Number of primitives, by type and reason why they are not compressed. */
       std::map<std::pair<std::string,std::string>,size_t> left;
       size_t notRequested = 0;                                           //!< subdivision surfaces

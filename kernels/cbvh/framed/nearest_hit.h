@@ -22,8 +22,8 @@ namespace embree
        *  and blocks. After the traversal, the ray gets the hit's own distance. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< see above
-        float own = pos_inf; //!< of the hit itself
+        float t = pos_inf;   //!< distance that hits are compared by
+        float own = pos_inf; //!< distance of the hit itself
         const Block* block = nullptr;
 
         /*! True if the stored hit takes precedence over another. tfar: tfar of the ray, whose hit can be of another

@@ -50,7 +50,7 @@ namespace embree
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
 
-      /*! s: in the order of PatchOfFace::rate. */
+      /*! s: number of the side, in the order of PatchOfFace::rate. */
       CageSide side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);

@@ -31,8 +31,8 @@ namespace embree
     public:
       struct Edge
       {
-        unsigned ownRate;      //!< in this face; noRate if it does not take part
-        unsigned rate;         //!< in all faces at the edge
+        unsigned ownRate;      //!< rate in this face; noRate if the edge does not take part
+        unsigned rate;         //!< rate in all faces at the edge
         uint32_t owner;        //!< half-edge of the face that owns the edge
         uint32_t cornerOwner;  //!< half-edge at the same vertex, of the face that owns the corner
         bool isTracedByGrid;   //!< GRID traces at least one patch of the face
@@ -155,7 +155,7 @@ namespace embree
           if (edges[i].ownRate != noRate && !first[i].hasOpposite())
             borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
-        std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
+        std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;

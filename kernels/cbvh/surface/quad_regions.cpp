@@ -182,7 +182,7 @@ namespace embree
       cbvh::UnmonitoredVector<uint8_t> flags;
       size_t steps = 0;                     //!< that seeds may still move
       unsigned pass = 0;
-      bool marksAll = false;                //!< of regions that are too small
+      bool marksAll = false;                //!< also marks the quads of regions that are too small
       std::vector<unsigned> corners, edges; //!< created while regions were taken
       unsigned region[maxSide*maxSide];     //!< its quads, while it grows
       unsigned width = 0, height = 0;

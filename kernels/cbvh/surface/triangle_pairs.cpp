@@ -347,7 +347,7 @@ namespace embree
       cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
       cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
       cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or `none`
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 

@@ -157,7 +157,7 @@ namespace embree
       struct Traced
       {
         uint32_t alone; //!< rays that have not been traced
-        vbool<K> ended; //!< by an any-hit query
+        vbool<K> ended; //!< rays of an any-hit query that have a hit
       };
 
       /*! Traces rays whose directions have the same signs together. */

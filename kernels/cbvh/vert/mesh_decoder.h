@@ -258,7 +258,7 @@ namespace embree
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< as an exponent
+        static const int maxRatio = 30; //!< largest ratio of two spacings, as an exponent
 
         __forceinline int exponentRatio (int m, int i) const
         {
@@ -399,7 +399,7 @@ namespace embree
             const __m128i of = wide(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(of,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(of,five),_mm_set1_epi16(1)),
-              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // of the stream, minus 2
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // entries of the stream, minus 2
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));

@@ -124,7 +124,7 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< of the group in laneVertices
+        mutable uint32_t lane;        //!< lane of the group in laneVertices
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices laneVertices;

@@ -29,7 +29,7 @@ namespace cvert
     uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads per row * y + x), plus 1 if second
     bool isWhole;                               //!< no vertex or triangle is missing
 
-    /*! points: of the part, whose rows have `stride` vertices. isStrip: alternate the direction of rows, so that
+    /*! points: vertices of the part, in rows of `stride` vertices. isStrip: alternates the direction of rows, so that
      *  consecutive triangles share an edge. */
     QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& of, bool isStrip)
       : numVertices(0), numTriangles(0), points(points + 3*(size_t(of.y)*stride + of.x)), stride(stride),

@@ -86,7 +86,7 @@ namespace cvert { inline namespace CVERT_ISA
     struct Shear
     {
       uint32_t axis = 0;
-      int slopes[2] = { 0,0 };  //!< of the next axes, in 1/16
+      int slopes[2] = { 0,0 };  //!< slopes along the next two axes, in 1/16
 
       bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
     };
@@ -263,6 +263,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< at the ends; set if there is a shear
+    Heights heights[2];         //!< heights at both ends; set if there is a shear
   };
 }}

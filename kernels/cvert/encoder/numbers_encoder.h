@@ -29,7 +29,7 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
-    uint32_t form;             //!< for VertHeader::patchQuads
+    uint32_t form;             //!< form for VertHeader::patchQuads
     VertNumbers pattern;       //!< stored after the header
 
     /*! Chooses the pattern for the block at x0, y0. */
@@ -162,8 +162,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
-    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< of the table
-    uint32_t distance;        //!< from first to second triangles
+    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
+    uint32_t distance;        //!< distance from first to second triangles
     uint32_t lowest, highest, first;
   };
 }}

@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class RotationFit
   {
   public:
-    /*! residuals: of the groups of the first step, by axis; used by fit() */
+    /*! Sets the residuals of the groups of the first step, by axis. They must exist while fit() is called. */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const int shift = int(7-scale);
       for (int a=0; a<3; a++)
-        for (int v=0; v<paddedVertices; v+=4) { // as rotatedResidual
+        for (int v=0; v<paddedVertices; v+=4) { // same result as rotatedResidual
           const Int4 sum = Int4(entries[a][0])*Int4::load(from[0]+v) + Int4(entries[a][1])*Int4::load(from[1]+v)
             + Int4(entries[a][2])*Int4::load(from[2]+v);
           (Int4::load(to[a]+v) - shiftArithmetic(sum + Int4(1 << (shift-1)),shift)).store(rest[a]+v);
