@@ -24,9 +24,9 @@ namespace embree
       void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind,
                           const cbvh::SurfaceStatistics& statistics)
       {
-        Compressed& of = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
-        of.names = namesOf(geometry);
-        of.count++;
+        Compressed& entryOfKind = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
+        entryOfKind.names = namesOf(geometry);
+        entryOfKind.count++;
         all.add(statistics);
       }
 
@@ -90,9 +90,9 @@ namespace embree
       {
         std::string text;
         for (const auto& entry : compressed) {
-          const Compressed& of = entry.second;
-          text += (text.empty() ? "" : ", ") + std::to_string(of.count) + " "
-            + (of.count == 1 ? of.names.geometry : of.names.geometries) + " as "
+          const Compressed& kindEntry = entry.second;
+          text += (text.empty() ? "" : ", ") + std::to_string(kindEntry.count) + " "
+            + (kindEntry.count == 1 ? kindEntry.names.geometry : kindEntry.names.geometries) + " as "
               + cbvh::describe(entry.first.second).name;
         }
         return text.empty() ? "nothing" : text;

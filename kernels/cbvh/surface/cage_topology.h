@@ -117,17 +117,17 @@ namespace embree
       void findOwners (size_t f)
       {
         forEachEdge(f,[&](const HalfEdge* e) {
-            Edge& of = edge(e);
+            Edge& topologyEdge = edge(e);
             uint64_t claim = edgeClaim(e);
-            of.rate = of.ownRate;
+            topologyEdge.rate = topologyEdge.ownRate;
             if (e->hasOpposite() && participates(e->opposite())) {
               claim = min(claim,edgeClaim(e->opposite()));
-              of.rate = min(of.ownRate,at(e->opposite()).ownRate);
+              topologyEdge.rate = min(topologyEdge.ownRate,at(e->opposite()).ownRate);
             }
-            of.owner = ownerOf(claim);
+            topologyEdge.owner = ownerOf(claim);
             claim = cornerClaim(e);
             forEachAround(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
-            of.cornerOwner = ownerOf(claim);
+            topologyEdge.cornerOwner = ownerOf(claim);
           });
       }
 

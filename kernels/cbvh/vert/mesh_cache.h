@@ -35,7 +35,7 @@ namespace embree
       uint32_t numVertices;
       uint32_t lanes;                //!< mask of lanes with a triangle
       alignas(64) float at[3][32];   //!< vertices, by axis
-      alignas(32) uint8_t corners[3][maxGroupTriangles]; //!< corners of each lane's triangle, in the application's order
+      alignas(32) uint8_t corners[3][maxGroupTriangles]; //!< corners of each lane's triangle, in application order
     };
 
     class MeshEntries

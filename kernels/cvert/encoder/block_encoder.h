@@ -93,11 +93,11 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Appends the remainders, and writes the word of remainders at start+wordOffset. start: start of the block or
      *  step. */
-    void appendRemainders (const BlockVertices& of, uint8_t* start, uint32_t wordOffset)
+    void appendRemainders (const BlockVertices& vertices, uint8_t* start, uint32_t wordOffset)
     {
-      if (!of.hasRemainders()) return;
+      if (!vertices.hasRemainders()) return;
       uint32_t word;
-      end = of.writeRemainders(end,uint32_t(end-start),word);
+      end = vertices.writeRemainders(end,uint32_t(end-start),word);
       memcpy(start+wordOffset,&word,sizeof(word));
     }
 

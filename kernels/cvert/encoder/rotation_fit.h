@@ -66,7 +66,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   private:
     /*! Sums of products with the first step's residuals, over all vertices. */
-    void sum (const int (*of)[3][paddedVertices], double s[3][3]) const
+    void sum (const int (*residuals)[3][paddedVertices], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
         for (int b=0; b<3; b++) {
@@ -75,7 +75,7 @@ namespace cvert { inline namespace CVERT_ISA
           {
             Float4 four = 0.0f;
             for (int v=0; v<paddedVertices; v+=4)
-              four = four + toFloat(Int4::load(of[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
+              four = four + toFloat(Int4::load(residuals[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
             float lanes[4];
             four.store(lanes);
             total += double(lanes[0])+lanes[1]+lanes[2]+lanes[3];
