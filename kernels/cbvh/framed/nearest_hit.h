@@ -19,7 +19,7 @@ namespace embree
        *  past their bounds at the top level (framed/block_bounds.h). Hits are compared by their distance, but not less
        *  than the distance at which the ray enters the bounds of the block. Traversal culls with this distance, so it
        *  is the ray's tfar during traversal. Ties are resolved by the hits' own distances, then by the order of faces
-       *  and blocks. After the traversal, the ray gets the hit's own distance. */
+       *  and blocks. After the traversal, the ray's tfar becomes the hit's own distance. */
       struct NearestHit
       {
         float t = pos_inf;   //!< distance that hits are compared by

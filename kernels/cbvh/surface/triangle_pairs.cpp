@@ -375,8 +375,8 @@ namespace embree
       return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
     }
 
-    /*! True if, in a sample, the triangles of the second half share edges with those of the first half, in the same
-     *  order. */
+    /*! True if almost all sampled triangles of the first half of the mesh share an edge with the corresponding triangle
+     *  of the second half. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));

@@ -304,7 +304,7 @@ namespace embree
         }
       }
 
-      /*! Bounds must differ from what they are compared with by more than this. Positions in cells, which are at least
+      /*! Least difference at which a comparison of bounds is certain. Positions in cells, which are at least
        *  2^-23 wide, have errors below 2^-25, and heights have errors below this fraction of 128 bins. */
       Double4 margin() const { return Double4(size)*(1.0/8192); }
 
