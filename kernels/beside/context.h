@@ -136,7 +136,7 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 
 inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* As tell(), for functions without a context. */
+/* Like tell(), for functions without a context. */
 CbvhError refuse(const char* text);
 
 }} // namespace embree::beside

@@ -31,8 +31,8 @@ struct Query
   static void filter(const RTCFilterFunctionNArguments* args)
   {
     const CbvhQuery& query = *((const Query*)args->context)->query;
-    const CbvhFilterArguments ours = {args->valid, query.filterPtr, args->ray, args->hit, args->N};
-    query.filter(&ours);
+    const CbvhFilterArguments cbvhArgs = {args->valid, query.filterPtr, args->ray, args->hit, args->N};
+    query.filter(&cbvhArgs);
   }
 };
 
@@ -94,8 +94,8 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   std::memcpy(geomIDs, packet.hit.geomID, sizeof(geomIDs));
   std::memcpy(instIDs, packet.hit.instID[0], sizeof(instIDs));
   std::memset(packet.hit.geomID, 0xFF, sizeof(geomIDs));
-  Query ours(query);
-  Kernels<K>::intersect(valid, group->scene, &ours.context, &packet);
+  Query embreeQuery(query);
+  Kernels<K>::intersect(valid, group->scene, &embreeQuery.context, &packet);
   std::memcpy(packet.hit.instID[0], instIDs, sizeof(instIDs));
   unsigned int hits = 0;
   for (unsigned int i = 0; i < K; i++) {
@@ -117,8 +117,8 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
   if (!valid) valid = all.valid;
   unsigned int ended = 0, hits = 0;
   for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) ended |= 1u << i;
-  Query ours(query);
-  Kernels<K>::occluded(valid, group->scene, &ours.context, &packet);
+  Query embreeQuery(query);
+  Kernels<K>::occluded(valid, group->scene, &embreeQuery.context, &packet);
   for (unsigned int i = 0; i < K; i++) if (packet.tfar[i] < 0) hits |= 1u << i;
   return hits & ~ended;
 }
@@ -130,14 +130,14 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
   if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
   if (!isKnown(query))
     return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
-  RTCRayHit* const ours = (RTCRayHit*)ray;
-  const unsigned int geomID = ours->hit.geomID, instID = ours->hit.instID[0];
-  ours->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit* const rayHit = (RTCRayHit*)ray;
+  const unsigned int geomID = rayHit->hit.geomID, instID = rayHit->hit.instID[0];
+  rayHit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
   Query context(query);
-  rtcIntersect1(group->scene, &context.context, ours);
-  ours->hit.instID[0] = instID;
-  if (ours->hit.geomID != RTC_INVALID_GEOMETRY_ID) return 1;
-  ours->hit.geomID = geomID;
+  rtcIntersect1(group->scene, &context.context, rayHit);
+  rayHit->hit.instID[0] = instID;
+  if (rayHit->hit.geomID != RTC_INVALID_GEOMETRY_ID) return 1;
+  rayHit->hit.geomID = geomID;
   return 0;
 }
 

@@ -26,7 +26,7 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
 {
   if (count == 0) return;
   char* const to = (char*)rtcSetNewGeometryBuffer(geometry, type, slot, format, size, count);
-  if (!to) return; // the device has the error
+  if (!to) return; // the device reports the error
   if (stride == size) std::memcpy(to, data, size*count);
   else for (size_t i = 0; i < count; i++) std::memcpy(to + i*size, (const char*)data + i*stride, size);
 }
@@ -40,10 +40,11 @@ void copyTo(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCForm
 void displace(const RTCDisplacementFunctionNArguments* args)
 {
   const Input& input = *(const Input*)args->geometryUserPtr;
-  const CbvhDisplacementArguments ours = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v,
-                                          args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z, args->N};
+  const CbvhDisplacementArguments publicArgs = {input.displacementPtr, args->primID, args->timeStep, args->u, args->v,
+                                                args->Ng_x, args->Ng_y, args->Ng_z, args->P_x, args->P_y, args->P_z,
+                                                args->N};
   const OwnErrors errors(false);
-  input.displacement(&ours);
+  input.displacement(&publicArgs);
 }
 
 RTCSubdivisionMode modeOf(CbvhBoundary boundary)
@@ -57,7 +58,7 @@ RTCSubdivisionMode modeOf(CbvhBoundary boundary)
   throw Failure{CBVH_ERROR_INVALID_ARGUMENT, "invalid boundary: expected a value of CbvhBoundary"};
 }
 
-bool tellProgress(void* self, double done)
+bool reportProgress(void* self, double done)
 {
   const Input& input = *(const Input*)self;
   if (!input.progress) return true;
@@ -65,36 +66,39 @@ bool tellProgress(void* self, double done)
   return input.progress(input.progressPtr, done) != 0;
 }
 
-std::string of(const char* what, size_t i, const char* has, size_t value) {
-  return std::string(what) + " " + std::to_string(i) + " " + has + " " + std::to_string(value);
+/* Returns for example "face 3 has 2". */
+std::string describeItem(const char* item, size_t i, const char* verb, size_t value) {
+  return std::string(item) + " " + std::to_string(i) + " " + verb + " " + std::to_string(value);
 }
 
-[[noreturn]] void refuseValue(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
+[[noreturn]] void throwInvalidArgument(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* what, const char* named,
-  const char* of)
+/* Throws if a value is not below bound. The texts are for the message: "crease index 3 is vertex 9: the cage has 8
+ * vertices" has item "crease index", target "vertex" and targets "vertices". */
+void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* item, const char* target,
+  const char* targets)
 {
   for (size_t i = 0; i < count; i++)
     if (values[i] >= bound)
-      refuseValue(std::string(what) + " " + std::to_string(i) + " is " + named + " " + std::to_string(values[i])
-        + ": the cage has " + std::to_string(bound) + " " + of);
+      throwInvalidArgument(std::string(item) + " " + std::to_string(i) + " is " + target + " "
+        + std::to_string(values[i]) + ": the cage has " + std::to_string(bound) + " " + targets);
 }
 
-/* Checks indices with which Embree would access memory outside of the buffers. */
+/* Throws if an index or a count would make Embree access memory outside of the buffers. */
 void checkTopology(const CbvhCage& cage)
 {
   require(cage.vertices.count > 0, "there are no vertices");
   size_t sum = 0;
   for (size_t f = 0; f < cage.numFaces; f++) {
     if (cage.faceVertexCounts[f] < 3)
-      refuseValue(of("face", f, "has", cage.faceVertexCounts[f]) + " vertices: expected 3 or more");
+      throwInvalidArgument(describeItem("face", f, "has", cage.faceVertexCounts[f]) + " vertices: expected 3 or more");
     sum += cage.faceVertexCounts[f];
     if (sum > cage.numIndices)
-      refuseValue(of("face", f, "ends at index", sum) + ", but there are " + std::to_string(cage.numIndices)
-        + " indices");
+      throwInvalidArgument(describeItem("face", f, "ends at index", sum) + ", but there are "
+        + std::to_string(cage.numIndices) + " indices");
   }
   if (sum != cage.numIndices)
-    refuseValue("the faces have " + std::to_string(sum) + " vertices together, but there are "
+    throwInvalidArgument("the faces have " + std::to_string(sum) + " vertices together, but there are "
       + std::to_string(cage.numIndices) + " indices: expected as many");
   checkBelow(cage.indices, cage.numIndices, cage.vertices.count, "index", "vertex", "vertices");
   checkBelow(cage.creases, 2*cage.numCreases, cage.vertices.count, "crease index", "vertex", "vertices");
@@ -110,19 +114,20 @@ void Input::checkParameters(unsigned int primID, float u, float v) const
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
   const std::string given = "u " + std::to_string(u) + ", v " + std::to_string(v) + " of face "
     + std::to_string(primID) + ": ";
-  const auto other = std::lower_bound(otherFaces.begin(), otherFaces.end(), std::make_pair(primID, 0u));
-  if (other == otherFaces.end() || other->first != primID) {
-    const float rounding = 1e-3f; // of hits
-    if (!(u >= -rounding && u <= 1 + rounding && v >= -rounding && v <= 1 + rounding))
-      refuseValue(given + "expected 0 to 1");
+  const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
+  if (other == nonQuads.end() || other->first != primID) {
+    const float tolerance = 1e-3f; // parameters of hits are rounded
+    if (!(u >= -tolerance && u <= 1 + tolerance && v >= -tolerance && v <= 1 + tolerance))
+      throwInvalidArgument(given + "expected 0 to 1");
     return;
   }
-  const unsigned int corners = other->second, most = 16; // Embree does not tessellate faces with more
-  if (corners > most)
-    refuseValue(given + "the face has " + std::to_string(corners)
+  const unsigned int corners = other->second, maxCorners = 16; // Embree does not tessellate faces with more
+  if (corners > maxCorners)
+    throwInvalidArgument(given + "the face has " + std::to_string(corners)
       + " corners and is left out: expected a face of 16 or fewer");
   if (!(u >= 0 && u < 8 && v >= 0 && v < 8) || unsigned(u/2) + 4*unsigned(v/2) >= corners)
-    refuseValue(given + "expected one of its " + std::to_string(corners) + " sub-patches, as hits number them");
+    throwInvalidArgument(given + "expected one of its " + std::to_string(corners)
+      + " sub-patches, as hits number them");
 }
 
 CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
@@ -132,7 +137,7 @@ CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
       "the surface is being changed, committed or diced: its callbacks, and other threads, must not change it"};
 }
 
-/* copies: copies the vertices; otherwise they must exist until the commit. */
+/* copies: if true, the vertices are copied, otherwise they must exist until the commit. */
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
 {
   require(vertices.steps && vertices.count > 0, "there are no vertices");
@@ -155,7 +160,7 @@ void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertic
   }
 }
 
-void CbvhSurfaceTy::keep(Owned input)
+void CbvhSurfaceTy::setPending(InputPtr input)
 {
   context->check();
   pending = std::move(input);
@@ -178,12 +183,12 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
   require(cage.numAttributes == 0 || cage.attributes, "attributes is NULL, but numAttributes is not 0");
   checkTopology(cage);
 
-  Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
+  InputPtr input(new Input(context->device, RTC_GEOMETRY_TYPE_SUBDIVISION));
   const RTCGeometry geometry = input->geometry;
   input->numPrimitives = unsigned(cage.numFaces);
   input->numEdges = cage.numIndices;
   for (size_t f = 0; cage.numAttributes && f < cage.numFaces; f++)
-    if (cage.faceVertexCounts[f] != 4) input->otherFaces.emplace_back(unsigned(f), cage.faceVertexCounts[f]);
+    if (cage.faceVertexCounts[f] != 4) input->nonQuads.emplace_back(unsigned(f), cage.faceVertexCounts[f]);
   setVertices(geometry, cage.vertices, true);
   copyTo(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, cage.faceVertexCounts, cage.numFaces);
   copyTo(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cage.indices, cage.numIndices);
@@ -227,7 +232,7 @@ void CbvhSurfaceTy::set(const CbvhCage& cage)
     rtcSetGeometrySubdivisionMode(geometry, topology, modeOf(attribute.boundary));
     rtcSetGeometryVertexAttributeTopology(geometry, unsigned(i), topology);
   }
-  keep(std::move(input));
+  setPending(std::move(input));
 }
 
 void CbvhSurfaceTy::set(const CbvhGrids& grids)
@@ -235,12 +240,12 @@ void CbvhSurfaceTy::set(const CbvhGrids& grids)
   const Change change(*this);
   require(grids.count > 0 && grids.grids, "there are no grids");
   require(grids.count < 0xFFFFFFFFu, "too many grids: expected less than 4294967295");
-  Owned input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
+  InputPtr input(new Input(context->device, RTC_GEOMETRY_TYPE_GRID));
   static_assert(sizeof(CbvhGrid) == sizeof(RTCGrid), "CbvhGrid must have the layout of RTCGrid");
   input->numPrimitives = unsigned(grids.count);
   setVertices(input->geometry, grids.vertices, false);
   copyTo(input->geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids.grids, grids.count);
-  keep(std::move(input));
+  setPending(std::move(input));
 }
 
 void CbvhSurfaceTy::set(const CbvhMesh& mesh)
@@ -249,23 +254,23 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
   require(mesh.corners == 3 || mesh.corners == 4, "invalid number of corners of a mesh: expected 3 or 4");
   require(mesh.count > 0 && mesh.indices, "the mesh has no indices");
   require(mesh.count < 0xFFFFFFFFu, "too many primitives of a mesh: expected less than 4294967295");
-  const bool isOfQuads = mesh.corners == 4;
-  Owned input(new Input(context->device, isOfQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
+  const bool hasQuads = mesh.corners == 4;
+  InputPtr input(new Input(context->device, hasQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE));
   input->numPrimitives = unsigned(mesh.count);
   input->isMesh = true;
   setVertices(input->geometry, mesh.vertices, false);
-  copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, isOfQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices,
+  copyTo(input->geometry, RTC_BUFFER_TYPE_INDEX, 0, hasQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3, mesh.indices,
     4*mesh.corners, 4*mesh.corners, mesh.count);
-  keep(std::move(input));
+  setPending(std::move(input));
 }
 
 namespace {
 
-/* Exists while callbacks of the pending input may be called. */
-struct Work
+/* Sets a flag during its lifetime. */
+struct ScopedFlag
 {
-  explicit Work(std::atomic<bool>& flag) : flag(flag) { flag = true; }
-  ~Work() { flag = false; }
+  explicit ScopedFlag(std::atomic<bool>& flag) : flag(flag) { flag = true; }
+  ~ScopedFlag() { flag = false; }
   std::atomic<bool>& flag;
 };
 
@@ -277,32 +282,33 @@ void CbvhSurfaceTy::dice(const CbvhDicing& dicing, float* rates)
   if (!pending || !pending->numEdges)
     throw Failure{CBVH_ERROR_INVALID_OPERATION,
       "there is no cage to dice: call cbvhSetCage first, also after a commit"};
-  const Work work(isWorking);
+  const ScopedFlag scope(isPendingInUse);
   rtcCommitGeometry(pending->geometry); // computes the topology; commit() selects compression later
   context->check();
   const std::vector<float> levels = core::dice(pending->inner(), cameraOf(dicing));
   if (rates) std::copy(levels.begin(), levels.end(), rates);
 }
 
-void CbvhSurfaceTy::set(const CbvhAccuracy& to)
+void CbvhSurfaceTy::set(const CbvhAccuracy& newAccuracy)
 {
   const Change change(*this);
-  if (!(std::isfinite(to.maxError) && to.maxError >= 0))
-    refuseValue("maxError " + std::to_string(to.maxError) + " is negative or not finite: expected at least 0");
-  core::validate(settingsOf(to, false));
-  accuracy = to;
+  if (!(std::isfinite(newAccuracy.maxError) && newAccuracy.maxError >= 0))
+    throwInvalidArgument("maxError " + std::to_string(newAccuracy.maxError)
+      + " is negative or not finite: expected at least 0");
+  core::validate(settingsOf(newAccuracy, false));
+  accuracy = newAccuracy;
 }
 
-void CbvhSurfaceTy::setLossless(bool to)
+void CbvhSurfaceTy::setLossless(bool lossless)
 {
   const Change change(*this);
-  isLossless = to;
+  isLossless = lossless;
 }
 
-void CbvhSurfaceTy::setMask(unsigned int to)
+void CbvhSurfaceTy::setMask(unsigned int newMask)
 {
   const Change change(*this);
-  mask = to;
+  mask = newMask;
 }
 
 void CbvhSurfaceTy::applyMask()
@@ -326,24 +332,24 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* If the commit fails, restores the input: it does not request compression. The callback is removed in either
-   * case. */
+  /* Removes the callback after the commit. If the commit fails, also removes the request for compression from the
+   * pending input. */
   struct Restore
   {
     const std::shared_ptr<Input> input;
-    bool isKept;
+    bool isCommitted;
 
     ~Restore()
     {
       input->progress = nullptr;
-      if (isKept) return;
+      if (isCommitted) return;
       try { core::setCompression(input->inner(), embree::CompressionSettings()); } catch (...) {}
     }
   } restore = {pending, false};
   pending->progress = progress;
   pending->progressPtr = userPtr;
   commitInput();
-  restore.isKept = true;
+  restore.isCommitted = true;
 }
 
 embree::CompressionSettings CbvhSurfaceTy::settingsOf(const CbvhAccuracy& accuracy, bool isLossless)
@@ -363,16 +369,17 @@ void CbvhSurfaceTy::commitInput()
 {
   embree::CompressionSettings settings = settingsOf(accuracy, isLossless);
   if (pending->progress) {
-    settings.progress = tellProgress;
+    settings.progress = reportProgress;
     settings.progressUserPtr = pending.get();
   }
   core::setCompression(pending->inner(), settings);
   rtcSetGeometryMask(pending->geometry, mask);
   {
-    const Work work(isWorking);
+    const ScopedFlag scope(isPendingInUse);
     rtcCommitGeometry(pending->geometry);
   }
-  const Failure failure = context->takeError(); // also set if a surface is stored without some of its input
+  /* A surface can have both blocks and an error, which says that some of its input is missing. */
+  const Failure failure = context->takeError();
   if (!core::hasBlocks(pending->inner())) {
     if (failure) throw failure;
     const char* const why = core::reasonNotCompressed(pending->inner());
@@ -405,7 +412,7 @@ std::shared_ptr<const Input> CbvhSurfaceTy::committed() const
   return current;
 }
 
-std::shared_ptr<const Input> CbvhSurfaceTy::interpolated() const { return isWorking ? pending : committed(); }
+std::shared_ptr<const Input> CbvhSurfaceTy::interpolated() const { return isPendingInUse ? pending : committed(); }
 
 /* --- the API --------------------------------------------------------------------------- */
 
@@ -427,12 +434,12 @@ CbvhError onSurface(CbvhSurface surface, const Closure& closure)
   return guarded(surface->context.get(), closure);
 }
 
-/* Calls closure(struct) with an application's struct, converted to this version. */
+/* Calls closure(converted), where converted is the application's struct, converted to the current version. */
 template<typename T, typename Closure>
 CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const Closure& closure)
 {
   return onSurface(surface, [&] {
-    if (!from) refuseValue(std::string(name) + " is NULL");
+    if (!from) throwInvalidArgument(std::string(name) + " is NULL");
     closure(core::readStruct(from));
   });
 }
@@ -441,23 +448,23 @@ CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const
 
 CbvhError cbvhSetCage(CbvhSurface surface, const CbvhCage* cage)
 {
-  return withStruct(surface, cage, "cage", [&](const CbvhCage& known) { surface->set(known); });
+  return withStruct(surface, cage, "cage", [&](const CbvhCage& converted) { surface->set(converted); });
 }
 
 CbvhError cbvhSetGrids(CbvhSurface surface, const CbvhGrids* grids)
 {
-  return withStruct(surface, grids, "grids", [&](const CbvhGrids& known) { surface->set(known); });
+  return withStruct(surface, grids, "grids", [&](const CbvhGrids& converted) { surface->set(converted); });
 }
 
 CbvhError cbvhSetMesh(CbvhSurface surface, const CbvhMesh* mesh)
 {
-  return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& known) { surface->set(known); });
+  return withStruct(surface, mesh, "mesh", [&](const CbvhMesh& converted) { surface->set(converted); });
 }
 
 
 CbvhError cbvhDiceSurface(CbvhSurface surface, const CbvhDicing* dicing, float* rates)
 {
-  return withStruct(surface, dicing, "dicing", [&](const CbvhDicing& known) { surface->dice(known, rates); });
+  return withStruct(surface, dicing, "dicing", [&](const CbvhDicing& converted) { surface->dice(converted, rates); });
 }
 
 CbvhError cbvhSetAccuracy(CbvhSurface surface, const CbvhAccuracy* accuracy)
@@ -489,13 +496,13 @@ CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* su
 {
   if (!context || !path || !surface) return refuse("context, path or surface is NULL");
   return guarded(context, [&] {
-    struct Made
+    struct ReleaseGuard
     {
       CbvhSurface surface;
-      ~Made() { if (surface) surface->release(); }
-    } made = {new CbvhSurfaceTy(context)};
-    made.surface->load(path);
-    *surface = std::exchange(made.surface, nullptr);
+      ~ReleaseGuard() { if (surface) surface->release(); }
+    } guard = {new CbvhSurfaceTy(context)};
+    guard.surface->load(path);
+    *surface = std::exchange(guard.surface, nullptr);
   });
 }
 
@@ -517,9 +524,9 @@ CbvhError cbvhInterpolate(CbvhSurface surface, unsigned int primID, float u, flo
   });
 }
 
-CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* of)
+CbvhError cbvhInterpolatePoints(CbvhSurface surface, const CbvhInterpolation* interpolation)
 {
-  return withStruct(surface, of, "points", [&](const CbvhInterpolation& points) {
+  return withStruct(surface, interpolation, "points", [&](const CbvhInterpolation& points) {
     require(points.count == 0 || (points.u && points.v), "u or v is NULL");
     const std::shared_ptr<const Input> input = surface->interpolated();
     require(points.attribute < input->widths.size(),
@@ -554,8 +561,8 @@ CbvhError cbvhForEachPart(CbvhSurface surface, float time, CbvhPartFunction func
     const std::shared_ptr<const Input> input = surface->committed();
     core::forEachPart(input->inner(), time, [&](const embree::cbvh::StoredPart& part) {
       const OwnErrors errors(false);
-      const CbvhPart handed = asPublic(part);
-      return function(userPtr, &handed) != 0;
+      const CbvhPart publicPart = asPublic(part);
+      return function(userPtr, &publicPart) != 0;
     });
   });
 }
@@ -574,8 +581,8 @@ CbvhError cbvhForEachCluster(CbvhSurface surface, float time, CbvhClusterFormat 
         if (!function) return true;
         const OwnErrors errors(false);
         const CbvhPart part = asPublic(*cluster.part);
-        const CbvhCluster handed = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
-        return function(userPtr, &handed) != 0;
+        const CbvhCluster publicCluster = embree::cbvh::clusterAs<CbvhCluster>(cluster, part);
+        return function(userPtr, &publicCluster) != 0;
       }, sums);
     }
     catch (...) { finish(); throw; } // reports the clusters before the error

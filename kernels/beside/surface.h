@@ -26,8 +26,8 @@ struct Input
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
   std::vector<unsigned int> widths;   // per attribute
-  // cages with attributes: faces that do not have 4 corners, and their number of corners
-  std::vector<std::pair<unsigned int, unsigned int>> otherFaces;
+  // of cages with attributes: faces that do not have 4 corners, and their numbers of corners
+  std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
   CbvhProgressFunction progress = nullptr; // during a commit
   void* progressPtr = nullptr;
 
@@ -65,8 +65,8 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void save(const char* path) const;
   void load(const char* path);
 
-  /* Throws if the surface is not committed. The result keeps the input alive if a callback commits or releases the
-   * surface. */
+  /* Returns the input of the last commit. Throws if there is none. The result keeps the input alive if a callback
+   * commits or releases the surface. */
   std::shared_ptr<const embree::beside::Input> committed() const;
 
   /* Returns the input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
@@ -76,9 +76,10 @@ struct CbvhSurfaceTy : embree::beside::Counted
   const embree::beside::Held<CbvhContextTy> context;
 
 private:
-  typedef std::shared_ptr<embree::beside::Input> Owned;
+  typedef std::shared_ptr<embree::beside::Input> InputPtr;
 
-  /* A change of the surface. Throws if another change is in progress, as in the callbacks of a commit. */
+  /* Exists while the surface is changed. The constructor throws if another change is in progress, for example if a
+   * callback of a commit changes the surface. */
   class Change
   {
   public:
@@ -95,11 +96,13 @@ private:
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
-  void keep(Owned input);
+  /* Replaces the pending input. Throws, and replaces nothing, if the device has reported an error. */
+  void setPending(InputPtr input);
 
-  Owned current, pending;    // committed input, and input of the next commit
+  InputPtr current, pending;    // committed input, and input of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
   bool isLossless = false, committedLossless = false;
-  unsigned int mask = ~0u, appliedMask = ~0u; // as set, and of the committed geometry
-  std::atomic<bool> isChanging{false}, isWorking{false}; // isWorking: callbacks of the pending input may be called
+  unsigned int mask = ~0u, appliedMask = ~0u; // set value, and value of the committed geometry
+  std::atomic<bool> isChanging{false}; // true while an object of class Change exists
+  std::atomic<bool> isPendingInUse{false}; // callbacks of the pending input may be called
 };

@@ -60,7 +60,7 @@ CVERT_CONSTANT uint32_t placedBoxesBytes = 16u;
 struct BlockData
 {
   CBVH_ADDRESS address;      //!< aligned to blockAlignment
-  uint32_t geomID;           //!< in the scene that contains the geometry
+  uint32_t geomID;           //!< geomID in the scene that contains the geometry
   uint32_t padding;
 };
 

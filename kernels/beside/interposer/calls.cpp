@@ -52,10 +52,10 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 /* Share of a scene's progress that is reported for building geometries here, if any are built. */
 constexpr double shareOfBuilds = 0.9;
 
-bool tellProgress(void* scene, double done)
+bool reportProgress(void* ptr, double done)
 {
-  const Scene& of = *(const Scene*)scene;
-  return !of.isCanceled && (!of.progress || of.progress(of.progressPtr, done));
+  const Scene& scene = *(const Scene*)ptr;
+  return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, done));
 }
 
 /* Builds the geometries that the commit of a scene requires, and attaches them. */
@@ -209,7 +209,7 @@ RTC_API void rtcSetSceneProgressMonitorFunction(RTCScene scene, RTCProgressMonit
   if (!found) { REAL(rtcSetSceneProgressMonitorFunction)(scene, progress, ptr); return; }
   found->progress = progress;
   found->progressPtr = ptr;
-  REAL(rtcSetSceneProgressMonitorFunction)(scene, progress ? tellProgress : nullptr, found);
+  REAL(rtcSetSceneProgressMonitorFunction)(scene, progress ? reportProgress : nullptr, found);
 }
 
 /* --- geometries ----------------------------------------------------------------------------- */

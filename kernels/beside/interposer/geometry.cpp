@@ -134,7 +134,7 @@ void Substituted::buildSurface(const Progress& progress)
   check(error);
   CbvhGroup group = nullptr;
   check(cbvhNewGroup(context, &surface, 1, &group));
-  /* Embree also leaves out what this leaves out: vertices that are not finite. */
+  /* CBVH_ERROR_INVALID_ARGUMENT: the group left out faces that Embree leaves out, too. */
   const CbvhError left = cbvhCommitGroup(group);
   if (left != CBVH_OK && left != CBVH_ERROR_INVALID_ARGUMENT) {
     cbvhReleaseGroup(group);

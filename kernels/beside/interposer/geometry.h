@@ -32,9 +32,9 @@ public:
   Input input;
   /* Changes by setters: OfInput requires a new build, OfLook does not. */
   enum Change { OfInput = 1, OfLook = 2 };
-  void change(Change what) { changes |= what; }
+  void change(Change change) { changes |= change; }
   void commit();
-  void setEnabled(bool to) { isEnabled = to; }
+  void setEnabled(bool enabled) { isEnabled = enabled; }
   void setUserData(void* userData);
 
   StandIn* const standIn;

@@ -19,10 +19,10 @@ void check(CbvhError error)
 void displace(const CbvhDisplacementArguments* args)
 {
   const Input& input = *(const Input*)args->userPtr;
-  const RTCDisplacementFunctionNArguments theirs = {*input.userData, input.original, args->primID, args->timeStep,
-                                                    args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
-                                                    args->P_x, args->P_y, args->P_z, args->count};
-  input.displacement(&theirs);
+  const RTCDisplacementFunctionNArguments embreeArgs = {*input.userData, input.original, args->primID, args->timeStep,
+                                                        args->u, args->v, args->Ng_x, args->Ng_y, args->Ng_z,
+                                                        args->P_x, args->P_y, args->P_z, args->count};
+  input.displacement(&embreeArgs);
 }
 
 CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
@@ -36,7 +36,8 @@ CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
   }
 }
 
-/* Contiguous items: the buffer's own memory if its stride is the size of an item, otherwise a copy. */
+/* The items of a buffer as a contiguous array. Refers to the buffer if its stride is the size of an item, otherwise
+ * to a copy. Empty if there is no buffer. */
 template<typename T>
 class Packed
 {
@@ -76,21 +77,21 @@ const Buffer* Input::find(RTCBufferType type, unsigned int slot) const
 
 CbvhVertices Input::vertices(std::vector<const float*>& steps) const
 {
-  CbvhVertices all = CbvhVertices();
+  CbvhVertices result = CbvhVertices();
   for (unsigned int i = 0; i < numTimeSteps; i++) {
     const Buffer* const buffer = find(RTC_BUFFER_TYPE_VERTEX, i);
     if (!buffer || !buffer->data || buffer->count == 0) throw Unsupported("it has no vertices");
-    if (i > 0 && (buffer->stride != all.stride || buffer->count != all.count))
+    if (i > 0 && (buffer->stride != result.stride || buffer->count != result.count))
       throw Unsupported("its time steps differ in the stride or the number of vertices");
-    all.stride = buffer->stride;
-    all.count = buffer->count;
+    result.stride = buffer->stride;
+    result.count = buffer->count;
     steps.push_back((const float*)buffer->data);
   }
-  all.steps = steps.data();
-  all.numSteps = numTimeSteps;
-  all.begin = begin;
-  all.end = end;
-  return all;
+  result.steps = steps.data();
+  result.numSteps = numTimeSteps;
+  result.begin = begin;
+  result.end = end;
+  return result;
 }
 
 void Input::describeTo(CbvhSurface surface) const
@@ -122,13 +123,13 @@ void Input::describeCage(CbvhSurface surface) const
   if (cage.numIndices > indices.count) throw Unsupported("it has fewer indices than its faces have vertices");
 
   /* Embree clamps rates to these bounds. */
-  const auto bounded = [](float rate) { return rate >= 1 ? std::min(rate, 4096.0f) : 1.0f; };
+  const auto clamped = [](float rate) { return rate >= 1 ? std::min(rate, 4096.0f) : 1.0f; };
   std::vector<float> rates;
-  cage.rate = bounded(tessellationRate);
+  cage.rate = clamped(tessellationRate);
   if (levels.data) {
     if (levels.count < cage.numIndices) throw Unsupported("it has fewer levels than its faces have edges");
     rates.resize(cage.numIndices);
-    std::transform(levels.data, levels.data + cage.numIndices, rates.begin(), bounded);
+    std::transform(levels.data, levels.data + cage.numIndices, rates.begin(), clamped);
     cage.rates = rates.data();
   }
   cage.boundary = boundaryOf(mode);

@@ -96,9 +96,9 @@ Objects::Garbage Objects::release(RTCGeometry geometry)
 void Objects::attach(RTCScene scene, unsigned int geomID, RTCGeometry geometry, bool isOriginal)
 {
   const Lock lock(mutex);
-  Scene* const to = findIn(scenes, scene);
+  Scene* const target = findIn(scenes, scene);
   Geometry* const attached = findIn(geometries, geometry);
-  if (!to || !attached || !to->attached.insert({geomID, {attached, isOriginal}}).second) return;
+  if (!target || !attached || !target->attached.insert({geomID, {attached, isOriginal}}).second) return;
   attached->references++;
 }
 
@@ -122,14 +122,14 @@ Objects::Garbage Objects::setInstanced(RTCGeometry geometry, const RTCScene* ins
   Garbage garbage;
   Geometry* const instance = findIn(geometries, geometry);
   if (!instance) return garbage;
-  std::vector<Scene*> before;
-  before.swap(instance->scenes);
+  std::vector<Scene*> previous;
+  previous.swap(instance->scenes);
   for (size_t i = 0; i < count; i++)
     if (Scene* const scene = findIn(scenes, instanced[i])) {
       scene->references++;
       instance->scenes.push_back(scene);
     }
-  for (Scene* const scene : before) release(scene, garbage);
+  for (Scene* const scene : previous) release(scene, garbage);
   return garbage;
 }
 
@@ -149,7 +149,7 @@ Objects::Garbage Objects::releaseAll(const std::vector<std::pair<unsigned int, G
 {
   const Lock lock(mutex);
   Garbage garbage;
-  for (const auto& one : all) release(one.second, garbage);
+  for (const auto& entry : all) release(entry.second, garbage);
   return garbage;
 }
 
@@ -167,15 +167,15 @@ bool Objects::isSubstituted(RTCScene scene, const unsigned int* instances, unsig
   unsigned int geomID)
 {
   const Lock lock(mutex);
-  const Scene* in = findIn(scenes, scene);
-  for (unsigned int level = 0; level < numInstances && in; level++) {
-    const auto instance = in->attached.find(instances[level]);
-    in = instance == in->attached.end()
+  const Scene* inner = findIn(scenes, scene);
+  for (unsigned int level = 0; level < numInstances && inner; level++) {
+    const auto instance = inner->attached.find(instances[level]);
+    inner = instance == inner->attached.end()
       || instance->second.geometry->scenes.empty() ? nullptr : instance->second.geometry->scenes[0];
   }
-  if (!in) return false;
-  const auto attached = in->attached.find(geomID);
-  return attached != in->attached.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
+  if (!inner) return false;
+  const auto attached = inner->attached.find(geomID);
+  return attached != inner->attached.end() && attached->second.geometry->substituted && !attached->second.isOriginal;
 }
 
 } // namespace interposer

@@ -24,7 +24,7 @@ struct Geometry
   RTCGeometry handle;
   size_t references = 1;
   std::unique_ptr<Substituted> substituted;
-  std::vector<Scene*> scenes;       // of instances
+  std::vector<Scene*> scenes;       // instanced scenes, if the geometry is an instance
 };
 
 struct Attachment

@@ -56,11 +56,11 @@ struct FilteredContext
 void filter(const RTCFilterFunctionNArguments* args)
 {
   const FilteredContext& filtered = *(const FilteredContext*)args->context;
-  RTCFilterFunctionNArguments ours = *args;
-  ours.geometryUserPtr = filtered.standIn->userData;
-  ours.context = filtered.context;
-  if (filtered.ofGeometry) filtered.ofGeometry(&ours);
-  if (*ours.valid && filtered.ofArguments) filtered.ofArguments(&ours);
+  RTCFilterFunctionNArguments changed = *args;
+  changed.geometryUserPtr = filtered.standIn->userData;
+  changed.context = filtered.context;
+  if (filtered.ofGeometry) filtered.ofGeometry(&changed);
+  if (*changed.valid && filtered.ofArguments) filtered.ofArguments(&changed);
 }
 
 template<typename Function, typename Arguments>
@@ -68,21 +68,21 @@ void call(const Function& function, const Arguments* args, const StandIn& standI
   RTCFilterFunctionN ofArguments)
 {
   if (!standIn.group) return;
-  Arguments ours = *args;
-  ours.geometryUserPtr = standIn.group;
-  if (!ofGeometry && !ofArguments) { function(&ours, 0); return; }
+  Arguments changed = *args;
+  changed.geometryUserPtr = standIn.group;
+  if (!ofGeometry && !ofArguments) { function(&changed, 0); return; }
   FilteredContext filtered = {{*args->context, filter}, args->context, &standIn, ofGeometry, ofArguments};
-  ours.context = &filtered.query.context;
-  function(&ours, CBVH_GEOMETRY_CONTEXT_FILTERS);
+  changed.context = &filtered.query.context;
+  function(&changed, CBVH_GEOMETRY_CONTEXT_FILTERS);
 }
 
 /* --- callbacks -------------------------------------------------------------------------------- */
 
 void bound(const RTCBoundsFunctionArguments* args)
 {
-  RTCBoundsFunctionArguments ours = *args;
-  ours.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
-  if (ours.geometryUserPtr) { cbvhBoundGeometry(&ours); return; }
+  RTCBoundsFunctionArguments changed = *args;
+  changed.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
+  if (changed.geometryUserPtr) { cbvhBoundGeometry(&changed); return; }
   *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty
 }
 
@@ -112,16 +112,17 @@ void occludedAny(const RTCOccludedFunctionNArguments* args)
   else Current<RTCOccludedArguments>::arguments->occluded(args);
 }
 
-/* query: calls Embree with the arguments that it is passed. */
+/* Calls query(args). If args contain a function for user geometry, replaces it with one that also handles stand-ins.
+ * query: calls Embree's function. */
 template<typename Query>
 void enter(RTCIntersectArguments* args, const Query& query)
 {
   if (!hasStandIns() || !isActive()) { query(args); return; }
   const Entered<RTCIntersectArguments> entered(args);
   if (!args || !args->intersect) { query(args); return; }
-  RTCIntersectArguments ours = *args;
-  ours.intersect = intersectAny;
-  query(&ours);
+  RTCIntersectArguments changed = *args;
+  changed.intersect = intersectAny;
+  query(&changed);
 }
 
 template<typename Query>
@@ -130,9 +131,9 @@ void enter(RTCOccludedArguments* args, const Query& query)
   if (!hasStandIns() || !isActive()) { query(args); return; }
   const Entered<RTCOccludedArguments> entered(args);
   if (!args || !args->occluded) { query(args); return; }
-  RTCOccludedArguments ours = *args;
-  ours.occluded = occludedAny;
-  query(&ours);
+  RTCOccludedArguments changed = *args;
+  changed.occluded = occludedAny;
+  query(&changed);
 }
 
 } // namespace

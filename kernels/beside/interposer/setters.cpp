@@ -16,30 +16,31 @@ Substituted* find(RTCGeometry geometry) {
 
 void changeInput(RTCGeometry geometry)
 {
-  if (Substituted* const of = find(geometry)) of->change(Substituted::OfInput);
+  if (Substituted* const substituted = find(geometry)) substituted->change(Substituted::OfInput);
 }
 
-/* set: changes the input. */
+/* Calls set(input) if the geometry is substituted. */
 template<typename Set>
 void changeInput(RTCGeometry geometry, const Set& set)
 {
-  Substituted* const of = find(geometry);
-  if (!of) return;
-  set(of->input);
-  of->change(Substituted::OfInput);
+  Substituted* const substituted = find(geometry);
+  if (!substituted) return;
+  set(substituted->input);
+  substituted->change(Substituted::OfInput);
 }
 
+/* Calls set(substituted) if the geometry is substituted. */
 template<typename Set>
-void changeLook(RTCGeometry geometry, const Set& set)
+void changeAppearance(RTCGeometry geometry, const Set& set)
 {
-  Substituted* const of = find(geometry);
-  if (!of) return;
-  set(*of);
-  of->change(Substituted::OfLook);
+  Substituted* const substituted = find(geometry);
+  if (!substituted) return;
+  set(*substituted);
+  substituted->change(Substituted::OfLook);
 }
 
-/* False for buffers that Embree rejects. Embree reports that error itself. */
-bool isTaken(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
+/* Returns false if Embree rejects the buffer. Embree itself reports the error. */
+bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t stride)
 {
   if (size_t(data) % 4 != 0 || stride % 4 != 0) return false;
@@ -65,7 +66,7 @@ void setBuffer(RTCGeometry geometry, RTCBufferType type, unsigned int slot, RTCF
   size_t stride, size_t count)
 {
   changeInput(geometry, [&](Input& input) {
-    if (isTaken(input, type, slot, format, data, stride))
+    if (isAccepted(input, type, slot, format, data, stride))
       input.buffers[{type, slot}] = {format, (const char*)data, stride, count};
   });
 }
@@ -143,7 +144,7 @@ RTC_API void rtcSetGeometryDisplacementFunction(RTCGeometry geometry, RTCDisplac
 RTC_API void rtcCommitGeometry(RTCGeometry geometry)
 {
   REAL(rtcCommitGeometry)(geometry);
-  if (Substituted* const of = find(geometry)) of->commit();
+  if (Substituted* const substituted = find(geometry)) substituted->commit();
 }
 
 /* --- appearance to rays ----------------------------------------------------------------------- */
@@ -151,47 +152,47 @@ RTC_API void rtcCommitGeometry(RTCGeometry geometry)
 RTC_API void rtcEnableGeometry(RTCGeometry geometry)
 {
   REAL(rtcEnableGeometry)(geometry);
-  Substituted* const of = find(geometry);
-  if (!of) return;
-  REAL(rtcEnableGeometry)(of->substitute);
-  of->setEnabled(true);
+  Substituted* const substituted = find(geometry);
+  if (!substituted) return;
+  REAL(rtcEnableGeometry)(substituted->substitute);
+  substituted->setEnabled(true);
 }
 
 RTC_API void rtcDisableGeometry(RTCGeometry geometry)
 {
   REAL(rtcDisableGeometry)(geometry);
-  Substituted* const of = find(geometry);
-  if (!of) return;
-  REAL(rtcDisableGeometry)(of->substitute);
-  of->setEnabled(false);
+  Substituted* const substituted = find(geometry);
+  if (!substituted) return;
+  REAL(rtcDisableGeometry)(substituted->substitute);
+  substituted->setEnabled(false);
 }
 
 RTC_API void rtcSetGeometryMask(RTCGeometry geometry, unsigned int mask)
 {
   REAL(rtcSetGeometryMask)(geometry, mask);
-  changeLook(geometry, [&](Substituted& of) { REAL(rtcSetGeometryMask)(of.substitute, mask); });
+  changeAppearance(geometry, [&](Substituted& changed) { REAL(rtcSetGeometryMask)(changed.substitute, mask); });
 }
 
 RTC_API void rtcSetGeometryUserData(RTCGeometry geometry, void* ptr)
 {
   REAL(rtcSetGeometryUserData)(geometry, ptr);
-  if (Substituted* const of = find(geometry)) of->setUserData(ptr);
+  if (Substituted* const substituted = find(geometry)) substituted->setUserData(ptr);
 }
 
 RTC_API void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
 {
   REAL(rtcSetGeometryIntersectFilterFunction)(geometry, filter);
-  changeLook(geometry, [&](Substituted& of) { of.standIn->intersectFilter = filter; });
+  changeAppearance(geometry, [&](Substituted& changed) { changed.standIn->intersectFilter = filter; });
 }
 
 RTC_API void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter)
 {
   REAL(rtcSetGeometryOccludedFilterFunction)(geometry, filter);
-  changeLook(geometry, [&](Substituted& of) { of.standIn->occludedFilter = filter; });
+  changeAppearance(geometry, [&](Substituted& changed) { changed.standIn->occludedFilter = filter; });
 }
 
 RTC_API void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable)
 {
   REAL(rtcSetGeometryEnableFilterFunctionFromArguments)(geometry, enable);
-  changeLook(geometry, [&](Substituted& of) { of.standIn->takesArgumentFilters = enable; });
+  changeAppearance(geometry, [&](Substituted& changed) { changed.standIn->takesArgumentFilters = enable; });
 }

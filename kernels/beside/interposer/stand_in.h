@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* The user data of the user geometry that substitutes a geometry in scenes. */
+/* In scenes, a user geometry of Embree substitutes the geometry of the application. A StandIn is the user data of this
+ * user geometry. */
 
 #include "real.h"
 
@@ -38,11 +39,11 @@ inline StandIn* asStandIn(void* userData)
   return uintptr_t(userData) - standInRange.begin.load(std::memory_order_relaxed) < size ? (StandIn*)userData : nullptr;
 }
 
-/* Returns NULL if there is no room. */
+/* Returns NULL if the range of addresses is exhausted. */
 StandIn* newStandIn();
 void deleteStandIn(StandIn* standIn);
 
-/* False if there has never been one: queries are then passed to Embree unchanged. */
+/* Returns false until the first stand-in is created. Until then, queries are passed to Embree unchanged. */
 bool hasStandIns();
 
 /* Creates a user geometry with the callbacks of stand-ins. Returns NULL if Embree fails. */

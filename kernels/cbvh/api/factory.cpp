@@ -41,7 +41,7 @@ namespace embree
 
       Symbols (int features, int builderFeatures)
       {
-        /* as upstream selects the builder of GRID: the vertices of both are the same floats */
+        /* Selects the ISA as upstream does for GRID's builder, so that both compute the same vertices to the bit. */
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedMotionBuilder);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);
@@ -82,6 +82,7 @@ namespace embree
 
   bool hasUncompressedMotion (Scene* scene)
   {
+    /* compressed surfaces have the type GTY_COMPRESSED instead */
     for (size_t i=0; i<scene->geometries.size(); i++) {
       const Geometry* const geometry = scene->geometries[i].ptr;
       if (geometry && geometry->isEnabled() && geometry->numTimeSteps != 1
@@ -95,14 +96,14 @@ namespace embree
     for (bool moves : { false,true })
     {
       if (scene->getNumPrimitives(SubdivMesh::geom_type,moves) == 0) continue;
-      bool isCompressed = false, isEmbrees = false;
+      bool hasCompressedAccel = false, hasEmbreeAccel = false;
       for (Accel* accel : scene->accels) {
-        const CompressedAccel* const ours = dynamic_cast<CompressedAccel*>(accel);
-        if (ours) isCompressed |= ours->moves == moves;
-        else isEmbrees |= dynamic_cast<AccelInstance*>(accel) != nullptr;
+        const CompressedAccel* const compressed = dynamic_cast<CompressedAccel*>(accel);
+        if (compressed) hasCompressedAccel |= compressed->moves == moves;
+        else hasEmbreeAccel |= dynamic_cast<AccelInstance*>(accel) != nullptr;
       }
-      if (isCompressed != cbvh::hasCompressedGeometry(scene,moves)) return true;
-      if (moves && isCompressed && hasUncompressedMotion(scene) && !isEmbrees) return true;
+      if (hasCompressedAccel != cbvh::hasCompressedGeometry(scene,moves)) return true;
+      if (moves && hasCompressedAccel && hasUncompressedMotion(scene) && !hasEmbreeAccel) return true;
     }
     return false;
   }

@@ -110,7 +110,7 @@ namespace embree
     return value == "1";
   }
 
-  /*! name: for messages. */
+  /*! name: name of the setting in messages. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);

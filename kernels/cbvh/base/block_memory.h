@@ -20,25 +20,25 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called first. bytes: estimated size, or 0 if there are few blocks. With 0 each piece is allocated
-       *  separately, because there may be many such surfaces. Otherwise tasks allocate concurrently from Embree's
-       *  allocator. */
+      /*! Must be called first. bytes: estimated size, or 0 if there are few blocks. 0 allocates each piece separately:
+       *  a scene may have many surfaces of few blocks, and an allocator for each of them would waste memory. Any other
+       *  value selects Embree's allocator, from which tasks allocate concurrently. */
       void expect (size_t bytes);
 
-      /*! Null if there are few blocks. */
-      FastAllocator* pool () { return shared.get(); }
+      /*! Returns Embree's allocator, or null after expect(0). */
+      FastAllocator* pool () { return allocator.get(); }
 
-      /*! Allocates memory that is aligned for blocks. Has the signature of Embree's allocators. */
+      /*! Allocates memory with the alignment of blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
-      /*! Ends allocation. */
+      /*! Must be called after the last allocation. */
       void end ();
 
     private:
       struct Piece { void* data; size_t bytes; };
 
       Device* device;
-      std::unique_ptr<FastAllocator> shared;
+      std::unique_ptr<FastAllocator> allocator;
       std::vector<Piece> pieces;
       MutexSys mutex;          //!< protects pieces
     };

@@ -32,7 +32,7 @@ namespace embree
     class BlockStore
     {
     public:
-      cbvh::WorldBounds hitBounds;  //!< of everything that rays can hit
+      cbvh::WorldBounds hitBounds;  //!< bounds of everything that rays can hit
 
       /*! memory: null if nothing is kept. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
@@ -83,7 +83,7 @@ namespace embree
       Device* const device;
       cbvh::BlockMemory* memory;
       mvector<PrimRef> prims;
-      mvector<cbvh::StepBox> boxes; //!< of moving blocks, at each of their steps, in the order of prims
+      mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks at each of their steps, in the order of prims
 
       static const size_t fullPieceBytes = 1 << 14; //!< minimum size of pieces of flushIfFull()
 

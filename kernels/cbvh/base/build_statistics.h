@@ -29,13 +29,13 @@ namespace embree
         firstUnsupportedFace = std::min(firstUnsupportedFace,face);
       }
 
-      /*! own: vertex as its face evaluates it. */
+      /*! own: vertex as its face evaluates it. stored: the same vertex, decoded from its block. */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
-      /*! square: squared distance by which a vertex moved. */
-      void addDeviation (double square) { deviation2 = std::max(deviation2,square); }
+      /*! squaredDistance: squared distance of a vertex from its stored position. */
+      void addDeviation (double squaredDistance) { deviation2 = std::max(deviation2,squaredDistance); }
 
-      /*! shared: vertex as the face that owns it evaluates it. */
+      /*! For a vertex on an edge between two faces. shared: the vertex as the face that owns the edge evaluates it. */
       void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
       {
         addVertex(shared,stored);

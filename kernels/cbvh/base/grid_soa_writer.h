@@ -22,7 +22,7 @@ namespace embree
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : mesh(mesh), store(store), statistics(statistics) {}
 
-      /*! patch: as stock Embree evaluates it. */
+      /*! Writes a patch as stock Embree evaluates it. */
       void write (const SubdivPatch1Base& patch) const
       {
         const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;

@@ -22,8 +22,10 @@ CVERT_CONSTANT uint32_t kindVoxel = 1u;
 CVERT_CONSTANT uint32_t kindLeaf = 2u;
 CVERT_CONSTANT uint32_t kindVert = 3u;
 
-/*! Number of kinds that references support, and that headers of blocks with frames support. */
+/*! Kinds must be less than this number, because references store them. */
 CVERT_CONSTANT uint32_t maxKinds = 18u;
+
+/*! Kinds with frames must be less than this number, because headers of their blocks store them. */
 CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
 /*! Bit mask of the kinds with frames. */
@@ -36,16 +38,16 @@ CVERT_CONSTANT uint32_t maxLevel = 8u;
 struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks that are large enough
-  uint32_t minNodeLevels; //!< in smaller blocks, leaves are parts of a quad
-  uint32_t groupBytes;    //!< after the words: bytes per word of the last level
+  uint32_t minNodeLevels; //!< minimum number of levels of nodes; in smaller blocks, leaves are parts of a quad
+  uint32_t groupBytes;    //!< size of a group of 2 x 2 leaves, one per node word of the last level; 0 if there are none
   uint32_t vertexBytes;   //!< bytes per vertex
   uint32_t padding;       //!< bytes at the end
 };
 
-/*! By number of the kind. */
+/*! kindFormats is indexed by the number of the kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
-  /* cGRID: leaves are 2 x 2 quads, as in GRID; vectors that read the last row read 3 more floats */
+  /* cGRID: leaves are 2 x 2 quads, as in GRID; vector loads of the last row read 3 floats past its end */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
   { 0u, 0u, 0u, 0u, 0u },
@@ -66,8 +68,8 @@ struct KindDescription
 {
   Kind kind;
   const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
-  const char* name;          //!< in messages
-  bool alignsToLimit;        //!< frames align to corners before displacement, otherwise after it
+  const char* name;          //!< name in messages
+  bool alignsToLimit;        //!< frames align to the corners before displacement, otherwise after it
   bool supportsHoles;        //!< leaves can leave out a quad
   bool hasThickness;         //!< leaves are not exact, so a bound on their thickness applies
 
@@ -75,8 +77,8 @@ struct KindDescription
   RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_GRID + uint32_t(kind)); }
 };
 
-/*! alignsToLimit: heights are stored best along the normal of the smooth surface; boxes are tightest if they align to
- *  the displaced surface. */
+/*! Only cLEAF aligns its frames to the limit surface, because heights are stored best along the normals of that
+ *  surface. The boxes of the other kinds are tightest if frames align to the displaced surface. */
 static constexpr KindDescription kindDescriptions[] = {
 #if !defined(EMBREE_CBVH_NO_PAPER)
   { Kind::GRID,  "grid",  "cGRID",  false, true,  false },
@@ -95,7 +97,7 @@ static_assert(RTC_COMPRESSION_LEAF - RTC_COMPRESSION_GRID == kindLeaf,
 static_assert(RTC_COMPRESSION_VERT - RTC_COMPRESSION_GRID == kindVert,
               "a value of RTCCompression follows from the kind");
 
-/*! kind: in kindDescriptions. */
+/*! The kind must be in kindDescriptions. */
 inline const KindDescription& describe (Kind kind)
 {
   uint32_t row = 0;
@@ -111,7 +113,8 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! compression: from the record of a loaded geometry. Libraries without this kind load only files of cVERT blocks. */
+/*! Converts the compression in the record of a loaded geometry. Returns cVERT if the library was built without that
+ *  kind, because it then loads only files of cVERT blocks. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

@@ -15,8 +15,8 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Range of addresses that contains all mapped blocks and may contain other memory. Empty if there are none. Must
-     *  be read in this order. */
+    /*! Range of addresses that contains all mapped blocks and may contain other memory. Empty if there are none.
+     *  mappedBegin must be read before mappedBytes. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
     /*! Implements isUsable for blocks in this range. Null until a file is mapped. */
@@ -29,8 +29,8 @@ namespace embree
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
       /* Relaxed: while another thread maps the first file, this thread may see the addresses before the function. It
        * cannot trace a mapped block then, because its rays come after the commit of a scene with one. */
-      bool (*const isGood) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);
-      return !isGood || isGood(block,form);
+      bool (*const isValid) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);
+      return !isValid || isValid(block,form);
     }
   }
 }

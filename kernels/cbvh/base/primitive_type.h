@@ -4,8 +4,9 @@
 #pragma once
 
 /* Types of the leaves of the top-level BVH4. Types 0 and 1 are Embree's own (GridSOA's inner leaves and its root), so
- * that patches that are not compressed are in the same tree as blocks. Embree's references have only 3 bits for the
- * type. A type therefore denotes a form of blocks, and headers store the kind if several kinds have the form. */
+ * that a tree can contain both blocks and uncompressed patches. Embree's references have only 3 bits for the type. A
+ * type therefore selects only the form of a block. If several kinds share a form, the header of the block stores the
+ * kind. */
 
 #include "codec.h"
 #include <cstddef>
@@ -25,13 +26,13 @@ namespace embree
     {
       GRID_SOA_QUADS = 0,
       GRID_SOA_ROOT = 1,
-      FRAMED_BLOCK = 2,   //!< framed/block.h; its info has the kind
+      FRAMED_BLOCK = 2,   //!< framed/block.h; BlockHeader::info contains the kind
       VERT_BLOCK = 3,     //!< cvert/format/block.h
       MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a separate tree
       MESH_BLOCK = 5        //!< cvert/format/mesh_block.h
     };
 
-    /*! type: of a block. */
+    /*! type: a PrimitiveType for which isBlock() is true. */
     constexpr BlockForm formOfBlock (std::size_t type) {
       return type == FRAMED_BLOCK ? FRAMED_FORM : type == MESH_BLOCK ? MESH_FORM : VERT_FORM;
     }

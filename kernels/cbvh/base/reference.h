@@ -20,8 +20,8 @@ CVERT_CONSTANT uint32_t instanceReference = 2u;
 CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< a node with moving children
 CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 consecutive triangles from the index on
 CVERT_CONSTANT uint32_t firstBlockReference = 8u; //!< plus the number of the kind
-CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< of cVERT
-CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< of cVERT
+CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< moving cVERT block
+CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< mesh block of cVERT
 CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
 
 /*! Reference of an unused child. No other reference has its type. */

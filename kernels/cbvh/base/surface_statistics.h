@@ -22,8 +22,8 @@ namespace embree
       size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
       size_t uncompressedBytes = 0;    //!< grids of quads that are not compressed, see numUncompressedQuads
       size_t numBlocks = 0;
-      size_t numQuads = 0;             //!< in blocks
-      size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by GRID
+      size_t numQuads = 0;             //!< quads in blocks
+      size_t numUncompressedQuads = 0; //!< quads that are in the same BVH, but traced by GRID
       size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
       size_t numAffineBlocks = 0;      //!< blocks whose projective frame fell back to an affine one
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
@@ -33,7 +33,7 @@ namespace embree
       size_t numMeshQuads = 0;         //!< quads of quad meshes in blocks, and pairs of triangles
       size_t numIrregularQuads = 0;    //!< those of numMeshQuads that are in no grid of at least 4 x 4 quads
       size_t numMovingQuads = 0;       //!< quads with several time steps
-      size_t motionBytes = 0;          //!< in leafBytes: all time steps but the first
+      size_t motionBytes = 0;          //!< the part of leafBytes that all time steps after the first use
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
       /*! Input of compressed geometries that Embree allocated and that was not released. */
       size_t inputBytes = 0;
@@ -88,7 +88,7 @@ namespace embree
       CompressionStatistics sums;
       size_t highRateQuads = 0;    //!< traced by GRID because of their edge rates
       size_t refusedQuads = 0;     //!< stored in full precision because their block has no valid frame
-      size_t refusedInGrid = 0;    //!< of these, traced by GRID
+      size_t refusedInGrid = 0;    //!< those of refusedQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
       size_t bytesInEmbree = 0;    //!< estimate for Embree's own kernels

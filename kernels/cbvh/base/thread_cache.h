@@ -32,8 +32,9 @@ namespace embree
     /*! Hash of a block, before it is reduced to the number of entries. */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
-    /*! Like hashOfBlock, with one entry per `bytes` bytes of memory, so that neighboring blocks never share an entry. A
-     *  hash shifts each range of 256 KiB: blocks at equal distances would otherwise share a few entries. */
+    /*! Like hashOfBlock, but consecutive `bytes` bytes of memory have consecutive values, so that neighboring blocks
+     *  never share an entry. A hash shifts each range of 256 KiB. Without it, blocks at equal distances would share a
+     *  few entries. */
     __forceinline size_t slotOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
@@ -48,13 +49,13 @@ namespace embree
       {
         ThreadCache* cache = current;
         const unsigned now = cacheGeneration.load(std::memory_order_relaxed);
-        return cache != nullptr && cache->made == now ? *cache : renew(now);
+        return cache != nullptr && cache->generation == now ? *cache : renew(now);
       }
 
     private:
       static ThreadCache& renew (unsigned now);
 
-      unsigned made; //!< value of cacheGeneration
+      unsigned generation; //!< value of cacheGeneration
 
       static __thread ThreadCache* current __attribute__((tls_model("initial-exec")));
     };

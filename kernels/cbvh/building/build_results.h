@@ -3,6 +3,7 @@
 
 #pragma once
 
+/* Collects the blocks and statistics of all tasks of a build. Tasks may call add() concurrently. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -48,17 +49,17 @@ namespace embree
       template<typename T>
       static mvector<T> moveAll (Device* device, mvector<T>& from)
       {
-        mvector<T> all(device,0);
-        cbvh::resizeToFit(all,from.size());
-        std::copy(from.begin(),from.end(),all.begin());
+        mvector<T> moved(device,0);
+        cbvh::resizeToFit(moved,from.size());
+        std::copy(from.begin(),from.end(),moved.begin());
         from.clear();
-        return all;
+        return moved;
       }
 
-      void add (const cbvh::BuildStatistics& ofTask)
+      void add (const cbvh::BuildStatistics& taskStatistics)
       {
         Lock<MutexSys> lock(mutex);
-        statistics.merge(ofTask);
+        statistics.merge(taskStatistics);
       }
 
       /*! Concatenates the lists in the order of their primitives. */

@@ -51,7 +51,7 @@ namespace embree
     {
       ALIGNED_CLASS_(64);
 
-      static const size_t surfacesPerTask = 16; //!< of small surfaces
+      static const size_t surfacesPerTask = 16; //!< number of small surfaces per task
 
       BVH4* bvh;
       Scene* scene;
@@ -65,7 +65,7 @@ namespace embree
         CompressibleGeometry* geometry;
         unsigned geomID;
         Number number;
-        CompressionPlan plan;                        //!< of the blocks
+        CompressionPlan plan;                        //!< plan by which the blocks were built
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)

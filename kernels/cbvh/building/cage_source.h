@@ -45,7 +45,8 @@ namespace embree
           },std::plus<size_t>());
       }
 
-      /*! Faces can take milliseconds, and differ much within a geometry. Small surfaces are one task. */
+      /*! Small surfaces are one task. Otherwise tasks are small, because a face can cost milliseconds, and the costs of
+       *  faces differ widely within a geometry. */
       size_t perTask (bool isSmall) const {
         return isSmall ? max(mesh->size(),size_t(1))
           : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));

@@ -24,9 +24,9 @@ namespace embree
       void addCompressed (const CompressibleGeometry* geometry, cbvh::Kind kind,
                           const cbvh::SurfaceStatistics& statistics)
       {
-        Compressed& of = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
-        of.names = namesOf(geometry);
-        of.count++;
+        Compressed& entryOfKind = compressed[std::make_pair(std::string(namesOf(geometry).geometry),kind)];
+        entryOfKind.names = namesOf(geometry);
+        entryOfKind.count++;
         all.add(statistics);
       }
 
@@ -37,7 +37,7 @@ namespace embree
           left[{ namesOf(geometry).primitives,geometry->surface.rejectionReason }] += geometry->size();
       }
 
-      /*! treeBytes: of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
+      /*! treeBytes: size of the scene's own tree. scene: only inputBytes and cacheBytesPerThread are used. */
       std::string text (size_t treeBytes, const cbvh::CompressionStatistics& scene) const
       {
         const cbvh::CompressionStatistics& sums = all.sums;
@@ -90,17 +90,17 @@ namespace embree
       {
         std::string text;
         for (const auto& entry : compressed) {
-          const Compressed& of = entry.second;
-          text += (text.empty() ? "" : ", ") + std::to_string(of.count) + " "
-            + (of.count == 1 ? of.names.geometry : of.names.geometries) + " as "
+          const Compressed& kindEntry = entry.second;
+          text += (text.empty() ? "" : ", ") + std::to_string(kindEntry.count) + " "
+            + (kindEntry.count == 1 ? kindEntry.names.geometry : kindEntry.names.geometries) + " as "
               + cbvh::describe(entry.first.second).name;
         }
         return text.empty() ? "nothing" : text;
       }
 
       struct Compressed { Names names; size_t count = 0; };
-      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< by type and kind
-      cbvh::BuildStatistics all;                                         //!< of these
+      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< compressed geometries, by type and kind
+      cbvh::BuildStatistics all;                                         //!< statistics of `compressed` together
       /*! Number of primitives, by type and reason why they are not compressed. */
       std::map<std::pair<std::string,std::string>,size_t> left;
       size_t notRequested = 0;                                           //!< subdivision surfaces

@@ -28,7 +28,7 @@ namespace embree
         return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles;
       }
 
-      /*! borders: of the geometry's grids, or null; must exist until release() */
+      /*! borders: borders of the geometry's grids, or null; must exist until release() */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress) {
         triangles.prepare(borders,[&] { progress(0.0); });

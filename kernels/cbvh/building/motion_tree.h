@@ -31,8 +31,8 @@ namespace embree
         unsigned segments;     //!< number of steps minus 1
       };
 
-      LBBox3fa bounds = LBBox3fa(empty); //!< at times 0 and 1
-      size_t bytes = 0;                  //!< of the nodes
+      LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1
+      size_t bytes = 0;                  //!< size of the nodes
 
       /*! Returns the root of a tree over the blocks. progress() may throw. */
       template<typename Progress>

@@ -107,7 +107,7 @@ namespace embree
         cbvh::BuildStatistics statistics;
         typename Source::Writer writer(source,store,statistics);
         size_t reported = primitives.begin(), quads = 0, first = primitives.begin();
-        unsigned firstPatch = 0; // of primitive `first`
+        unsigned firstPatch = 0; // number of the first patch of primitive `first`
         for (size_t i=primitives.begin(); i!=primitives.end(); i++)
         {
           const size_t invalid = statistics.sums.numInvalidQuads;

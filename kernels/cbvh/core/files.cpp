@@ -23,7 +23,7 @@ namespace embree
         const CompressibleGeometry* geometry;
         std::shared_ptr<const SurfaceBlocks> blocks;
 
-        explicit Saved (Geometry* of) : geometry(compressible(of))
+        explicit Saved (Geometry* saved) : geometry(compressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
           /* scenes with compressed surfaces also build blocks for surfaces that do not request compression */
@@ -31,7 +31,7 @@ namespace embree
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
           if (!blocks || !asks()) notCompressed();
-          if (of->state != unsigned(Geometry::State::COMMITTED))
+          if (saved->state != unsigned(Geometry::State::COMMITTED))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: it changed since its last commit");
         }

@@ -82,13 +82,13 @@ namespace embree
     /*! Description of a geometry in a file's directory. */
     struct FileDescription
     {
-      RTCGeometryType type;                    //!< of the saved geometry
-      RTCCompression compression;              //!< of the saved geometry
+      RTCGeometryType type;                    //!< type of the saved geometry
+      RTCCompression compression;              //!< compression of the saved geometry
       unsigned primitiveCount, timeStepCount;
       float begin, end;                        //!< times of the first and the last step
       /*! Bounds of everything that rays can hit, at all times. Empty if lower is above upper. */
       float lower[3], upper[3];
-      size_t bytes;                            //!< in the file
+      size_t bytes;                            //!< size in the file
     };
 
     /*! An open file. Any number of threads may use it. Loaded geometries keep it mapped. */

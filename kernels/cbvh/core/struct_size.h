@@ -34,7 +34,7 @@ namespace embree
     struct KnownStruct
     {
       const char* name;
-      size_t firstSize, size;  //!< in the first version and in this one
+      size_t firstSize, size;  //!< sizes in the first version and in this one
     };
 
     /*! Larger values indicate uninitialized memory. */

@@ -48,7 +48,7 @@ namespace embree
   private:
     [[noreturn]] static void refuse ();
 
-    const BBox1f ownTimes; //!< of the first and the last step
+    const BBox1f ownTimes; //!< times of the first and the last step
   };
 
   /*! Throws if a geometry was loaded from a file. */

@@ -66,7 +66,7 @@ namespace embree
       {
         uint64_t generation = 0;
         std::shared_ptr<const List> list;
-        Place last = { nullptr, 0, nullptr }; //!< of the last block that was found
+        Place last = { nullptr, 0, nullptr }; //!< where the last block was found
       };
 
       static bool isGood (const void* block, BlockForm form)

@@ -33,7 +33,7 @@ namespace embree
       MappedBlocks (const MappedBlocks&) = delete;
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
-      /*! offset: from the first block. */
+      /*! offset: offset of the block from the first block, in bytes. */
       cvert::Reason validate (size_t offset, BlockForm form) const;
 
       /*! True if a block may be decoded. Reports the first damaged block to the device. */
@@ -59,7 +59,7 @@ namespace embree
       Device* device;
       std::shared_ptr<const cvert::File> file;
       char* const begin;
-      const cvert::FileGeometry record; //!< as loaded, even if the file changes
+      const cvert::FileGeometry record; //!< copied when the file was opened, because the file may change
       const size_t bytes;
       const uint32_t surfaceNumber;
       const std::string name;

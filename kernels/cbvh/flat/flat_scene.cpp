@@ -102,7 +102,7 @@ namespace embree
           return makeReference(movingNodeReference,index(n));
         }
 
-        /*! planes: as in Embree's nodes */
+        /*! planes: in the order of Embree's nodes */
         static void copyPlanes (const vfloat4* planes, const uint32_t children[4], FlatNode& to)
         {
           for (size_t i=0; i<4; i++) {

@@ -42,7 +42,7 @@ namespace embree
       uint32_t bytes;
       /*! blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid */
       uint32_t type;
-      uint32_t geomID;   //!< in this scene; blocks store the surface number instead
+      uint32_t geomID;   //!< geomID in this scene; blocks store the surface number instead
     };
 
     /*! 2 x 2 quads of a grid */
@@ -60,9 +60,9 @@ namespace embree
       const char* typeName;
       uint32_t mask;
       uint32_t timeSteps;
-      bool isTraced;             //!< in this FlatScene: static, compressed, or an instance with linear motion
+      bool isTraced;             //!< a FlatScene supports it: static, compressed, or an instance with linear motion
       bool hasFilter;
-      uint64_t build;            //!< of a compressed surface: equal if scenes have the same blocks; else 0
+      uint64_t build; //!< number of the build of a compressed surface: equal if scenes have the same blocks; else 0
       /* of triangles */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
@@ -72,14 +72,14 @@ namespace embree
       const float* localToWorld; //!< the inverse at each time step, linear between steps
       float begin, end;          //!< times of the first and the last step; a moving instance exists only between them
       RTCScene instanced;
-      float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
+      float lower[3], upper[3];  //!< bounds of the instanced scene at all times, in its own space
     };
 
     struct FlatTree
     {
       uint32_t root;             //!< reference, or emptyReference
       uint32_t depth;            //!< nodes on the longest path from the root to a leaf
-      float lower[3], upper[3];  //!< at all times
+      float lower[3], upper[3];  //!< bounds at all times
     };
 
     struct FlatScene

@@ -27,7 +27,7 @@ namespace embree
       template<typename Real>
       struct HitRay
       {
-        Real P[3], D[3];       //!< in the frame
+        Real P[3], D[3];       //!< origin and direction in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
         Real scale, rcpDir2;

@@ -20,7 +20,7 @@ namespace embree
       public:
         __forceinline explicit FramedRay (float tfar) : state(tfar) {}
 
-        /*! type: of a leaf of the top-level tree. */
+        /*! type: type of a leaf of the top-level tree. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
         /*! t: distance at which the ray enters the bounds of the next block. */

@@ -71,7 +71,7 @@ CVERT_REAL struct Segment
 {
   Real P0[3], P1[3];
   Real epsilon[3];   //!< see above
-  Real t0, t1;       //!< at the ends
+  Real t0, t1;       //!< t at both ends
   Real w0, w1;
   bool startClipped; //!< starts at tnear, inside the box
   bool endClipped;   //!< ends at tfar, inside the box

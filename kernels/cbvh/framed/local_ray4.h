@@ -54,7 +54,7 @@ namespace embree
       /*! Stretch of a block's map, from world space to the frame. */
       struct BlockStretch
       {
-        vfloat4 withW; //!< of x, y and z, each plus the stretch of W
+        vfloat4 withW; //!< stretches of x, y and z, each plus the stretch of W
         float longest; //!< approximate, of the box
 
         __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
@@ -80,7 +80,7 @@ namespace embree
         /*! Lanes: x, y, z. Lane 3 is W, and undefined after the division. */
         vfloat4 P0, P1;
         vfloat4 epsilon;
-        float t0, t1;     //!< in t'
+        float t0, t1;     //!< the ends as values of t'
         float w0, w1;
         bool startClipped; //!< see Segment
         bool endClipped;

@@ -19,11 +19,11 @@ namespace embree
        *  past their bounds at the top level (framed/block_bounds.h). Hits are compared by their distance, but not less
        *  than the distance at which the ray enters the bounds of the block. Traversal culls with this distance, so it
        *  is the ray's tfar during traversal. Ties are resolved by the hits' own distances, then by the order of faces
-       *  and blocks. After the traversal, the ray gets the hit's own distance. */
+       *  and blocks. After the traversal, the ray's tfar becomes the hit's own distance. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< see above
-        float own = pos_inf; //!< of the hit itself
+        float t = pos_inf;   //!< distance that hits are compared by
+        float own = pos_inf; //!< distance of the hit itself
         const Block* block = nullptr;
 
         /*! True if the stored hit takes precedence over another. tfar: tfar of the ray, whose hit can be of another

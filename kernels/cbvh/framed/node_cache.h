@@ -36,7 +36,7 @@ namespace embree
         NodePlanes<16> grandchildren; //!< 4 c + i is child i of child c
         NodePlanes<4> children;
         const void* block;
-        uint32_t number;              //!< in the block, see BlockTiles
+        uint32_t number;              //!< number of the tile in its block, see BlockTiles
         uint32_t decoded;             //!< mask of children whose children are decoded
         uint32_t present;             //!< mask of grandchildren that exist: all, except in tiles above the root
 

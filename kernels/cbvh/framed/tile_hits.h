@@ -111,11 +111,11 @@ namespace embree
           return m;
         }
 
-        __forceinline void setPlaces (const BoxMasks& of, uint32_t first)
+        __forceinline void setPlaces (const BoxMasks& masks, uint32_t first)
         {
           flip = first | first << 2;
           swaps = 0u;
-          ranks = toRanks(of.hit | of.passed << 16,first);
+          ranks = toRanks(masks.hit | masks.passed << 16,first);
         }
 
         /*! Swaps alternatives if the second begins before the first. */

@@ -26,7 +26,7 @@ namespace embree
     {
       unsigned height = 0;
       unsigned x = 0, y = 0; //!< number of blocks
-      Vec2i quads = Vec2i(0); //!< of all blocks together
+      Vec2i quads = Vec2i(0); //!< number of quads of all blocks together
 
       size_t size () const { return size_t(x)*size_t(y); }
       unsigned quadsX () const { return unsigned(quads.x); }

@@ -243,8 +243,8 @@ namespace embree
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge of the patch has a lower rate than its quads
       std::vector<BBox3fa> blocks;   //!< bounds, by position in the tiling; empty for blocks that were not encoded
-      mvector<float> own;            //!< as the patch's face evaluates them
-      mvector<float> vertices;       //!< of one block
+      mvector<float> own;            //!< vertices as the patch's face evaluates them
+      mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< blocks of a patch, or a trial block
     };

@@ -23,8 +23,8 @@ namespace embree
      *  vertices as the same floats; parts of cGRID do so only within a face. */
     struct StoredPart
     {
-      uint32_t primID;           //!< of all quads, if primitivesPerQuad is 0
-      uint32_t width, height;    //!< in vertices
+      uint32_t primID;           //!< primID of all quads, if primitivesPerQuad is 0
+      uint32_t width, height;    //!< number of columns and rows of vertices
       /*! x, y, z of width*height vertices, row by row. Triangles with a vertex that is not finite are left out. */
       const float* vertices;
       const float* parameters;   //!< u, v of each vertex; null unless primitivesPerQuad is 0

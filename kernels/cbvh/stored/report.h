@@ -34,7 +34,7 @@ namespace embree
         bool moves)
       : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
 
-    std::unique_ptr<CompressionReport> report; //!< of the last build
+    std::unique_ptr<CompressionReport> report; //!< report of the last build
     const bool moves;
   };
 }

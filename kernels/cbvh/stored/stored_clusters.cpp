@@ -45,19 +45,21 @@ namespace embree
       private:
         /*! Calls closure(square) for squares of up to 8 x 8 quads until it returns false. */
         template<typename Closure>
-        static bool forEachSquare (const QuadRectangle& of, const Closure& closure)
+        static bool forEachSquare (const QuadRectangle& rect, const Closure& closure)
         {
           const uint32_t side = QuadTriangles::maxQuads;
-          for (uint32_t y=0; y<of.height; y+=side)
-            for (uint32_t x=0; x<of.width; x+=side) {
-              const QuadRectangle square = { of.x+x,of.y+y,std::min(side,of.width-x),std::min(side,of.height-y) };
+          for (uint32_t y=0; y<rect.height; y+=side)
+            for (uint32_t x=0; x<rect.width; x+=side) {
+              const QuadRectangle square = { rect.x+x,rect.y+y,
+                                             std::min(side,rect.width-x),std::min(side,rect.height-y) };
               if (!closure(square)) return false;
             }
           return true;
         }
 
-        bool place (LatticePoints& points, const QuadRectangle& of) const {
-          return points.place(part->vertices + 3*(size_t(of.y)*part->width + of.x),part->width,of.width+1,of.height+1);
+        bool place (LatticePoints& points, const QuadRectangle& rect) const {
+          return points.place(part->vertices + 3*(size_t(rect.y)*part->width + rect.x),part->width,
+                              rect.width+1,rect.height+1);
         }
 
         /*! Passes a cluster to the closure, in COMPRESSED1 if possible. */
@@ -87,27 +89,27 @@ namespace embree
         }
 
         /*! Returns false, without calling the closure, if a quad does not fit into a block of DGF. */
-        bool cutIntoDgf (const QuadRectangle& of, bool& goesOn)
+        bool cutIntoDgf (const QuadRectangle& rect, bool& goesOn)
         {
-          if (of.width >= LatticePoints::maxSide || of.height >= LatticePoints::maxSide || !place(points,of))
+          if (rect.width >= LatticePoints::maxSide || rect.height >= LatticePoints::maxSide || !place(points,rect))
             return false;
-          const dgf::Tiling tiling(points,of.width,of.height);
+          const dgf::Tiling tiling(points,rect.width,rect.height);
           if (!tiling.isPossible) return false;
           tiling.forEach([&](uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
-              const QuadRectangle piece = { of.x+x,of.y+y,width,height };
-              if (goesOn) goesOn = handOutDgf(of,piece);
+              const QuadRectangle piece = { rect.x+x,rect.y+y,width,height };
+              if (goesOn) goesOn = handOutDgf(rect,piece);
             });
           return true;
         }
 
-        /*! of: rectangle of points; contains the piece. */
-        bool handOutDgf (const QuadRectangle& of, const QuadRectangle& piece)
+        /*! rect: rectangle of points; contains the piece. */
+        bool handOutDgf (const QuadRectangle& rect, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);
           if (triangles.numTriangles == 0) return true;
           for (uint32_t i=0; i<triangles.numVertices; i++) {
             const uint32_t v = triangles.vertices[i], x = v % (piece.width+1), y = v / (piece.width+1);
-            triangles.vertices[i] = (piece.y-of.y+y)*points.width + piece.x-of.x+x;
+            triangles.vertices[i] = (piece.y-rect.y+y)*points.width + piece.x-rect.x+x;
           }
           if (report.numTriangles + triangles.numTriangles > dgf::maxPrimitives)
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry has too many triangles for DGF: expected at most "
@@ -120,7 +122,7 @@ namespace embree
               halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width;
             }
             else { halves[0].height /= 2; halves[1].y += halves[0].height; halves[1].height -= halves[0].height; }
-            return handOutDgf(of,halves[0]) && handOutDgf(of,halves[1]);
+            return handOutDgf(rect,halves[0]) && handOutDgf(rect,halves[1]);
           }
           triangles.isWhole = false;
           triangles.numVertices = block.numVertices;

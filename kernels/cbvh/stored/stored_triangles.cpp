@@ -50,7 +50,7 @@ namespace embree
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
-        float corner[2];   //!< of the patch
+        float corner[2];   //!< corner of the patch
         bool isCut;        //!< the block stores edges
         VertEdges edges;
 
@@ -168,7 +168,7 @@ namespace embree
                 const float* p[3];
                 float s[3] = { 0,1,0 }, t[3] = { 0,0,1 };
                 for (uint32_t i=0; i<3; i++) {
-                  // in the order of ownParameters
+                  // `around` lists the corners in the order of ownParameters
                   const uint32_t around[] = { isSecond ? 2u : 0u,isSecond ? 3u : 1u,isSecond ? 1u : 3u };
                   p[i] = corners[around[(i + firstCornerOfTriangle(form,isSecond)) % 3]];
                   if (!isTriangleForm(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }

@@ -106,13 +106,13 @@ namespace embree
     {
       static_assert(alignof(FastAllocator) <= 16,"alignment of new");
       if (bytes == 0) return;
-      shared.reset(new FastAllocator(device,true));
-      shared->init_estimate(bytes);
+      allocator.reset(new FastAllocator(device,true));
+      allocator->init_estimate(bytes);
     }
 
     void* BlockMemory::operator() (size_t bytes, size_t)
     {
-      if (shared) return shared->getCachedAllocator().malloc1(bytes,blockAlignment);
+      if (allocator) return allocator->getCachedAllocator().malloc1(bytes,blockAlignment);
       device->memoryMonitor(ssize_t(bytes),false);
       Piece piece = { nullptr,bytes };
       try {
@@ -128,7 +128,7 @@ namespace embree
       return piece.data;
     }
 
-    void BlockMemory::end () { if (shared) shared->cleanup(); }
+    void BlockMemory::end () { if (allocator) allocator->cleanup(); }
   }
 
   static std::atomic<uint64_t> numBuilds(0);

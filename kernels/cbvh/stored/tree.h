@@ -4,8 +4,8 @@
 #pragma once
 
 /* Trees above blocks, built with Embree's binned SAH builder for BVH4. A surface has a tree over its blocks. A scene
- * has a tree over parts of its surfaces, which are trees of a few blocks: its build is small, and its tree as good as a
- * tree over all blocks. */
+ * has a tree over parts of its surfaces. A part is a subtree of a few blocks. The tree of the scene is therefore fast
+ * to build, but as good as a tree over all blocks. */
 
 #include "../embree/scene.h"
 
@@ -26,7 +26,8 @@ namespace embree
       return n;
     }
 
-    /*! prims: their IDs are references. progress() may throw. */
+    /*! Returns the root of a tree over `prims`, whose IDs are the references of its leaves. Sets `nodes` to the number
+     *  of nodes. progress() may throw. */
     template<typename Progress>
     inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
                                     size_t& nodes)
@@ -85,7 +86,7 @@ namespace embree
       return root;
     }
 
-    /*! Appends the largest trees of at most blocksOfPart leaves. */
+    /*! Cuts trees into parts: appends the largest subtrees with at most blocksOfPart leaves. */
     class TreeCutter
     {
     public:
@@ -97,7 +98,8 @@ namespace embree
       }
 
     private:
-      /*! Returns the number of leaves below a node. Appends parts if there are more than in a part. */
+      /*! Returns the number of leaves below a node. If they are too many for a part, appends the children that are
+       *  parts. */
       size_t visit (BVH4::NodeRef ref, const BBox3fa& bounds)
       {
         if (ref == BVH4::emptyNode) return 0;

@@ -54,7 +54,7 @@ namespace embree
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::exactLattice;
-        double spacing = 0; // of the shorter sides: quads can be much longer than wide
+        double spacing = 0; // spacing of the shorter sides, because quads can be much longer than wide
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
           if (median > 0) medianEdge = medianEdge > 0 ? min(medianEdge,median) : median;

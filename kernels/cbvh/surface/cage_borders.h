@@ -50,7 +50,7 @@ namespace embree
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
 
-      /*! s: in the order of PatchOfFace::rate. */
+      /*! s: number of the side, in the order of PatchOfFace::rate. */
       CageSide side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
@@ -117,7 +117,7 @@ namespace embree
       }
 
     private:
-      static const size_t mostKept = 1 << 15; //!< vertices, at all time steps
+      static const size_t maxKept = 1 << 15; //!< vertices, at all time steps
       static const size_t fewVertices = 9*9;  //!< vertices of a patch whose lines cost as much as the patch
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
@@ -153,7 +153,7 @@ namespace embree
       /*! Reserves room for all vertices if the surface has few. */
       void placeKept ()
       {
-        const size_t most = mostKept/plan.numTimeSteps;
+        const size_t most = maxKept/plan.numTimeSteps;
         if (mesh->size() > most/4) return;
         mvector<uint32_t> places(mesh->device,topology.numEdges());
         size_t n = 0;

@@ -16,7 +16,7 @@ namespace embree
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction, see CageBorders
       bool reversed;              //!< the side runs against the owner's direction
-      int exponent;               //!< of the interior
+      int exponent;               //!< exponent of the lattice of the interior
       unsigned rate;
 
       /*! k: 0 to rate, counted around the patch. */

@@ -31,8 +31,8 @@ namespace embree
     public:
       struct Edge
       {
-        unsigned ownRate;      //!< in this face; noRate if it does not take part
-        unsigned rate;         //!< in all faces at the edge
+        unsigned ownRate;      //!< rate in this face; noRate if the edge does not take part
+        unsigned rate;         //!< rate in all faces at the edge
         uint32_t owner;        //!< half-edge of the face that owns the edge
         uint32_t cornerOwner;  //!< half-edge at the same vertex, of the face that owns the corner
         bool isTracedByGrid;   //!< GRID traces at least one patch of the face
@@ -117,17 +117,17 @@ namespace embree
       void findOwners (size_t f)
       {
         forEachEdge(f,[&](const HalfEdge* e) {
-            Edge& of = edge(e);
+            Edge& topologyEdge = edge(e);
             uint64_t claim = edgeClaim(e);
-            of.rate = of.ownRate;
+            topologyEdge.rate = topologyEdge.ownRate;
             if (e->hasOpposite() && participates(e->opposite())) {
               claim = min(claim,edgeClaim(e->opposite()));
-              of.rate = min(of.ownRate,at(e->opposite()).ownRate);
+              topologyEdge.rate = min(topologyEdge.ownRate,at(e->opposite()).ownRate);
             }
-            of.owner = ownerOf(claim);
+            topologyEdge.owner = ownerOf(claim);
             claim = cornerClaim(e);
             forEachAround(e,[&](const HalfEdge* a) { claim = min(claim,cornerClaim(a)); });
-            of.cornerOwner = ownerOf(claim);
+            topologyEdge.cornerOwner = ownerOf(claim);
           });
       }
 
@@ -155,7 +155,7 @@ namespace embree
           if (edges[i].ownRate != noRate && !first[i].hasOpposite())
             borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
-        std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
+        std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;

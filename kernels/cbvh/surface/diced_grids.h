@@ -114,14 +114,14 @@ namespace embree
       struct Corners
       {
         const Quads* mesh;
-        const unsigned* of;     //!< quads of the region, row by row
+        const unsigned* quadsOfRegion;     //!< quads of the region, row by row
         unsigned width, height; //!< in vertices
 
         size_t vertex (unsigned x, unsigned y) const
         {
           const unsigned w = width-1, right = x == w, top = y == height-1;
           unsigned v[4];
-          mesh->corners(of[(y-top)*w + x-right],v);
+          mesh->corners(quadsOfRegion[(y-top)*w + x-right],v);
           return v[top ? 3-right : right];
         }
       };

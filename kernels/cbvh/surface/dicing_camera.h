@@ -13,7 +13,7 @@ namespace embree
   {
     float position[3] = { 0,0,0 };
     float direction[3] = { 0,0,1 };    //!< towards the center of the picture; any length
-    float up[3] = { 0,1,0 };           //!< of the picture; any length, not parallel to direction
+    float up[3] = { 0,1,0 };           //!< up direction of the picture; any length, not parallel to direction
     bool orthographic = false;         //!< if true, position is ignored
     /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;

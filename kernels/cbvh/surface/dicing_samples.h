@@ -107,7 +107,7 @@ namespace embree
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
               // not finite, or at the eye: the cells around are sufficient
-              if (!(u < mostSquared) || !(v < mostSquared)) continue;
+              if (!(u < maxSquared) || !(v < maxSquared)) continue;
               sum[0] += u; sum[1] += v; count++;
             }
           if (!count) continue;
@@ -119,7 +119,7 @@ namespace embree
         }
     }
 
-    static constexpr double mostSquared = 1e38; //!< squared number of quads
+    static constexpr double maxSquared = 1e38; //!< squared number of quads
 
     const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
     static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }

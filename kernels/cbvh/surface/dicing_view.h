@@ -96,7 +96,7 @@ namespace embree
     bool hasPicture;
     double transform[12];
     double size = 0.0;
-    Double3 normals[4];   //!< of the picture's borders, pointing outwards
+    Double3 normals[4];   //!< normals of the picture's borders, pointing outwards
     double offsets[4];
   };
 }

@@ -45,7 +45,7 @@ namespace embree
         return corners(triangle,out,numbers);
       }
 
-      /*! numbers: of the vertices. */
+      /*! numbers: receives the numbers of the vertices. */
       bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };

@@ -23,11 +23,11 @@ namespace embree
       for (size_t i=0; i<parts.regions.size(); i++)
       {
         const QuadRegions::Region region = parts.regions[i];
-        const unsigned* const of = parts.quads.data()+region.first;
+        const unsigned* const quadsOfRegion = parts.quads.data()+region.first;
         const size_t count = size_t(region.width)*region.height;
         if (QuadRegions::isSmallerInMeshBlocks(region)) {
           for (size_t k=0; k<count; k++) {
-            const unsigned first = quads.number(of[k]), second = quads.second(of[k]);
+            const unsigned first = quads.number(quadsOfRegion[k]), second = quads.second(quadsOfRegion[k]);
             parts.loose.push_back(first);
             if (second != first) parts.loose.push_back(second);
           }
@@ -37,7 +37,7 @@ namespace embree
         regular += i < parts.numRegular;
         const size_t begin = kept.size();
         kept.resize(begin+count);
-        std::copy_n(of,count,kept.begin()+begin);
+        std::copy_n(quadsOfRegion,count,kept.begin()+begin);
       }
       parts.regions.resize(regions);
       parts.numRegular = regular;

@@ -27,7 +27,7 @@ namespace embree
         setSize(part);
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
-        stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // for full-width stores
+        stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // allows full-width stores
         arrays.reserve(8*stride+16); // without this, vectors grow to a power of two
         arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };

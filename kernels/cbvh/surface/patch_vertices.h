@@ -21,7 +21,7 @@ namespace embree
     public:
       explicit PatchVertices (Device* device) : interleaved(device,0) {}
 
-      /*! width, height: in vertices, whose values are then undefined. */
+      /*! Sets the number of columns and rows of vertices. The values of the vertices are undefined afterwards. */
       void setSize (size_t width, size_t height)
       {
         this->width = width; this->height = height;

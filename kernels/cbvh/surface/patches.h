@@ -65,11 +65,11 @@ namespace embree
     /*! Properties that are known before a patch is evaluated. */
     struct PatchOfFace
     {
-      const Vec2f* uv;         //!< of its 4 corners
+      const Vec2f* uv;         //!< parameters of the patch's 4 corners
       const int* subdiv;
       const float* edgeLevel;
       int subPatch;            //!< corner of the face; 0 for a quadrilateral
-      float rate[4];           //!< of edges v = 0, u = 1, v = 1, u = 0
+      float rate[4];           //!< rates of the edges v = 0, u = 1, v = 1, u = 0
 
       SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surface, size_t face, unsigned timeStep = 0) const {
         return SubdivPatch1Base(surface,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);

@@ -20,7 +20,7 @@ namespace embree
     enum : unsigned { none = ~0u };
     enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
 
-    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< of each quad, or none
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< neighbor of each quad, or `none`
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
     size_t numLeftOut = 0;                           //!< invalid quads
     bool formsDiffer = false;                        //!< neighbors may have different forms
@@ -100,16 +100,16 @@ namespace embree
       typedef std::pair<unsigned,unsigned> Range; // lowest and highest vertex
       const Range empty(unsigned(none),0u);
       const Range range = parallel_reduce(size_t(0),quads.size(),perTask,empty,[&](const embree::range<size_t>& r) {
-          Range of = empty;
+          Range span = empty;
           size_t n = 0;
           for (size_t i=r.begin(); i!=r.end(); i++) {
             Corners& q = corners[i];
             forms[i] = uint8_t(quads.look(i,q.v));
             out.isValid[i] = isValid(q);
-            if (out.isValid[i]) of = Range(min(of.first,q.v[0]),max(of.second,q.v[0])); else n++;
+            if (out.isValid[i]) span = Range(min(span.first,q.v[0]),max(span.second,q.v[0])); else n++;
           }
           if (n) numLeftOut += n;
-          return of;
+          return span;
         },[](const Range& a, const Range& b) { return Range(min(a.first,b.first),max(a.second,b.second)); });
       out.numLeftOut = numLeftOut;
       if (range.first > range.second) return false;

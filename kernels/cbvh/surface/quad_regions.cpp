@@ -22,14 +22,14 @@ namespace embree
     class RegionFinder
     {
     public:
-      RegionFinder (const QuadNeighbors& of, QuadRegions& out) : of(of), out(out) {}
+      RegionFinder (const QuadNeighbors& neighbors, QuadRegions& out) : neighbors(neighbors), out(out) {}
 
       void run ()
       {
-        cbvh::resizeToFit(flags,of.size());
-        steps = stepsPerQuad*of.size();
-        for (size_t i=0; i<of.size(); i++) flags[i] = of.isValid[i] ? 0 : TAKEN;
-        out.quads.reserve(of.size());
+        cbvh::resizeToFit(flags,neighbors.size());
+        steps = stepsPerQuad*neighbors.size();
+        for (size_t i=0; i<neighbors.size(); i++) flags[i] = neighbors.isValid[i] ? 0 : TAKEN;
+        out.quads.reserve(neighbors.size());
         for (Seeds seeds : { CORNERS,EDGES,ALL })
           for (unsigned side : { 16u,QuadRegions::minRegionSide+0u }) take(seeds,side);
         take(CORNERS,1);
@@ -50,7 +50,7 @@ namespace embree
       enum Seeds { CORNERS, EDGES, ALL };
 
       bool isFree (unsigned quad) const { return quad != none && !(flags[quad] & TAKEN); }
-      unsigned at (QuadNeighbors::Side side, unsigned quad) const { return of.at[side][quad]; }
+      unsigned at (QuadNeighbors::Side side, unsigned quad) const { return neighbors.at[side][quad]; }
 
       bool isSeed (unsigned quad, Seeds seeds) const
       {
@@ -65,7 +65,7 @@ namespace embree
       {
         pass++;
         marksAll = seeds != CORNERS;
-        for (size_t i=0; i<of.size(); i++)
+        for (size_t i=0; i<neighbors.size(); i++)
           while (isSeed(unsigned(i),seeds) && !isMarked(unsigned(i)))
             if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
       }
@@ -177,12 +177,12 @@ namespace embree
        *  of its quads. */
       static const size_t stepsPerQuad = 2;
 
-      const QuadNeighbors& of;
+      const QuadNeighbors& neighbors;
       QuadRegions& out;
       cbvh::UnmonitoredVector<uint8_t> flags;
       size_t steps = 0;                     //!< that seeds may still move
       unsigned pass = 0;
-      bool marksAll = false;                //!< of regions that are too small
+      bool marksAll = false;                //!< also marks the quads of regions that are too small
       std::vector<unsigned> corners, edges; //!< created while regions were taken
       unsigned region[maxSide*maxSide];     //!< its quads, while it grows
       unsigned width = 0, height = 0;

@@ -170,28 +170,28 @@ namespace embree
 
   inline namespace CBVH_ISA
   {
-    inline QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions& of) {
-      return QuadsOfMesh{ mesh,of.welded.get() };
+    inline QuadsOfMesh quadsOf (const QuadMesh* mesh, const QuadRegions& meshRegions) {
+      return QuadsOfMesh{ mesh,meshRegions.welded.get() };
     }
 
-    inline PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& of)
+    inline PairsOfMesh quadsOf (const TriangleMesh* mesh, const QuadRegions& meshRegions)
     {
       auto ofPairs = [](const mvector<unsigned>& triangles) { return triangles.empty() ? nullptr : &triangles; };
-      return PairsOfMesh{ mesh,of.welded.get(),ofPairs(of.firsts),ofPairs(of.seconds) };
+      return PairsOfMesh{ mesh,meshRegions.welded.get(),ofPairs(meshRegions.firsts),ofPairs(meshRegions.seconds) };
     }
 
     /*! quads: result of quadsOf(). */
     template<typename Quads>
-    void numberRegion (const Quads& quads, const QuadRegions& of, size_t region, cbvh::QuadNumbers& out)
+    void numberRegion (const Quads& quads, const QuadRegions& meshRegions, size_t region, cbvh::QuadNumbers& out)
     {
-      const QuadRegions::Region& r = of.regions[region];
-      const unsigned* const at = of.quads.data()+r.first;
+      const QuadRegions::Region& r = meshRegions.regions[region];
+      const unsigned* const at = meshRegions.quads.data()+r.first;
       const size_t n = size_t(r.width)*r.height;
       out.form = quads.form(*at);
       out.width = r.width;
       out.numbers.resize(n);
       for (size_t k=0; k<n; k++) out.numbers[k] = quads.number(at[k]);
-      const bool areAllAlike = of.seconds.empty() && !of.formsDiffer;
+      const bool areAllAlike = meshRegions.seconds.empty() && !meshRegions.formsDiffer;
       const bool needSeconds = !areAllAlike && cbvh::isTriangleForm(out.form) && !cbvh::isSingleTriangleForm(out.form);
       out.seconds.resize(needSeconds ? n : 0);
       out.turns.resize(needSeconds ? n : 0);

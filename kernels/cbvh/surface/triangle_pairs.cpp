@@ -347,7 +347,7 @@ namespace embree
       cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
       cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
       cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< of each half-edge, or none
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or `none`
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
@@ -375,8 +375,8 @@ namespace embree
       return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
     }
 
-    /*! True if, in a sample, the triangles of the second half share edges with those of the first half, in the same
-     *  order. */
+    /*! True if almost all sampled triangles of the first half of the mesh share an edge with the corresponding triangle
+     *  of the second half. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));

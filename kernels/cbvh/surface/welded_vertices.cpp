@@ -13,7 +13,7 @@ namespace embree
 {
   namespace
   {
-    const size_t perTask = size_t(1) << 15, perBucket = size_t(1) << 12, mostBuckets = size_t(1) << 12;
+    const size_t perTask = size_t(1) << 15, perBucket = size_t(1) << 12, maxBuckets = size_t(1) << 12;
 
     class Welding
     {
@@ -21,7 +21,7 @@ namespace embree
       Welding (const BufferView<Vec3fa>* steps, unsigned numSteps, size_t n)
         : steps(steps), numSteps(numSteps), n(n), numTasks((n + perTask-1)/perTask)
       {
-        while (numBuckets < mostBuckets && numBuckets*perBucket < n) { numBuckets *= 2; bucketBits++; }
+        while (numBuckets < maxBuckets && numBuckets*perBucket < n) { numBuckets *= 2; bucketBits++; }
       }
 
       /*! Returns true if any vertices are equal. */
@@ -89,7 +89,7 @@ namespace embree
         for (size_t i=task*perTask; i<min(n,(task+1)*perTask); i++) closure(i,hashOf(i));
       }
 
-      /*! Sorts vertices by bucket, in ascending order in each. */
+      /*! Sorts the vertices by bucket. Vertices of a bucket are in ascending order. */
       void distribute ()
       {
         cbvh::resizeToFit(ends,numBuckets*numTasks);
@@ -111,7 +111,8 @@ namespace embree
           });
       }
 
-      /*! table: temporary memory. */
+      /*! Sets firsts[v] to the first vertex that is equal to v, for the vertices v of a bucket. Returns true if any
+       *  vertices are equal. table: temporary memory. */
       bool weld (size_t begin, size_t end, std::vector<unsigned>& table, mvector<unsigned>& firsts) const
       {
         size_t size = 16;

@@ -82,7 +82,7 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
-    /*! Traces rays one by one with intersect(ray) or occluded(ray). alone: mask of these rays */
+    /*! Traces the rays of the mask `alone` one by one with intersect(ray) or occluded(ray). */
     template<int K, typename Intersect>
     __forceinline void traceOneByOne (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
@@ -157,7 +157,7 @@ namespace embree
       struct Traced
       {
         uint32_t alone; //!< rays that have not been traced
-        vbool<K> ended; //!< by an any-hit query
+        vbool<K> ended; //!< rays of an any-hit query that have a hit
       };
 
       /*! Traces rays whose directions have the same signs together. */

@@ -68,7 +68,7 @@ namespace embree
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            // only for rays that intersected the leaf
+            // applies only to rays that intersected the leaf
             if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first };
           }
         }

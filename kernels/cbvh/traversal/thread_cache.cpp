@@ -50,7 +50,7 @@ namespace embree
         current = (ThreadCache*)memory;
       }
       current->clear();
-      current->made = now;
+      current->generation = now;
       return *current;
     }
 

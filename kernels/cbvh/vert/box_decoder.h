@@ -61,7 +61,7 @@ namespace embree
                                      const VertSpacing& spacing, const float* origin)
           : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
 
-        /*! corners: of groups, in coordinates */
+        /*! corners: corners of the groups, in coordinates */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
           const int m = shearedAxis(form);

@@ -26,7 +26,7 @@ namespace embree
     struct VertAxes
     {
       int axis;        //!< sheared axis, or 3 for none, as in raw blocks
-      float origin[3]; //!< of the block
+      float origin[3]; //!< origin of the block
       float extent[3]; //!< at least the distance of vertices and planes from the origin
       float shear[3];  //!< factors of world coordinates, relative to the origin, in the sheared coordinate
     };
@@ -40,9 +40,9 @@ namespace embree
     /*! Data that the groups of a block share. For a raw block, only axes, lanes and planes are set. */
     struct VertBoxes : public GroupBoxes
     {
-      uint32_t words[16];    //!< of each group's cell
+      uint32_t words[16];    //!< word of each group's cell
       uint16_t fields[16];   //!< offset in the block of each group's fields
-      CellCoordinates corners; //!< of groups
+      CellCoordinates corners; //!< corners of the groups
       const void* block;     //!< that the boxes belong to
     };
     static_assert(sizeof(VertBoxes) == 12*64,"VertBoxes must occupy exactly 12 cache lines");
@@ -95,23 +95,23 @@ namespace embree
     struct StepCells
     {
       alignas(64) uint16_t fields[16]; //!< offset in the step of each group's fields
-      uint32_t words[16];              //!< of each group's cell
-      CellCoordinates corners;         //!< of groups
+      uint32_t words[16];              //!< word of each group's cell
+      CellCoordinates corners;         //!< corners of the groups
     };
 
     /*! Data that the groups of a block share in a segment. Boxes are interpolated between its ends. */
     struct SegmentBoxes : public GroupBoxes
     {
-      SegmentKey key;            //!< of the block
-      float origins[2][3];       //!< of the block, at both ends
-      GroupPlanes ends[2][3];    //!< at both ends, by axis; planes of GroupBoxes are unused
-      StepCells steps[2];        //!< at both ends; unused for a raw step
+      SegmentKey key;            //!< key of the block
+      float origins[2][3];       //!< origins of the block at both ends
+      GroupPlanes ends[2][3];    //!< planes at both ends, by axis; GroupBoxes::planes is unused
+      StepCells steps[2];        //!< steps at both ends; unused for a raw step
     };
 
     /*! Vertices of a group in world space, at the ends of a segment. */
     struct SegmentVertices
     {
-      SegmentKey key;            //!< of the group
+      SegmentKey key;            //!< key of the group
       CellVertices ends[2];
     };
 

@@ -53,7 +53,7 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          // as many bytes as most blocks have: a group's fields are located too late to hide the latency
+          // covers most blocks; a group's fields are located too late to hide the latency
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           VertDecoder(block).decode(slot);

@@ -133,10 +133,10 @@ namespace embree
             WideTriangle<Double4> triangle;
             Double4 org[3], dir[3];
 
-            __forceinline Four (const Triangles& of, const VertRays<K>& vertRays, int j)
+            __forceinline Four (const Triangles& source, const VertRays<K>& vertRays, int j)
             {
               for (int k=0; k<3; k++) {
-                for (int i=0; i<3; i++) triangle.at[k][i] = Double4(Float4::load(of.vertices[k][i]+j));
+                for (int i=0; i<3; i++) triangle.at[k][i] = Double4(Float4::load(source.vertices[k][i]+j));
                 org[k] = Double4(lanesFrom(vertRays.org[k],j));
                 dir[k] = Double4(lanesFrom(vertRays.dir[k],j));
               }
@@ -152,14 +152,14 @@ namespace embree
          *  may be in the triangle only due to rounding, lie in its plane, or have a hit at the same distance. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
-          Triangles of(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
+          Triangles batch(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
             float(firstQuadY(block->region,g)));
-          const TriangleSides<vfloat<K>> sides = sidesOf(of,kz);
+          const TriangleSides<vfloat<K>> sides = sidesOf(batch,kz);
           const vfloat<K> tfar = rays.tfar;
           if (!isRead(rays,context,block->surface))
           {
             const uint32_t clear = mask & uint32_t(movemask(areCertain(sides)))
-              & of.between(vertRays,kz,rays.tnear(),tfar);
+              & batch.between(vertRays,kz,rays.tnear(),tfar);
             const vfloat<K> unread(zero);
             const vbool<K> lanes = vbool<K>(int(clear));
             accepted |= uint32_t(movemask(lanes
@@ -167,13 +167,14 @@ namespace embree
                 [&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
             return clear;
           }
-          of.meet(vertRays,kz,rays.tnear());
-          const vfloat<K> t = vfloat<K>::load(of.t);
-          const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~of.lies;
-          const vbool<K> hit = vbool<K>(int(done & of.isMet)) & (t < tfar);
+          batch.meet(vertRays,kz,rays.tnear());
+          const vfloat<K> t = vfloat<K>::load(batch.t);
+          const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~batch.lies;
+          const vbool<K> hit = vbool<K>(int(done & batch.isMet)) & (t < tfar);
           if (none(hit)) return done;
 
-          Vec3vf<K> Ng(vfloat<K>::load(of.normal[0]),vfloat<K>::load(of.normal[1]),vfloat<K>::load(of.normal[2]));
+          Vec3vf<K> Ng(vfloat<K>::load(batch.normal[0]),vfloat<K>::load(batch.normal[1]),
+                       vfloat<K>::load(batch.normal[2]));
           const vbool<K> isLine = (Ng.x == vfloat<K>(zero)) & (Ng.y == vfloat<K>(zero)) & (Ng.z == vfloat<K>(zero));
           if (unlikely(any(hit & isLine)))
             Ng = select(isLine,Vec3vf<K>(-vertRays.dir[0],-vertRays.dir[1],-vertRays.dir[2]),Ng);
@@ -185,9 +186,9 @@ namespace embree
           }
           const VertEdges edges = edgesOf(block);
           const vfloat<K> u =
-            faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(of.x),at.a,patchQuadsX(block->patchQuads));
+            faceParameterOfQuad(vertCornerU(edges),vfloat<K>::load(batch.x),at.a,patchQuadsX(block->patchQuads));
           const vfloat<K> v =
-            faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(of.y),at.b,patchQuadsY(block->patchQuads));
+            faceParameterOfQuad(vertCornerV(edges),vfloat<K>::load(batch.y),at.b,patchQuadsY(block->patchQuads));
           const uint32_t acceptedNow =
             uint32_t(movemask(hit
               & cbvh::report(rays,hit,context,block->surface,block->primID,[&] { return std::make_tuple(u,v,t,Ng); })));

@@ -22,10 +22,10 @@ namespace embree
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t vertices[16];
       alignas(16) uint16_t numbers[16];
-      alignas(16) uint16_t firstVertex[16]; //!< of each group; above 0x7000 in lanes without a group
+      alignas(16) uint16_t firstVertex[16]; //!< first vertex of each group; above 0x7000 in lanes without a group
       /*! Bits of an own vertex: x in bits 0..7, y in 8..15, z in 16..23, sum in 24..31. */
       alignas(16) uint32_t fieldBits[16];
-      alignas(64) uint32_t lower[3][16];    //!< to which fields are relative, by axis
+      alignas(64) uint32_t lower[3][16];    //!< coordinates to which fields are relative, by axis
     };
 
     struct MeshTriangles
@@ -35,7 +35,7 @@ namespace embree
       uint32_t numVertices;
       uint32_t lanes;                //!< mask of lanes with a triangle
       alignas(64) float at[3][32];   //!< vertices, by axis
-      alignas(32) uint8_t corners[3][maxGroupTriangles]; //!< of the triangle in a lane, in the application's order
+      alignas(32) uint8_t corners[3][maxGroupTriangles]; //!< corners of each lane's triangle, in application order
     };
 
     class MeshEntries

@@ -258,7 +258,7 @@ namespace embree
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< as an exponent
+        static const int maxRatio = 30; //!< largest ratio of two spacings, as an exponent
 
         __forceinline int exponentRatio (int m, int i) const
         {
@@ -396,10 +396,10 @@ namespace embree
             auto wide = [&](__m128i x) { return half ? _mm_unpackhi_epi8(x,none) : _mm_unpacklo_epi8(x,none); };
             const __m128i lane = _mm_add_epi16(_mm_setr_epi16(0,1,2,3,4,5,6,7),_mm_set1_epi16(short(8*half))),
               isPresent = _mm_cmpgt_epi16(_mm_set1_epi16(short(groups)),lane);
-            const __m128i of = wide(group), r = record[half],
-              restarts = _mm_or_si128(_mm_srli_epi16(of,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
-              count = _mm_add_epi16(_mm_and_si128(of,five),_mm_set1_epi16(1)),
-              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // of the stream, minus 2
+            const __m128i sizes = wide(group), r = record[half],
+              restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
+              count = _mm_add_epi16(_mm_and_si128(sizes,five),_mm_set1_epi16(1)),
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // entries of the stream, minus 2
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
@@ -471,9 +471,10 @@ namespace embree
           for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1)
           {
             const uint32_t v = others.take(otherBits);
-            const VertexFields of(boxes,groupOfVertex(boxes,v));
-            const uint32_t begin = boxes.verticesBegin + boxes.vertices[of.g];
-            of.read(Bits(block,begin + (v-boxes.firstVertex[of.g])*of.all()),coordinates,uint32_t(__builtin_ctz(rest)));
+            const VertexFields fields(boxes,groupOfVertex(boxes,v));
+            const uint32_t begin = boxes.verticesBegin + boxes.vertices[fields.g];
+            fields.read(Bits(block,begin + (v-boxes.firstVertex[fields.g])*fields.all()),coordinates,
+                        uint32_t(__builtin_ctz(rest)));
           }
           if (isSheared()) unshear(locals,coordinates);
           for (uint32_t k=0; k<3; k++)

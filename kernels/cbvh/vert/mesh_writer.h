@@ -17,7 +17,7 @@ namespace embree
     class MeshWriter
     {
     public:
-      static const uint32_t groupTriangles = 16; //!< of a full group
+      static const uint32_t groupTriangles = 16; //!< number of triangles of a full group
 
       MeshWriter (const IrregularTriangles& from, uint32_t surface, BlockStore& store,
         cbvh::BuildStatistics& statistics)
@@ -55,11 +55,11 @@ namespace embree
         return !areEqual(c[0],c[1]) && !areEqual(c[1],c[2]) && !areEqual(c[2],c[0]);
       }
 
-      void add (size_t bytes, const cbvh::MeshTriangle* of, uint32_t count)
+      void add (size_t bytes, const cbvh::MeshTriangle* blockTriangles, uint32_t count)
       {
         cbvh::WorldBounds bounds;
         for (uint32_t i=0; i<count; i++)
-          for (const float (&p)[3] : of[i].corners) bounds.extend(p[0],p[1],p[2]);
+          for (const float (&p)[3] : blockTriangles[i].corners) bounds.extend(p[0],p[1],p[2]);
         if (from.mesh.areHalvesOfQuads()) ((cbvh::MeshHeader*)block)->form |= cbvh::meshHasQuads;
         memcpy(store.begin(bytes),block,bytes);
         store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readPastVert);

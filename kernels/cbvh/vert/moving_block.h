@@ -51,20 +51,20 @@ namespace embree
         __forceinline const GroupBoxes& boxes () const
         {
           if (isInterpolated) return now;
-          const SegmentBoxes& of = segmentBoxes();
-          now.axis = of.axis;
-          now.lanes = of.lanes;
+          const SegmentBoxes& stored = segmentBoxes();
+          now.axis = stored.axis;
+          now.lanes = stored.lanes;
           for (int k=0; k<3; k++) {
-            now.origin[k] = (1.0f-fraction)*of.origins[0][k] + fraction*of.origins[1][k];
-            now.extent[k] = of.extent[k];
-            now.shear[k] = of.shear[k];
+            now.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
+            now.extent[k] = stored.extent[k];
+            now.shear[k] = stored.shear[k];
           }
           const Between between(fraction);
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
               for (int l=0; l<16; l+=vectorWidth)
                 vfloatV::store(now.planes[k].at[side]+l,
-                  between(vfloatV::load(of.ends[0][k].at[side]+l),vfloatV::load(of.ends[1][k].at[side]+l)));
+                  between(vfloatV::load(stored.ends[0][k].at[side]+l),vfloatV::load(stored.ends[1][k].at[side]+l)));
           isInterpolated = true;
           return now;
         }
@@ -124,7 +124,7 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< of the group in laneVertices
+        mutable uint32_t lane;        //!< lane of the group in laneVertices
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices laneVertices;

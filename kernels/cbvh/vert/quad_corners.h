@@ -18,7 +18,7 @@ namespace embree
       {
         vfloatV at[fieldVectors];
 #if !defined(__AVX512F__)
-        vfloatV last; //!< in all lanes
+        vfloatV last; //!< the last vertex, in all lanes
 #endif
 
         __forceinline CellVector () {}

@@ -61,7 +61,7 @@ namespace embree
         int kx, ky, kz;   //!< axes; the direction is largest along kz
         float sx, sy;     //!< shear
         uint32_t descends; //!< mask of axes with negative rcp; not set by VertRays::at
-        VertCache* cache; //!< of the thread
+        VertCache* cache; //!< cache of the calling thread
 
         mutable VertNearest nearest;
 
@@ -96,7 +96,7 @@ namespace embree
       {
       public:
         vfloat<K> sx, sy;
-        VertCache* cache;    //!< of the thread
+        VertCache* cache;    //!< cache of the calling thread
         vint<K> form;        //!< bits 0..1: kz; from bit 2: signs of rcp. Rays of the same form are traced together.
 
         __forceinline VertRays () : isSet(false), loaded(0) {}

@@ -244,7 +244,7 @@ namespace embree
                            PatchVertices& vertices)
       {
         float (*p)[3] = vertices.displaced();
-        memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p)); // as the face evaluated them
+        memcpy(vertices.undisplaced(),p,vertices.width*vertices.height*sizeof(*p));
         const float (*own)[3] = vertices.undisplaced();
         for (size_t y=strip.y0 == 0; y<vertices.height - (strip.y1 == patch.quads[1]); y++)
         {
@@ -293,7 +293,7 @@ namespace embree
       cbvh::BuildStatistics& statistics;
       PatchVertices given;             //!< evaluated by the face
       mvector<float> moved;         //!< vertices of a strip at all time steps, snapped
-      unsigned sideRates[4];        //!< as faces share them
+      unsigned sideRates[4];        //!< rates of the sides, which faces share
       cbvh::VertEncoder encoder;
       std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a moving block is written
       cbvh::NumbersEncoder numbers;

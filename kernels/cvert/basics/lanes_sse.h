@@ -119,8 +119,8 @@ namespace cvert { inline namespace CVERT_ISA
   /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
-    const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices
-                 xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // of the last two
+    const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // y and z of the first two vertices
+                 xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // x and y of the last two
     x = _mm_shuffle_ps(a.v,xy,_MM_SHUFFLE(2,0,3,0));
     y = _mm_shuffle_ps(yz,xy,_MM_SHUFFLE(3,1,2,0));
     z = _mm_shuffle_ps(yz,c.v,_MM_SHUFFLE(3,0,3,1));

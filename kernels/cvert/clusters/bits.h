@@ -10,7 +10,7 @@
 
 namespace cvert
 {
-  /*! position: in bits. The bytes must be zero there. */
+  /*! position: offset in bits. The bits there must be zero. */
   inline void putBits (uint8_t* bytes, size_t position, uint32_t count, uint32_t value)
   {
     bytes += position/8;

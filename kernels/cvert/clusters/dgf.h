@@ -66,15 +66,15 @@ namespace cvert
       uint8_t indices[maxTriangles][3];        //!< indices into order
 
       /*! primitives: index of the first triangle. Returns false if the block has no room. */
-      bool write (const QuadTriangles& of, const LatticePoints& points, uint32_t primitives)
+      bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t primitives)
       {
-        if (of.numTriangles > maxTriangles || of.numVertices > maxVertices) return false;
-        numTriangles = of.numTriangles;
-        memcpy(indices,of.indices,3*numTriangles);
+        if (cluster.numTriangles > maxTriangles || cluster.numVertices > maxVertices) return false;
+        numTriangles = cluster.numTriangles;
+        memcpy(indices,cluster.indices,3*numTriangles);
         makeStrip();
         numberVertices();
         LatticeSpan span;
-        for (uint32_t i=0; i<numVertices; i++) span.add(points.at[of.vertices[order[i]]]);
+        for (uint32_t i=0; i<numVertices; i++) span.add(points.at[cluster.vertices[order[i]]]);
         uint32_t bits[3];
         const uint32_t vertexBits = offsetBits(span,bits), bitsOfIndex = indexBits(highestReused);
         if (!span.fits() || !hasRoom(numVertices,numTriangles,vertexBits,numIndices,numReused,bitsOfIndex))
@@ -90,7 +90,7 @@ namespace cvert
         size_t position = 8*headerBytes;
         for (uint32_t i=0; i<numVertices; i++)
           for (int k=0; k<3; k++) {
-            putBits(bytes,position,bits[k],uint32_t(points.at[of.vertices[order[i]]][k]-span.lower[k]));
+            putBits(bytes,position,bits[k],uint32_t(points.at[cluster.vertices[order[i]]][k]-span.lower[k]));
             position += bits[k];
           }
         position = (position + 7)/8*8;
@@ -119,8 +119,8 @@ namespace cvert
 
       static void turn (uint8_t triangle[3], int first)
       {
-        const uint8_t of[3] = { triangle[0],triangle[1],triangle[2] };
-        for (int i=0; i<3; i++) triangle[i] = of[(first+i)%3];
+        const uint8_t old[3] = { triangle[0],triangle[1],triangle[2] };
+        for (int i=0; i<3; i++) triangle[i] = old[(first+i)%3];
       }
 
       static bool hasEdge (const uint8_t triangle[3], uint8_t a, uint8_t b)

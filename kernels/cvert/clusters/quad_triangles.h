@@ -29,13 +29,13 @@ namespace cvert
     uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads per row * y + x), plus 1 if second
     bool isWhole;                               //!< no vertex or triangle is missing
 
-    /*! points: of the part, whose rows have `stride` vertices. isStrip: alternate the direction of rows, so that
+    /*! points: vertices of the part, in rows of `stride` vertices. isStrip: alternates the direction of rows, so that
      *  consecutive triangles share an edge. */
-    QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& of, bool isStrip)
-      : numVertices(0), numTriangles(0), points(points + 3*(size_t(of.y)*stride + of.x)), stride(stride),
-        width(of.width+1)
+    QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& rectangle, bool isStrip)
+      : numVertices(0), numTriangles(0), points(points + 3*(size_t(rectangle.y)*stride + rectangle.x)), stride(stride),
+        width(rectangle.width+1)
     {
-      const uint32_t count = width*(of.height+1);
+      const uint32_t count = width*(rectangle.height+1);
       bool isFused = false;
       for (uint32_t i=0; i<count; i++)
       {
@@ -45,12 +45,12 @@ namespace cvert
         isFused |= number[i] != i;
         isUsed[i] = false;
       }
-      for (uint32_t y=0; y<of.height; y++)
-        for (uint32_t n=0; n<of.width; n++)
+      for (uint32_t y=0; y<rectangle.height; y++)
+        for (uint32_t n=0; n<rectangle.width; n++)
         {
           const bool isBack = isStrip && (y & 1);
-          const uint32_t x = isBack ? of.width-1-n : n;
-          const uint32_t id = 2*((of.y + y)*(stride-1) + of.x + x), a = y*width + x;
+          const uint32_t x = isBack ? rectangle.width-1-n : n;
+          const uint32_t id = 2*((rectangle.y + y)*(stride-1) + rectangle.x + x), a = y*width + x;
           // In a row from right to left, the strip enters the first quad by its first triangle, continues to the second
           // and backtracks. It enters all other quads by their second triangle.
           const bool isSecondFirst = isBack && n > 0;
@@ -66,7 +66,7 @@ namespace cvert
         }
       for (uint32_t t=0; t<numTriangles; t++)
         for (int c=0; c<3; c++) indices[t][c] = position[indices[t][c]];
-      isWhole = !isFused && numTriangles == 2*of.width*of.height;
+      isWhole = !isFused && numTriangles == 2*rectangle.width*rectangle.height;
     }
 
   private:

@@ -71,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
     struct FirstFields
     {
       bool isTurned;
-      uint32_t word, fields;   //!< as in CodedCell
+      uint32_t word, fields;   //!< see CodedCell
     };
 
     void decode()

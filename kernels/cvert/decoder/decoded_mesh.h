@@ -65,7 +65,7 @@ namespace cvert { inline namespace CVERT_ISA
     float vertices[maxMeshVertices][3];
     uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices
     uint32_t numbers[maxMeshTriangles];
-    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group, then the total
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< first triangle of each group, then the total
 
     explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)),
       numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))

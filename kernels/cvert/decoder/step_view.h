@@ -56,7 +56,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   return withScales(step,offsets.remainders);
 }
 
-/*! number: from 1, less than the number of steps */
+/*! number: number of the step, at least 1 */
 CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
 {
   CVERT_POINTER(VertStep) later = stepOf(block,number);

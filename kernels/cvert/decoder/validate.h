@@ -56,7 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! word: of a cell, or boxForm */
+    /*! word: word of a cell, or boxForm */
     static bool isForm(uint32_t word) {
       return cellMainAxis(word) < 3 && cellSlope(word,1) >= -maxSlope && cellSlope(word,2) >= -maxSlope;
     }
@@ -94,7 +94,7 @@ namespace cvert { inline namespace CVERT_ISA
                                 header.region,bytes,end);
     }
 
-    /*! end: of the fields; receives the end of the remainders */
+    /*! end: end of the fields; receives the end of the remainders */
     static Reason validateRemainders(const VertSpacing& spacing, uint32_t remainders, uint32_t region, size_t bytes,
                                      size_t& end)
     {
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
       return bytes < end ? Reason::damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
     }
 
-    /*! end: of the first step; receives the end of the last */
+    /*! end: end of the first step; receives the end of the last step */
     static Reason validateMotion(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       const VertMotion motion = motionOf(&header);
@@ -191,7 +191,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! end: of the parts before the table */
+    /*! end: end of everything before the table */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
       const uint32_t form = header.patchQuads;

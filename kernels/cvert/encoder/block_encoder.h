@@ -11,7 +11,7 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct VertStatistics
   {
-    uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
+    uint32_t invalidQuads = 0;  //!< number of quads with a vertex that is not finite
     uint32_t fieldBytes = 0;
     bool raw = false;
   };
@@ -91,12 +91,13 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(end-block) < layout.rawBytes;
     }
 
-    /*! start: of the block or step. Writes the word of remainders at start+wordOffset. */
-    void appendRemainders (const BlockVertices& of, uint8_t* start, uint32_t wordOffset)
+    /*! Appends the remainders, and writes the word of remainders at start+wordOffset. start: start of the block or
+     *  step. */
+    void appendRemainders (const BlockVertices& vertices, uint8_t* start, uint32_t wordOffset)
     {
-      if (!of.hasRemainders()) return;
+      if (!vertices.hasRemainders()) return;
       uint32_t word;
-      end = of.writeRemainders(end,uint32_t(end-start),word);
+      end = vertices.writeRemainders(end,uint32_t(end-start),word);
       memcpy(start+wordOffset,&word,sizeof(word));
     }
 

@@ -26,14 +26,14 @@ namespace cvert { inline namespace CVERT_ISA
     static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to whole vectors of four
 
     float vertices[maxVertices][3]; //!< row by row
-    float lower[3], upper[3];       //!< of the finite vertices; lower is infinity if there are none
+    float lower[3], upper[3];       //!< bounds of the finite vertices; lower is infinity if there are none
     bool allFinite;
 
     uint32_t quads[2], width;
-    int exponent[3];                 //!< of the spacings
+    int exponent[3];                 //!< exponents of the spacings
     uint32_t remainderBits[3];
     float origin[3];
-    int coordinates[3][maxVertices]; //!< by axis, padded with the first
+    int coordinates[3][maxVertices]; //!< coordinates by axis, padded with the first one
     uint32_t remainders[3][maxVertices];
 
     void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
@@ -147,7 +147,8 @@ namespace cvert { inline namespace CVERT_ISA
             << (16*((3*c+uint32_t(k)) & 1));
     }
 
-    /*! offset: of `out` from the start of the block or step. word: receives the word of remainders. Returns the end. */
+    /*! Returns the end of the remainders. offset: distance of `out` from the start of the block or step, in bytes.
+     *  word: receives the word of remainders. */
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
       word = remainderBits[0] | remainderBits[1] << 5 | remainderBits[2] << 10 | offset << 16;

@@ -25,18 +25,18 @@ namespace cvert { inline namespace CVERT_ISA
 
     void addGroup (uint32_t end, uint32_t g)
     {
-      const BlockVertices& of = *ends[end];
-      const Group group(of,g % groupsX,g / groupsX);
+      const BlockVertices& block = *ends[end];
+      const Group group(block,g % groupsX,g / groupsX);
       for (uint32_t k=0; k<3; k++)
       {
         const bool isSheared = k == shear.axis && !shear.isStraight();
         const Heights& h = heights[end];
-        const int* const values = isSheared ? h.at : of.coordinates[k];
+        const int* const values = isSheared ? h.at : block.coordinates[k];
         const Span span = group.span(values), corners = group.corners(values);
         const int lower = corners.lower - span.lower, upper = span.upper - corners.upper;
         margins[0][k][g] = std::max(margins[0][k][g],isSheared ? stepsUp(lower+h.below,h.shift) : lower);
         margins[1][k][g] = std::max(margins[1][k][g],isSheared ? stepsUp(upper+h.above,h.shift)
-                                                               : upper + remainder(of,k));
+                                                               : upper + remainder(block,k));
       }
     }
 
@@ -58,20 +58,20 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Bounds of the block at an end, see reachStep, in the smallest possible steps of 2^shift. */
     uint32_t reach (uint32_t end, uint32_t& shift) const
     {
-      const BlockVertices& of = *ends[end];
+      const BlockVertices& block = *ends[end];
       const Heights& sheared = heights[end];
       int bounds[4];
       for (uint32_t i=0; i<2; i++) {
         const uint32_t k = (shear.axis+1+i)%3;
-        bounds[i] = spanOf(of.coordinates[k],of.numVertices()).upper + remainder(of,k);
+        bounds[i] = spanOf(block.coordinates[k],block.numVertices()).upper + remainder(block,k);
       }
       if (shear.isStraight()) {
-        const Span h = spanOf(of.coordinates[shear.axis],of.numVertices());
+        const Span h = spanOf(block.coordinates[shear.axis],block.numVertices());
         bounds[2] = h.lower;
-        bounds[3] = h.upper + remainder(of,shear.axis);
+        bounds[3] = h.upper + remainder(block,shear.axis);
       }
       else {
-        const Span h = spanOf(sheared.at,of.numVertices());
+        const Span h = spanOf(sheared.at,block.numVertices());
         bounds[2] = (h.lower-sheared.below) >> sheared.shift; // rounds down
         bounds[3] = stepsUp(h.upper+sheared.above,sheared.shift);
       }
@@ -86,7 +86,7 @@ namespace cvert { inline namespace CVERT_ISA
     struct Shear
     {
       uint32_t axis = 0;
-      int slopes[2] = { 0,0 };  //!< of the next axes, in 1/16
+      int slopes[2] = { 0,0 };  //!< slopes along the next two axes, in 1/16
 
       bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
     };
@@ -99,42 +99,43 @@ namespace cvert { inline namespace CVERT_ISA
       int at[BlockVertices::maxVertices];
 
       /*! Returns false if decoders, which compute in float, would have to round. */
-      bool set (const BlockVertices& of, const Shear& shear)
+      bool set (const BlockVertices& block, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
-        int behind[2]; // log2 of the ratio of a spacing to the spacing on the sheared axis
+        int ratio[2]; // log2 of the ratio of a spacing to the spacing on the sheared axis
         shift = 4;
         for (int i=0; i<2; i++) {
-          behind[i] = shear.slopes[i] == 0 ? 0 : of.exponent[next[i]] - of.exponent[m];
-          shift = uint32_t(std::max(int(shift),4-behind[i]));
+          ratio[i] = shear.slopes[i] == 0 ? 0 : block.exponent[next[i]] - block.exponent[m];
+          shift = uint32_t(std::max(int(shift),4-ratio[i]));
         }
-        double largest = std::ldexp(coordinatesOf(of,m),int(shift));
+        double largest = std::ldexp(coordinatesOf(block,m),int(shift));
         for (int i=0; i<2; i++)
-          largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(of,next[i]),int(shift)+behind[i]-4);
+          largest += std::abs(shear.slopes[i])*std::ldexp(coordinatesOf(block,next[i]),int(shift)+ratio[i]-4);
         if (!(largest < double(1 << 22))) return false;
 
-        const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+behind[0])),
-                                 shear.slopes[1]*(1 << (int(shift)-4+behind[1])) };
+        const int factors[2] = { shear.slopes[0]*(1 << (int(shift)-4+ratio[0])),
+                                 shear.slopes[1]*(1 << (int(shift)-4+ratio[1])) };
         below = 0;
-        above = remainder(of,m) << shift;
+        above = remainder(block,m) << shift;
         for (int i=0; i<2; i++) {
-          below += remainder(of,next[i])*std::max(-factors[i],0);
-          above += remainder(of,next[i])*std::max(factors[i],0);
+          below += remainder(block,next[i])*std::max(-factors[i],0);
+          above += remainder(block,next[i])*std::max(factors[i],0);
         }
-        for (uint32_t i=0; i<of.numVertices(); i+=4)
-          ((Int4::load(of.coordinates[m]+i) << int(shift)) + Int4(factors[0])*Int4::load(of.coordinates[next[0]]+i)
-           + Int4(factors[1])*Int4::load(of.coordinates[next[1]]+i)).store(at+i);
+        for (uint32_t i=0; i<block.numVertices(); i+=4)
+          ((Int4::load(block.coordinates[m]+i) << int(shift))
+           + Int4(factors[0])*Int4::load(block.coordinates[next[0]]+i)
+           + Int4(factors[1])*Int4::load(block.coordinates[next[1]]+i)).store(at+i);
         return true;
       }
 
     private:
-      static double coordinatesOf (const BlockVertices& of, uint32_t k) {
-        return std::ldexp(double(of.upper[k])-double(of.origin[k]),-of.exponent[k]) + 1;
+      static double coordinatesOf (const BlockVertices& block, uint32_t k) {
+        return std::ldexp(double(block.upper[k])-double(block.origin[k]),-block.exponent[k]) + 1;
       }
     };
 
-    /*! upper bound, in coordinates */
-    static int remainder (const BlockVertices& of, uint32_t k) { return of.remainderBits[k] != 0 ? 1 : 0; }
+    /*! Upper bound of the remainders on axis k, in coordinates. */
+    static int remainder (const BlockVertices& block, uint32_t k) { return block.remainderBits[k] != 0 ? 1 : 0; }
 
     struct Span { int lower, upper; };
 
@@ -153,9 +154,10 @@ namespace cvert { inline namespace CVERT_ISA
     class Group
     {
     public:
-      Group (const BlockVertices& of, uint32_t gx, uint32_t gy)
-        : width(of.width), first(groupQuads*(gy*of.width + gx)), x(std::min(groupQuads,of.quads[0]-groupQuads*gx)),
-          y(std::min(groupQuads,of.quads[1]-groupQuads*gy)) {}
+      Group (const BlockVertices& block, uint32_t gx, uint32_t gy)
+        : width(block.width), first(groupQuads*(gy*block.width + gx)),
+          x(std::min(groupQuads,block.quads[0]-groupQuads*gx)),
+          y(std::min(groupQuads,block.quads[1]-groupQuads*gy)) {}
 
       Span span (const int* values) const
       {
@@ -208,38 +210,38 @@ namespace cvert { inline namespace CVERT_ISA
       if (shear.isStraight()) return straight;
       double sheared = 0, upright = 0; // sums of thicknesses in the world
       for (uint32_t e=0; e<numEnds; e++) {
-        const BlockVertices& of = *ends[e];
-        if (!heights[e].set(of,shear)) return straight;
-        sheared += std::ldexp(double(thickness(of,heights[e].at)),of.exponent[m]-int(heights[e].shift));
-        upright += std::ldexp(double(thickness(of,of.coordinates[m])),of.exponent[m]);
+        const BlockVertices& block = *ends[e];
+        if (!heights[e].set(block,shear)) return straight;
+        sheared += std::ldexp(double(thickness(block,heights[e].at)),block.exponent[m]-int(heights[e].shift));
+        upright += std::ldexp(double(thickness(block,block.coordinates[m])),block.exponent[m]);
       }
       return sheared < upright ? shear : straight;
     }
 
     /*! Adds twice the projected areas of the quads. */
-    static void addNormals (const BlockVertices& of, double sum[3])
+    static void addNormals (const BlockVertices& block, double sum[3])
     {
-      const uint32_t width = of.width;
+      const uint32_t width = block.width;
       int64_t n[3] = { 0,0,0 };
       auto add = [&](uint32_t from, uint32_t to) {
-        const int* const (&c)[3] = { of.coordinates[0],of.coordinates[1],of.coordinates[2] };
+        const int* const (&c)[3] = { block.coordinates[0],block.coordinates[1],block.coordinates[2] };
         for (int k=0; k<3; k++)
           n[k] += int64_t(c[(k+1)%3][from])*c[(k+2)%3][to] - int64_t(c[(k+2)%3][from])*c[(k+1)%3][to];
       };
-      const uint32_t last = of.quads[1]*width;
-      for (uint32_t x=0; x<of.quads[0]; x++) { add(x,x+1); add(last+x+1,last+x); }
-      for (uint32_t y=0; y<of.quads[1]; y++) {
-        add(y*width+of.quads[0],(y+1)*width+of.quads[0]);
+      const uint32_t last = block.quads[1]*width;
+      for (uint32_t x=0; x<block.quads[0]; x++) { add(x,x+1); add(last+x+1,last+x); }
+      for (uint32_t y=0; y<block.quads[1]; y++) {
+        add(y*width+block.quads[0],(y+1)*width+block.quads[0]);
         add((y+1)*width,y*width);
       }
-      for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),of.exponent[(k+1)%3]+of.exponent[(k+2)%3]);
+      for (int k=0; k<3; k++) sum[k] += std::ldexp(double(n[k]),block.exponent[(k+1)%3]+block.exponent[(k+2)%3]);
     }
 
-    int64_t thickness (const BlockVertices& of, const int* values) const
+    int64_t thickness (const BlockVertices& block, const int* values) const
     {
       int64_t sum = 0;
       for (uint32_t g=0; g<groups; g++) {
-        const Span span = Group(of,g % groupsX,g / groupsX).span(values);
+        const Span span = Group(block,g % groupsX,g / groupsX).span(values);
         sum += span.upper-span.lower;
       }
       return sum;
@@ -263,6 +265,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< at the ends; set if there is a shear
+    Heights heights[2];         //!< heights at both ends; set if there is a shear
   };
 }}

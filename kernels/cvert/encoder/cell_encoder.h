@@ -35,7 +35,7 @@ namespace cvert { inline namespace CVERT_ISA
         const int* c = vertices[k];
         const int c00 = c[0], c10 = c[4], c01 = c[20], c11 = c[24];
         const Int4 alongX = 16*(c10-c00), alongY = 16*(c01-c00), twist = c11-c10-c01+c00;
-        for (int v=0; v<paddedVertices; v+=4) // as cellPrediction
+        for (int v=0; v<paddedVertices; v+=4) // same prediction as cellPrediction
         {
           const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
           const Int4 sum = x*alongX + y*alongY + x*y*twist;
@@ -175,7 +175,7 @@ namespace cvert { inline namespace CVERT_ISA
       const int slope = fit < -maxSlope ? -maxSlope : fit > maxSlope ? maxSlope : int(std::floor(fit+0.5f));
       if (slope == 0) return 0;
       int rest[paddedVertices];
-      for (int v=0; v<paddedVertices; v+=4) // as slopeResidual
+      for (int v=0; v<paddedVertices; v+=4) // same residual as slopeResidual
         (Int4::load(r+v) - shiftArithmetic(Int4(slope)*Int4::load(main+v) + Int4(8),4)).store(rest+v);
       const int restBits = bitsOf(rest);
       if (restBits >= bits) return 0;

@@ -23,7 +23,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< of the lattice
+    int exponent = exactLattice;  //!< exponent of the lattice
     uint32_t groupTriangles = 16; //!< per full group, up to maxGroupTriangles
     uint32_t surface = 0;
   };

@@ -24,7 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshClusters
   {
   public:
-    /*! groupTriangles: of a full group, 1 to maxGroupTriangles */
+    /*! groupTriangles: number of triangles of a full group, 1 to maxGroupTriangles */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         part(new Part) {}
@@ -214,7 +214,7 @@ namespace cvert { inline namespace CVERT_ISA
         size_t sum = 0;
         uint32_t bin = 0;
         while (bin+1 < bins && sum+counts[k][bin] <= before) sum += counts[k][bin++];
-        const bool isNearer = before-sum > counts[k][bin]/2u; // to the end of the bin
+        const bool isNearer = before-sum > counts[k][bin]/2u; // nearer to the end of the bin than to its start
         median[k] = least[k] + ((bin+isNearer) << shifts[k]);
       }
       Bounds halves[3][2];

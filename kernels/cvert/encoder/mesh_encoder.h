@@ -216,15 +216,15 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! Bits of all fields on an axis. of: coordinates or ranks. */
-    uint64_t bitsOnAxis (const uint32_t* of, bool ranked) const
+    /*! Returns the bits of all fields on an axis. values: coordinates or ranks. */
+    uint64_t bitsOnAxis (const uint32_t* values, bool ranked) const
     {
       uint32_t lo[maxMeshGroups], hi[maxMeshGroups], most = 0;
       for (uint32_t g=0; g<groups; g++)
       {
-        lo[g] = hi[g] = of[all[g].numbers[0]];
+        lo[g] = hi[g] = values[all[g].numbers[0]];
         for (uint32_t i=1; i<all[g].vertices; i++) {
-          const uint32_t c = of[all[g].numbers[i]]; lo[g] = std::min(lo[g],c); hi[g] = std::max(hi[g],c);
+          const uint32_t c = values[all[g].numbers[i]]; lo[g] = std::min(lo[g],c); hi[g] = std::max(hi[g],c);
         }
         most = std::max(most,hi[g]);
       }
@@ -299,16 +299,16 @@ namespace cvert { inline namespace CVERT_ISA
     {
       for (int k=0; k<3; k++)
       {
-        const uint32_t* const of = coordinates[k];
+        const uint32_t* const onAxis = coordinates[k];
         uint32_t most = 0;
-        for (uint32_t v=0; v<numVertices; v++) most = std::max(most,of[v]);
+        for (uint32_t v=0; v<numVertices; v++) most = std::max(most,onAxis[v]);
         shifts[k] = shiftOf(most,isRanked[k]);
         for (uint32_t g=0; g<groups; g++)
         {
           Group& group = all[g];
           uint32_t lo = ~0u, hi = 0;
           for (uint32_t i=0; i<group.vertices; i++) {
-            const uint32_t c = of[group.numbers[i]]; lo = std::min(lo,c); hi = std::max(hi,c);
+            const uint32_t c = onAxis[group.numbers[i]]; lo = std::min(lo,c); hi = std::max(hi,c);
           }
           group.lower[k] = lo >> shifts[k];
           group.extent[k] = (hi >> shifts[k]) - group.lower[k];

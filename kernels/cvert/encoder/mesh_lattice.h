@@ -21,7 +21,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! A first exception has a spacing that is 2^finerBits times smaller; a second one does not move. */
     static const int finerBits = 6;
 
-    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice */
+    /*! exponent: exponent of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
         WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),

@@ -56,12 +56,12 @@ namespace cvert { inline namespace CVERT_ISA
       return countBits(((a & b) | (b & c) | (c & a)) & left & ~(1u << t));
     }
 
-    uint32_t leastConnected (uint32_t of) const
+    uint32_t leastConnected (uint32_t candidates) const
     {
-      if ((of & (of-1)) == 0) return uint32_t(__builtin_ctz(of));
+      if ((candidates & (candidates-1)) == 0) return uint32_t(__builtin_ctz(candidates));
       uint32_t best = 0, least = ~0u;
-      for (; of && least; of&=of-1) {
-        const uint32_t t = uint32_t(__builtin_ctz(of)), d = degree(t);
+      for (; candidates && least; candidates&=candidates-1) {
+        const uint32_t t = uint32_t(__builtin_ctz(candidates)), d = degree(t);
         if (d < least) { least = d; best = t; }
       }
       return best;

@@ -248,8 +248,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
     std::vector<bool> invalid;  //!< invalid at any step
-    BlockVertices other;        //!< of odd steps
-    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first step, and of the current step
+    BlockVertices other;        //!< vertices of odd steps
+    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< residuals of the first step, and of the current step
     RotationFit turns;
   };
 }}

@@ -29,25 +29,25 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
-    uint32_t form;             //!< for VertHeader::patchQuads
+    uint32_t form;             //!< form for VertHeader::patchQuads
     VertNumbers pattern;       //!< stored after the header
 
     /*! Chooses the pattern for the block at x0, y0. */
-    void set (const QuadNumbers& of, unsigned x0, unsigned y0, unsigned width, unsigned height)
+    void set (const QuadNumbers& patch, unsigned x0, unsigned y0, unsigned width, unsigned height)
     {
       this->width = width; this->height = height;
       distance = 1;
       lowest = ~0u;
       highest = 0;
-      copy(of.numbers,of.width,x0,y0,numbers);
+      copy(patch.numbers,patch.width,x0,y0,numbers);
       extend(numbers);
-      uint32_t blockForm = of.form;
-      if (!of.seconds.empty())
+      uint32_t blockForm = patch.form;
+      if (!patch.seconds.empty())
       {
         uint32_t seconds[vertBlockQuads*vertBlockQuads];
         uint8_t turns[vertBlockQuads*vertBlockQuads];
-        copy(of.seconds,of.width,x0,y0,seconds);
-        copy(of.turns,of.width,x0,y0,turns);
+        copy(patch.seconds,patch.width,x0,y0,seconds);
+        copy(patch.turns,patch.width,x0,y0,turns);
         distance = seconds[0]-numbers[0];
         bool isUniform = true;
         for (unsigned i=0; i<width*height; i++)
@@ -58,7 +58,7 @@ namespace cvert { inline namespace CVERT_ISA
             entries[2*i] = (numbers[i]-lowest) << firstCornerBits | firstCornerOfTriangle(turns[i],false);
             entries[2*i+1] = (seconds[i]-lowest) << firstCornerBits | firstCornerOfTriangle(turns[i],true);
           }
-          return setTable(of.form,numbersInTriangleTable);
+          return setTable(patch.form,numbersInTriangleTable);
         }
         blockForm |= turns[0] | (distance == 1 ? 0 : numbersOfTrianglePairs);
       }
@@ -108,8 +108,8 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     template<typename Value>
-    void copy (const std::vector<Value>& of, unsigned stride, unsigned x0, unsigned y0, Value* out) const {
-      for (unsigned y=0; y<height; y++) std::copy_n(of.begin() + (size_t(y0+y)*stride + x0),width,out + y*width);
+    void copy (const std::vector<Value>& values, unsigned stride, unsigned x0, unsigned y0, Value* out) const {
+      for (unsigned y=0; y<height; y++) std::copy_n(values.begin() + (size_t(y0+y)*stride + x0),width,out + y*width);
     }
 
     void extend (const uint32_t* values)
@@ -118,22 +118,22 @@ namespace cvert { inline namespace CVERT_ISA
       highest = std::max(highest,*std::max_element(values,values+width*height));
     }
 
-    bool setRows (uint32_t of)
+    bool setRows (uint32_t formOfBlock)
     {
-      form = of | numbersInRows;
+      form = formOfBlock | numbersInRows;
       first = numbers[0];
       pattern.x = width > 1 ? numbers[1]-first : 0;
       pattern.y = height > 1 ? numbers[width]-first : 0;
       return isRight();
     }
 
-    bool setRecursive (uint32_t of)
+    bool setRecursive (uint32_t formOfBlock)
     {
-      const uint32_t step = isTriangleForm(of) && !haveTrianglePairs(of) ? 2 : 1;
+      const uint32_t step = isTriangleForm(formOfBlock) && !haveTrianglePairs(formOfBlock) ? 2 : 1;
       auto code = [&](unsigned i) { return (numbers[i]-lowest)/step; };
       if ((highest-lowest)/step > 255) return false;
       first = lowest;
-      form = of | numbersRecursive | code(0) << 8;
+      form = formOfBlock | numbersRecursive | code(0) << 8;
       pattern.x = pattern.y = 0;
       for (unsigned i=0; i<maxVertHeight; i++) {
         if ((1u << i) < width) pattern.x |= (code(1u << i)^code(0)) << (8*i);
@@ -142,9 +142,9 @@ namespace cvert { inline namespace CVERT_ISA
       return isRight();
     }
 
-    void setTable (uint32_t of, uint32_t kind)
+    void setTable (uint32_t formOfBlock, uint32_t kind)
     {
-      form = of | kind;
+      form = formOfBlock | kind;
       first = lowest;
       pattern.x = 0; // set by writeTable
       pattern.y = 0;
@@ -162,8 +162,8 @@ namespace cvert { inline namespace CVERT_ISA
 
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
-    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< of the table
-    uint32_t distance;        //!< from first to second triangles
+    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
+    uint32_t distance;        //!< distance from first to second triangles
     uint32_t lowest, highest, first;
   };
 }}

@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class RotationFit
   {
   public:
-    /*! residuals: of the groups of the first step, by axis; used by fit() */
+    /*! Sets the residuals of the groups of the first step, by axis. They must exist while fit() is called. */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const int shift = int(7-scale);
       for (int a=0; a<3; a++)
-        for (int v=0; v<paddedVertices; v+=4) { // as rotatedResidual
+        for (int v=0; v<paddedVertices; v+=4) { // same result as rotatedResidual
           const Int4 sum = Int4(entries[a][0])*Int4::load(from[0]+v) + Int4(entries[a][1])*Int4::load(from[1]+v)
             + Int4(entries[a][2])*Int4::load(from[2]+v);
           (Int4::load(to[a]+v) - shiftArithmetic(sum + Int4(1 << (shift-1)),shift)).store(rest[a]+v);
@@ -66,7 +66,7 @@ namespace cvert { inline namespace CVERT_ISA
 
   private:
     /*! Sums of products with the first step's residuals, over all vertices. */
-    void sum (const int (*of)[3][paddedVertices], double s[3][3]) const
+    void sum (const int (*residuals)[3][paddedVertices], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
         for (int b=0; b<3; b++) {
@@ -75,7 +75,7 @@ namespace cvert { inline namespace CVERT_ISA
           {
             Float4 four = 0.0f;
             for (int v=0; v<paddedVertices; v+=4)
-              four = four + toFloat(Int4::load(of[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
+              four = four + toFloat(Int4::load(residuals[g][a]+v))*toFloat(Int4::load(first[g][b]+v));
             float lanes[4];
             four.store(lanes);
             total += double(lanes[0])+lanes[1]+lanes[2]+lanes[3];

@@ -35,10 +35,10 @@ namespace cvert
     /*! of blocks: vertFormatVersion, or meshFormatVersion if the file has mesh blocks; fileFramedVersion */
     uint32_t vertVersion, framedVersion;
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
-    uint64_t fileBytes, directory;         //!< of the file, and offset of the geometries' records
+    uint64_t fileBytes, directory;         //!< size of the file, and offset of the geometries' records
     uint32_t directoryChecksum;
-    uint32_t key[2];                       //!< of a resumable writer, lower half first; else 0
-    uint32_t checksum;                     //!< of the bytes before it
+    uint32_t key[2];                       //!< key of a resumable writer, lower half first; else 0
+    uint32_t checksum;                     //!< checksum of the bytes before it
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
@@ -60,7 +60,7 @@ namespace cvert
     uint32_t surface;                      //!< surface number, with bit 31 for moving surfaces
     uint32_t numPrimitives, numTimeSteps;
     float begin, end;                      //!< times of the first and the last step
-    float lower[3], upper[3];              //!< of everything that rays can hit; empty if lower > upper
+    float lower[3], upper[3];              //!< bounds of everything that rays can hit; empty if lower > upper
     uint64_t numBlocks;
     float measures[4];
     uint64_t counts[23];                   //!< like measures, statistics of the writer
@@ -77,11 +77,11 @@ namespace cvert
   struct FileNode
   {
     uint64_t children[4];
-    float planes[3][2][4];                 //!< by axis, lower and upper, of each child
+    float planes[3][2][4];                 //!< planes of each child, by axis, lower and upper
   };
   static_assert(sizeof(FileNode) == 128,"node of a file");
 
-  struct FileEntry                         //!< of a list; moving blocks have bounds of 0
+  struct FileEntry                         //!< entry of a list; moving blocks have bounds of 0
   {
     float lower[3], upper[3];
     uint64_t child;

@@ -55,7 +55,7 @@ namespace cvert
 
     std::string path;     //!< after following links, also those to files that do not exist yet
     Kind kind = NEW;
-    int descriptor = -1;  //!< of this process, if the path names it, for example /dev/stdout
+    int descriptor = -1;  //!< descriptor of this process, if the path names one, for example /dev/stdout
     struct stat status;   //!< undefined for a new file
 
   private:

@@ -36,10 +36,10 @@ namespace cvert
       return Reason::damaged("source % is unknown: expected 0 to %",g.source,FILE_TRIANGLES);
     if (g.compression < FILE_COMPRESSION_GRID || g.compression > FILE_COMPRESSION_VERT)
       return Reason::damaged("compression % is unknown: expected 2 to 5",g.compression);
-    const size_t of = g.form == FILE_TREE ? sizeof(FileNode) : sizeof(FileEntry);
-    if (g.treeBytes % of != 0 || (g.form == FILE_TREE && g.treeBytes == 0))
-      return Reason::damaged("its tree has % bytes: expected a multiple of %",g.treeBytes,of);
-    if (g.numBlocks > g.treeBytes/of*(g.form == FILE_TREE ? 4 : 1))
+    const size_t entryBytes = g.form == FILE_TREE ? sizeof(FileNode) : sizeof(FileEntry);
+    if (g.treeBytes % entryBytes != 0 || (g.form == FILE_TREE && g.treeBytes == 0))
+      return Reason::damaged("its tree has % bytes: expected a multiple of %",g.treeBytes,entryBytes);
+    if (g.numBlocks > g.treeBytes/entryBytes*(g.form == FILE_TREE ? 4 : 1))
       return Reason::damaged("its tree of % bytes has too few leaves for % blocks",g.treeBytes,g.numBlocks);
     const bool moves = g.form == FILE_MOVING;
     if (moves != (g.numTimeSteps != 1) || g.numTimeSteps == 0 || g.numTimeSteps > maxTimeSteps)

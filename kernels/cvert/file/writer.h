@@ -80,7 +80,7 @@ namespace cvert
     /*! bytes that may be lost if the process ends */
     static const uint64_t checkpointBytes = uint64_t(64) << 20;
 
-    /*! ending: of a file that another writer may continue, else empty */
+    /*! ending: suffix of the name of a file that another writer may continue, else empty */
     void open (const std::string& ending);
     void begin ();
     void resume ();

@@ -42,20 +42,20 @@ CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 /*! Decoders may read this many bytes after a block. */
 CVERT_CONSTANT uint32_t readPastVert = 16u;
 
-CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< per side of a group
+CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^maxVertHeight quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks of a patch begin at multiples of this
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
-CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< in the header
+CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< offset of the corners in the header
 CVERT_CONSTANT uint32_t vertEdgesBytes = 8u;
 CVERT_CONSTANT uint32_t vertMotionBytes = 16u;
 CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
 CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< per axis; the precision of a float
 CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< special value for a number of bits
 CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< in steps, see marginShift
-CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: lower x, y, z, then upper x, y, z
+CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< planes of a raw block: lower x, y, z, then upper x, y, z
 
 struct VertHeader
 {
@@ -131,7 +131,7 @@ CBVH_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
 
 CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
-/*! quads: in the row or column of group g. */
+/*! quads: number of quads in the row or column of group g. */
 CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;

@@ -34,7 +34,7 @@ CVERT_BEGIN
 
 CVERT_CONSTANT int cellVertices = 25; //!< row by row
 CVERT_CONSTANT int cellFields = 21;   //!< all but the corners
-CVERT_CONSTANT int maxFieldBits = 32; //!< of a field that holds all three residuals
+CVERT_CONSTANT int maxFieldBits = 32; //!< size of a field that holds all three residuals
 CVERT_CONSTANT int maxResidualBits = 15;
 CVERT_CONSTANT int maxSlope = 15;
 

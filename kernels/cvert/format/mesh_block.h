@@ -42,9 +42,9 @@ CVERT_CONSTANT uint32_t maxMeshGroups = 16u;
 CVERT_CONSTANT uint32_t maxGroupTriangles = 32u;
 CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
-CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< of all groups
+CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< vertices of all groups together
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
-CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< of boxes on an axis whose coordinates count floats
+CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< least shift of boxes on an axis whose coordinates count floats
 
 struct MeshHeader
 {

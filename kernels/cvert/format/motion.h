@@ -24,7 +24,7 @@ CVERT_BEGIN
 
 CVERT_CONSTANT uint32_t maxTimeSteps = 129u;
 CVERT_CONSTANT uint32_t vertStepBytes = 64u;
-CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< in a step
+CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of the corners in a step
 
 struct VertStep
 {
@@ -106,7 +106,7 @@ struct VertStepLayout
 {
   uint32_t remainders;         //!< the word of remainders, if present
   uint32_t margins, words, wordsHigh, cell;
-  uint32_t vertices, rawBytes; //!< of a raw step
+  uint32_t vertices, rawBytes; //!< offset of the vertices, and size, of a raw step
 };
 
 CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)

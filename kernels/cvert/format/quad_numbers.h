@@ -37,7 +37,7 @@ CVERT_READABLE(VertNumbers,4)
 struct VertTrianglePairs
 {
   VertNumbers numbers;
-  uint32_t distance; //!< from a first triangle's number to its second triangle's number, modulo 2^32
+  uint32_t distance; //!< a second triangle's number minus its first triangle's number, modulo 2^32
 };
 CVERT_READABLE(VertTrianglePairs,4)
 

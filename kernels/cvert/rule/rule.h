@@ -280,8 +280,8 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
 /*! Distances along a ray of a triangle's nearest and farthest vertex. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
-/*! All parameters: on the axis of the ray's largest component. Division is monotonic, so dividing the lowest and the
- *  highest difference suffices. */
+/*! The parameters are components on the axis of the ray's largest component. Because division is monotonic, it is
+ *  enough to divide the lowest and the highest difference. */
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;

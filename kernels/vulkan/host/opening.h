@@ -38,14 +38,14 @@ struct Capabilities
 {
   RTCVulkanDeviceInfo info;
   bool hasHostImport = false;       // VK_EXT_external_memory_host
-  size_t scratchAlignment = 256;    // of builds of acceleration structures
+  size_t scratchAlignment = 256;    // alignment of the scratch memory that builds of acceleration structures need
   uint64_t maxBoxes = 0, maxInstances = 0;
   uint32_t computeFamily = ~0u;
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
   size_t maxAllocation = 0;         // bytes
   size_t importAlignment = 4096;
-  uint32_t timestampBits = 0;       // of the compute family; 0 if it has no timestamps
+  uint32_t timestampBits = 0;       // valid bits of timestamps of the compute family; 0 if it has no timestamps
   uint8_t cacheID[VK_UUID_SIZE];
 };
 

@@ -10,7 +10,7 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t mostRays = size_t(1) << 27;   // shaders index words with 32 bits
+constexpr size_t maxRays = size_t(1) << 27;   // shaders index words with 32 bits
 
 size_t tilesOf(size_t count) { return (count + orderTile - 1)/orderTile; }
 size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }
@@ -19,9 +19,9 @@ size_t pairBytes(size_t count) { return (8*count + 15) & ~size_t(15); }
 
 size_t rayOrderBytes(size_t count)
 {
-  if (count > mostRays)
+  if (count > maxRays)
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(count) + ": at most "
-                      + std::to_string(mostRays) + " rays are ordered at once");
+                      + std::to_string(maxRays) + " rays are ordered at once");
   return 2*pairBytes(count) + ((4*orderDigits*tilesOf(count) + 15) & ~size_t(15));
 }
 
@@ -31,12 +31,12 @@ void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBu
   const Device& device = scene.device;
   const DeviceFunctions& vk = device.vk;
   const size_t groups = (rays.count + orderThreads - 1)/orderThreads,
-               mostGroups = device.capabilities.properties.limits.maxComputeWorkGroupCount[0];
-  if (groups > mostGroups)
+               maxGroups = device.capabilities.properties.limits.maxComputeWorkGroupCount[0];
+  if (groups > maxGroups)
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid count " + std::to_string(rays.count) + ": at most "
-                      + std::to_string(mostGroups*orderThreads)
+                      + std::to_string(maxGroups*orderThreads)
                       + " rays are ordered at once, the device's maxComputeWorkGroupCount is "
-                      + std::to_string(mostGroups));
+                      + std::to_string(maxGroups));
   const size_t words = rays.rayBytes/4;
   if (words > (size_t(1) << 32)/rays.count)
     throw VulkanError(RTC_ERROR_INVALID_ARGUMENT, "invalid stride " + std::to_string(rays.rayBytes) + " of "

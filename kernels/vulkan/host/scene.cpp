@@ -18,6 +18,7 @@ struct FlatRelease { void operator()(const FlatScene* flat) const { rtcReleaseFl
 struct DeviceRelease { void operator()(RTCDevice device) const { rtcReleaseDevice(device); } };
 using HeldRTCDevice = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 
+/* The traced scene, or a scene that it instances. */
 struct Part
 {
   RTCScene scene;
@@ -31,16 +32,17 @@ std::string nameOf(const Part& part, const Part& top, size_t geomID)
   return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
 }
 
-/* Embree's limit for vertices. The area of larger boxes overflows. */
-bool isUsable(const float* p)
+/* True if Embree accepts the vertex. The areas of boxes with larger coordinates would overflow. */
+bool isVertexInRange(const float* p)
 {
   for (int k = 0; k < 3; k++)
     if (!(std::fabs(p[k]) < 1.844e18f)) return false;
   return true;
 }
 
-/* Returns the bounds in the world at all times. The time steps suffice, because corners move linearly between them. */
-Bounds transformed(const FlatGeometry& instance, const float* lower, const float* upper)
+/* Returns bounds of the box in world space at all times. It is enough to transform the corners at each time step,
+ * because they move linearly in between. */
+Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
   for (uint32_t step = 0; step < instance.timeSteps; step++)
@@ -53,7 +55,7 @@ Bounds transformed(const FlatGeometry& instance, const float* lower, const float
       }
       out.extend(p);
     }
-  /* generous bound of the rounding errors of both transforms */
+  /* more than the rounding errors of this transform and of the inverse one, which transforms rays */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
@@ -196,7 +198,7 @@ private:
       if (geometry.type == FLAT_TRIANGLES) addTriangles(geometry, uint32_t(i), triangles);
       if (geometry.type != FLAT_INSTANCE || !(geometry.lower[0] <= geometry.upper[0])) continue;
       out.statistics.numInstances++;
-      instances.push_back({transformed(geometry, geometry.lower, geometry.upper), uint32_t(i),
+      instances.push_back({worldBounds(geometry, geometry.lower, geometry.upper), uint32_t(i),
                            RTC_INVALID_GEOMETRY_ID});
     }
     const HeldRTCDevice embree(rtcGetSceneDevice(part.scene));
@@ -227,20 +229,21 @@ private:
         if (!valid) break;
         float p[3];
         std::memcpy(p, geometry.vertices + corners[c]*geometry.vertexStride, sizeof(p));
-        valid = isUsable(p);
+        valid = isVertexInRange(p);
         item.bounds.extend(p);
       }
-      if (valid) items.push_back(item);   // Embree skips the others, too
+      if (valid) items.push_back(item);   // Embree also skips invalid triangles
     }
   }
 
-  struct Firsts { size_t node, movingNode, cell; };
+  /* Indices of the first elements of a part in the scene's arrays. */
+  struct PartOffsets { size_t node, movingNode, cell; };
 
-  /* Appends the nodes and cells of a part. Renumbers their references. */
+  /* Appends the nodes and cells of part p to the scene's arrays and renumbers their references. */
   void copyNodes(const FlatScene& flat, size_t p)
   {
-    firsts.resize(parts.size());
-    firsts[p] = {tree.nodes.size(), tree.movingNodes.size(), cells.size()};
+    offsets.resize(parts.size());
+    offsets[p] = {tree.nodes.size(), tree.movingNodes.size(), cells.size()};
     requireReferences(tree.nodes.size() + flat.numNodes, "nodes");
     requireReferences(tree.movingNodes.size() + flat.numMovingNodes, "nodes of motion");
     requireReferences(cells.size() + flat.numCells, "leaves of grids");
@@ -264,28 +267,28 @@ private:
   {
     if (reference == emptyReference) return reference;
     const uint32_t type = referenceType(reference), index = referenceIndex(reference);
-    if (type == nodeReference) return makeReference(type, uint32_t(firsts[p].node) + index);
-    if (type == movingNodeReference) return makeReference(type, uint32_t(firsts[p].movingNode) + index);
-    if (type == cellReference) return makeReference(type, uint32_t(firsts[p].cell) + index);
+    if (type == nodeReference) return makeReference(type, uint32_t(offsets[p].node) + index);
+    if (type == movingNodeReference) return makeReference(type, uint32_t(offsets[p].movingNode) + index);
+    if (type == cellReference) return makeReference(type, uint32_t(offsets[p].cell) + index);
     out.kinds |= 1u << type;
     return makeReference(type, firstBlock[p] + index);
   }
 
   /* --- writing --- */
 
-  /* Appends the triangles to the cells and adjusts the references to them. */
-  void moveRuns()
+  /* Appends the triangles to the cells, because both share an array, and adjusts the references to triangles. */
+  void appendTriangles()
   {
     if (tree.triangles.empty()) return;
     out.kinds |= 1u << triangleReference;
     const uint32_t first = uint32_t(cells.size());
     requireReferences(first + tree.triangles.size(), "triangles and leaves of grids");
-    auto moved = [&](uint32_t reference) {
+    auto adjusted = [&](uint32_t reference) {
       return isRunType(referenceType(reference)) ? reference + first : reference;
     };
     for (FlatNode& node : tree.nodes)
-      for (uint32_t& child : node.children) child = moved(child);
-    for (Part& part : parts) part.tree.root = moved(part.tree.root);
+      for (uint32_t& child : node.children) child = adjusted(child);
+    for (Part& part : parts) part.tree.root = adjusted(part.tree.root);
     for (const auto& triangle : tree.triangles) cells.push_back(triangle);
   }
 
@@ -342,7 +345,7 @@ private:
   {
     LeafBoxes boxes;
     VkDeviceAddress address;
-    size_t level;   // bottom level in the space of the instanced scene
+    size_t level;   // bottom level, in the space of the instanced scene
   };
 
   /* Adds the bottom levels and instances of all parts. A moving instance gets its own bottom levels, whose boxes bound
@@ -350,17 +353,17 @@ private:
   void placeBoxes(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
-    const auto where = [](const Bounds& b) { return b; };
-    std::vector<std::vector<PartBoxes>> ofParts(parts.size());
+    const auto unchanged = [](const Bounds& b) { return b; };
+    std::vector<std::vector<PartBoxes>> boxesOfParts(parts.size());
     for (size_t p = 0; p < parts.size(); p++)
       for (LeafBoxes& boxes
            : leafBoxesOf(tree, parts[p].tree, [&](uint32_t reference) { return geomIDOf(reference); })) {
         const VkDeviceAddress address
           = writeArray(boxes.boxes.data(), boxes.boxes.size(), "boxes of blocks").address();
         const size_t level
-          = builder.addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), where);
+          = builder.addLevel(boxes, QueryStructures::Place(p, boxes.geomID, RTC_INVALID_GEOMETRY_ID), unchanged);
         if (p == 0) builder.addInstance(level, identity, {address, RTC_INVALID_GEOMETRY_ID, 0});
-        else ofParts[p].push_back({std::move(boxes), address, level});
+        else boxesOfParts[p].push_back({std::move(boxes), address, level});
       }
     const FlatScene& top = *parts[0].flat;
     for (size_t i = 0; i < top.numGeometries; i++)
@@ -369,37 +372,37 @@ private:
       if (instance.type != FLAT_INSTANCE || !(instance.lower[0] <= instance.upper[0])) continue;
       const size_t p = partOf.at(instance.instanced);
       if (instance.timeSteps == 1 && !isInvertible(instance)) continue;
-      for (const PartBoxes& some : ofParts[p])
+      for (const PartBoxes& partBoxes : boxesOfParts[p])
       {
-        const PlacedBoxes place = {some.address, uint32_t(i), parts[p].firstGeometry};
-        if (instance.timeSteps == 1) builder.addInstance(some.level, instance.localToWorld, place);
+        const PlacedBoxes placed = {partBoxes.address, uint32_t(i), parts[p].firstGeometry};
+        if (instance.timeSteps == 1) builder.addInstance(partBoxes.level, instance.localToWorld, placed);
         else builder.addInstance(
-          builder.addLevel(some.boxes, QueryStructures::Place(p, some.boxes.geomID, uint32_t(i)),
-                           [&](const Bounds& b) { return transformed(instance, b.lower, b.upper); }),
-          identity, place);
+          builder.addLevel(partBoxes.boxes, QueryStructures::Place(p, partBoxes.boxes.geomID, uint32_t(i)),
+                           [&](const Bounds& b) { return worldBounds(instance, b.lower, b.upper); }),
+          identity, placed);
       }
     }
   }
 
   void write()
   {
-    moveRuns();
+    appendTriangles();
     std::vector<GeometryData> geometries;
-    uint32_t below = 0;
+    uint32_t instancedDepth = 0;
     for (size_t p = 0; p < parts.size(); p++) {
       for (size_t i = 0; i < parts[p].flat->numGeometries; i++)
         geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
-      if (p > 0) below = std::max(below, parts[p].tree.depth);
+      if (p > 0) instancedDepth = std::max(instancedDepth, parts[p].tree.depth);
     }
-    /* traversal pushes up to three children per node of a path */
-    const uint32_t depth = parts[0].tree.depth + below;
+    /* traversal pushes up to three children per node on the path from the root */
+    const uint32_t depth = parts[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
-    const FlatNode noNode = FlatNode();
+    const FlatNode placeholder = FlatNode();
     static_assert(sizeof(FlatNode) == nodeBytes && sizeof(FlatMovingNode) == movingNodeBytes, "layout of a node");
     SceneData data = SceneData();
-    data.nodes = writeArray(tree.nodes.empty() ? &noNode : tree.nodes.data(), std::max(tree.nodes.size(), size_t(1)),
-                            "nodes").address();
+    data.nodes = writeArray(tree.nodes.empty() ? &placeholder : tree.nodes.data(),
+                            std::max(tree.nodes.size(), size_t(1)), "nodes").address();
     data.movingNodes = tree.movingNodes.empty() ? data.nodes
       : writeArray(tree.movingNodes.data(), tree.movingNodes.size(), "nodes of motion").address();
     data.blocks = writeArray(blocks.data(), blocks.size(), "addresses of blocks").address();
@@ -439,14 +442,14 @@ private:
   const SceneOptions options;
   const RTCVulkanMemory memory;
   Uploader uploader;
-  std::vector<Part> parts;            // the scene first
-  std::map<RTCScene, size_t> partOf;
+  std::vector<Part> parts;            // begins with the traced scene
+  std::map<RTCScene, size_t> partOf;  // index in parts
   uint32_t numGeometries = 0;
-  std::vector<uint32_t> firstBlock;   // per part
+  std::vector<uint32_t> firstBlock;   // index in blocks, per part
   std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
-  std::vector<Firsts> firsts;
+  std::vector<PartOffsets> offsets;
 };
 
 Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)
@@ -457,7 +460,7 @@ Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)
 
 Scene::~Scene()
 {
-  blocks = BlockBuffers();   // these may import the memory of `source`
+  blocks = BlockBuffers();   // released first, because they may import memory of `source`
   if (source) rtcReleaseScene(source);
 }
 
@@ -466,19 +469,19 @@ void Scene::record(Query query, VkPipeline pipeline, VkCommandBuffer commands, V
 {
   const DeviceFunctions& vk = device.vk;
   vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-  const size_t group = 64;   // local_size_x of trace.comp
+  const size_t groupSize = 64;   // local_size_x of trace.comp
   /* the shader indexes words of rays with 32 bits */
-  const size_t most = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*group,
+  const size_t maxRays = std::min(size_t(device.capabilities.properties.limits.maxComputeWorkGroupCount[0])*groupSize,
                                size_t(1) << 26);
   const size_t rayBytes = query == CLOSEST_HIT ? sizeof(RTCRayHit) : sizeof(RTCRay);
-  for (size_t first = 0; first < count; first += most)
+  for (size_t first = 0; first < count; first += maxRays)
   {
-    const size_t n = std::min(count - first, most);
+    const size_t n = std::min(count - first, maxRays);
     const TraceArguments arguments = order ? TraceArguments{address, rays, order, uint32_t(first), uint32_t(n)}
                                            : TraceArguments{address, rays + first*rayBytes, 0, 0, uint32_t(n)};
     vk.CmdPushConstants(commands, device.pipelineLayout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(arguments),
                         &arguments);
-    vk.CmdDispatch(commands, uint32_t((n + group - 1)/group), 1, 1);
+    vk.CmdDispatch(commands, uint32_t((n + groupSize - 1)/groupSize), 1, 1);
   }
 }
 

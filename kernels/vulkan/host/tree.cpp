@@ -191,18 +191,18 @@ Subtree Tree::buildInstances(RTCDevice device, std::vector<Item>& items) { retur
 
 Subtree Tree::join(const std::vector<Subtree>& subtrees)
 {
-  std::vector<Subtree> some;
+  std::vector<Subtree> nonEmpty;
   for (const Subtree& subtree : subtrees)
-    if (subtree.root != cbvh::emptyReference) some.push_back(subtree);
-  if (some.empty()) return Subtree();
-  if (some.size() == 1) return some[0];
+    if (subtree.root != cbvh::emptyReference) nonEmpty.push_back(subtree);
+  if (nonEmpty.empty()) return Subtree();
+  if (nonEmpty.size() == 1) return nonEmpty[0];
   Subtree out;
   const uint32_t n = addNode();
   out.root = cbvh::makeReference(cbvh::nodeReference, n);
-  for (size_t i = 0; i < some.size(); i++) {
-    setChild(nodes[n], int(i), some[i].root, some[i].bounds);
-    out.bounds.extend(some[i].bounds);
-    out.depth = std::max(out.depth, some[i].depth + 1);
+  for (size_t i = 0; i < nonEmpty.size(); i++) {
+    setChild(nodes[n], int(i), nonEmpty[i].root, nonEmpty[i].bounds);
+    out.bounds.extend(nonEmpty[i].bounds);
+    out.depth = std::max(out.depth, nonEmpty[i].depth + 1);
   }
   return out;
 }

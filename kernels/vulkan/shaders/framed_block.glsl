@@ -154,7 +154,7 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
   if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
   framed = vec2(t, own);
   uint height = heightOf(header.info);
-  float size = float(1u << height)/float(numLeaves); // of a leaf, in quads
+  float size = float(1u << height)/float(numLeaves); // size of a leaf, in quads
   float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height,
                           size*(float(mortonX(at.leaf)) + at.u));
   float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height,
@@ -364,7 +364,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       {
         float s = max(slabs.enter[child], 0.0);
         if (local.segment.startClipped && slabs.enter[child] < 0.0) continue;
-        if (found ? !(s < best) : !(s <= best)) continue; // of ties, the first along the ray
+        if (found ? !(s < best) : !(s <= best)) continue; // accepts the first of equal distances
         if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
                        cbvhHitOnPatch(local, cbvhSolidLeaf(decodeChild(word, child, box)), leaf, s, sideUnknown),
                        hit, framed)) found = true;

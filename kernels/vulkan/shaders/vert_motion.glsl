@@ -14,7 +14,7 @@
 struct CbvhSegment
 {
   StepView begin, end;
-  float fraction;           // of the time from begin to end
+  float fraction;           // fraction of the time from begin to end
 };
 
 /* Lattice coordinates of the corners of groups at both steps, row by row. */

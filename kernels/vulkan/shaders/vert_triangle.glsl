@@ -9,7 +9,7 @@
 #include "ray.glsl"
 #include "../../cvert/rule/rule.h"
 
-/* The shear that maps the direction to axis kz, that of its largest component. */
+/* The shear that maps the direction to axis kz. kz is the axis of the direction's largest component. */
 struct CbvhShear
 {
   int kz;
@@ -52,7 +52,7 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
   return triangle;
 }
 
-/* The nearest hit in triangles of cVERT. Ties at the same distance are broken by the names of the triangles. */
+/* The nearest hit in triangles of cVERT. The keys of the triangles break ties at the same distance. */
 struct CbvhVertNearest
 {
   bool isSet;
@@ -71,7 +71,7 @@ struct CbvhVertHit
 };
 
 /* Returns true and sets `nearest` if the ray hits the triangle nearer than tfar, or at the same distance as `nearest`
- * and before it in the order of names. tfar: distance of the nearest hit of any kind. */
+ * and before it in the order of keys. tfar: distance of the nearest hit of any kind. */
 bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey name, float tfar,
                         inout CbvhVertNearest nearest, out CbvhVertHit at)
 {

@@ -155,7 +155,7 @@ namespace embree
       Heights* groups;
       uint32_t sharpSides;
       BlockStatistics& statistics;
-      double borderWidth = 0;  //!< of all groups
+      double borderWidth = 0;  //!< largest border width of all groups
     };
   }}
 }

@@ -133,7 +133,7 @@ CBVH_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.l
 struct LeafPatch
 {
   NodeBox box;
-  float z[4];       //!< at the corners of the box: column + 2 row
+  float z[4];       //!< z at the corners of the box: column + 2 row
   float thickness;
   bool solid;       //!< the box is the surface
   bool empty;

@@ -13,18 +13,19 @@
  * above where it passes through the upper face, and below where it passes through the lower face. It hits where f
  * changes sign, or if it enters and leaves on different sides.
  *
- * Patches of adjacent groups do not meet exactly: each is off the edge between them by up to half a thickness, and a
- * ray could pass through the step. The ray therefore remembers on which side it left the last leaf, or passed the last
- * box. It hits
+ * Patches of adjacent groups do not meet exactly. Each deviates from their shared edge by up to half a thickness, so
+ * there is a step between them, through which a ray could pass. A ray therefore remembers on which side it left the
+ * last leaf, or passed the last box. It hits
  *
- * - at the entry of a leaf, if it enters on the other side;
+ * - at the entry of a leaf, if it enters on a side other than the remembered one;
  * - where it left a leaf, if it was within half a thickness of that leaf, and then passes over (under) the next boxes,
  *   although it was under (over) that leaf;
- * - a lip at the border of the block, because the neighbor is in another block, in which the ray's side is not known.
+ * - in a lip at the border of the block. The neighbor there is in another block, to which the remembered side is not
+ *   passed on.
  *
- *      surface of A  ____           The encoder keeps both surfaces above the edge that
- *      ---------.....|   ....---    they share, and less than half a thickness. Lips
- *                 lip|---|lip       hang from the border that far down: each reaches the
+ *      surface of A  ____           The encoder keeps both surfaces above their shared
+ *      ---------.....|   ....---    edge by less than half a thickness. Lips extend down
+ *                 lip|---|lip       from the border by half a thickness: both reach the
  *                     edge          edge, so together they close the gap.
  *
  * Proof that no ray passes through. Inside a block, the leaves and passed boxes cover the ray's path in x and y without
@@ -32,14 +33,14 @@
  * that it remembers were wrong. At its first position in the block there are two cases. In the first, the ray is
  * outside of the box of the quads there, and its side is the side on which it passes the box, or the side of the face
  * through which it enters. In the second, it crosses an edge on the border. Assume that it is above that edge (the case
- * below is the same, mirrored, but the patch is above the edge in both). The patch is there at most half a thickness
- * above the edge. If the ray is below the patch, it is in the lip. If it is above, f >= 0 there, and one of three
- * things happens: the ray leaves the leaf on the upper side; or f changes sign after this position; or f changes sign
- * before, which is in the lip unless the ray entered through the lower face. This is why a change of sign is a hit even
- * between equal sides, where the box ends and its patch does not.
+ * below is the same, mirrored, but the patch is above the edge in both). At this position, the patch is at most half a
+ * thickness above the edge. If the ray is below the patch, it is in the lip. If it is above, f >= 0 there, and one of
+ * three things happens: the ray leaves the leaf on the upper side; or f changes sign after this position; or f changes
+ * sign before, which is in the lip unless the ray entered through the lower face. For this reason, a change of sign is
+ * a hit even if the ray enters and leaves on the same side, as it can where the box ends but its patch does not.
  *
- * A ray that starts on the surface of a leaf, within half a thickness, does not hit a step if it is past the step again
- * when it leaves the step's leaf. Otherwise it would shadow the surface that it starts on. A segment that starts (ends)
+ * A ray that starts within half a thickness of the surface of a leaf does not hit a step if it leaves the leaf of the
+ * step on the side that it remembers. Otherwise the surface would shadow its own points. A segment that starts (ends)
  * in a leaf, at tnear (tfar), hits the leaf only if f changes sign.
  *
  * In the paper, every ray that intersects an interval hits its near side. This closes the steps too, but thickens the
@@ -88,7 +89,7 @@ struct LeafEvent
   bool near;        //!< possibly within half a thickness anywhere between entry and exit
   bool started;     //!< the segment starts inside the box
   bool ended;       //!< the segment ends inside the box
-  bool solid;       //!< see LeafPatch
+  bool solid;       //!< the box is the surface
   bool empty;       //!< the leaf has no surface
 };
 
@@ -103,7 +104,7 @@ CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 struct Verdict
 {
   uint32_t hit;
-  uint32_t from;    //!< side from which the ray comes, if it is known from more than this leaf
+  uint32_t from;    //!< side that the ray remembered, if the hit follows from it, otherwise sideUnknown
   WalkState next;   //!< state if there is no hit, or if it is not accepted
 };
 
@@ -144,10 +145,10 @@ CBVH_FUNCTION Verdict crossLeaf (WalkState state, LeafEvent leaf)
   next.side = leaf.leave;
   next.pending = leaf.near;
 
-  bool beyond = next.fromSurface && !leaf.started && state.side == leaf.leave;
+  bool isPastStep = next.fromSurface && !leaf.started && state.side == leaf.leave;
   bool step = !leaf.started && state.side != sideUnknown && state.side != leaf.enter;
-  if (step && !beyond) return verdict(hitStep,state.side,next);
-  if (crosses) return verdict(beyond ? hitNone : hitRoot,sideUnknown,next);
+  if (step && !isPastStep) return verdict(hitStep,state.side,next);
+  if (crosses) return verdict(isPastStep ? hitNone : hitRoot,sideUnknown,next);
   if (leaf.near && !leaf.started && !leaf.ended) return verdict(hitLip,sideUnknown,next);
   return verdict(hitNone,sideUnknown,next);
 }

@@ -304,7 +304,7 @@ namespace embree
         }
       }
 
-      /*! Bounds must differ from what they are compared with by more than this. Positions in cells, which are at least
+      /*! Least difference at which a comparison of bounds is certain. Positions in cells, which are at least
        *  2^-23 wide, have errors below 2^-25, and heights have errors below this fraction of 128 bins. */
       Double4 margin() const { return Double4(size)*(1.0/8192); }
 
@@ -427,7 +427,7 @@ namespace embree
     private:
       const NodeBoxes& parents;
       const GroupLanes& groups;
-      Float4 lower, size;      //!< of the bins
+      Float4 lower, size;      //!< lower bound and size of the bins
       Int4 word;
       Double4 planes[2][3], width[2][2], reciprocal[2][2];
       Mask4 upper[2][3];       //!< [axis][line]: middle vertices that are in the upper of both cells
@@ -435,7 +435,7 @@ namespace embree
       Int4 heights[9];
       Double4 z[9];
       Double4 off[9];          //!< see measure()
-      Double4 bend[4];         //!< of a cell: sag of a straight line through it that advances by 1 along both axes
+      Double4 bend[4];         //!< per cell: sag of a straight line through it that advances by 1 along both axes
       Double4 thick;
     };
   }}

@@ -4,9 +4,9 @@
 #pragma once
 
 /* Measures how well leaves represent their quads. A leaf is a height field over a box of its frame, and represents
- * anything else badly: a wall that is vertical in the frame gets a wrong normal, a fold becomes a thick plane or an
- * entire box, and the box extends past the edges where the surface ends or bends. Patches with many such quads should
- * be stored as cVERT. docs/paper.md has the measurements behind the limits. */
+ * anything else badly. A wall that is vertical in the frame has a wrong normal. A fold becomes a thick plane or an
+ * entire box. Where the surface ends or bends, the box extends past the edges. Patches with many such quads should be
+ * stored as cVERT. docs/paper.md contains the measurements from which the limits follow. */
 
 #include "../block_geometry.h"
 #include "../normal.h"

@@ -54,7 +54,7 @@ namespace embree
       }
       const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
         slack = group.slack(slopes);
-      double lowest = 0, highest = 0; // of the plane above the vertices
+      double lowest = 0, highest = 0; // range of the plane's height above the vertices
       double lowestBorder = 1e300;
       for (int c=0; c<4; c++) {
         const double* p = group.vertexOf(quad,c);

@@ -26,7 +26,7 @@ namespace embree
         return false;
       }
 
-      /*! Distance in z that a surface with these slopes must keep from what it bounds. */
+      /*! Least distance in z between the vertices and a surface with these slopes that bounds them. */
       double slack(const double slope[2]) const {
         return containmentSlack + rounding[2] + slope[0]*rounding[0] + slope[1]*rounding[1];
       }

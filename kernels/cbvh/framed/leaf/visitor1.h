@@ -79,7 +79,7 @@ namespace embree
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! Returns true if the ray intersects what `hit` selects, and sets s. */
+        /*! Returns true if the ray hits the leaf in the way that `hit` selects (hit_rule.h), and sets s. */
         __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           if (hit == hitNone) return false;

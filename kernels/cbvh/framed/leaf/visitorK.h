@@ -145,12 +145,12 @@ namespace embree
             next.known = vbool<K>(true);
             next.above = x.leaveAbove;
             next.pending = x.near;
-            const vbool<K> beyond = andn(andn(next.fromSurface & state.known,x.started),state.above ^ x.leaveAbove);
+            const vbool<K> isPastStep = andn(andn(next.fromSurface & state.known,x.started),state.above ^ x.leaveAbove);
             const vbool<K> differs = andn(state.known & (state.above ^ x.enterAbove),x.started);
-            const vbool<K> step = andn(first & differs,beyond);
+            const vbool<K> step = andn(first & differs,isPastStep);
             hits.fromAbove = step & state.above;
             hits.fromBelow = andn(step,state.above);
-            root = andn(lanes & crosses,step | (first & beyond));
+            root = andn(lanes & crosses,step | (first & isPastStep));
             if (isAtBorder(16*m+child)) lip = andn(andn(andn(andn(first & x.near,crosses),step),x.started),x.ended);
             hit = step | root | lip;
           }
