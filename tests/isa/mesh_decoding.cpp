@@ -126,7 +126,7 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
   using embree::Vec3fa;
   Random random(97);
   size_t found = 0, onEdges = 0;
-  for (int i = 0; i < 4000; i++) {
+  for (int i = 0; i < 8000; i++) {
     MeshTriangles group;
     std::memset((void*)&group, random.below(256), sizeof(group));
     float vertices[32][3];
@@ -158,7 +158,7 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
       onEdges += isInside && !isCertain;
     }
   }
-  EXPECT_GT(found, 2500u);
+  EXPECT_GT(found, 5000u);
   EXPECT_GT(onEdges, 50u);
 }
 
