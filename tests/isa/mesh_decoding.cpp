@@ -84,17 +84,22 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
     for (uint32_t g = 0; g < view.groups; g++) {
       SCOPED_TRACE(testing::Message() << "block " << i << ", group " << g);
       const DecodedMeshGroup expected(view, g);
-      MeshTriangles found;
-      decoder.triangles(*boxes, g, found);
-      ASSERT_EQ(found.numVertices, expected.numVertices);
-      ASSERT_EQ(found.lanes, 0xFFFFFFFFu >> (32 - expected.numTriangles));
+      MeshTriangles halves[2];
+      decoder.triangles(*boxes, g, 0, halves[0]);
+      ASSERT_EQ(halves[0].isFirstOfTwo, expected.numTriangles > 16);
+      if (halves[0].isFirstOfTwo) {
+        decoder.triangles(*boxes, g, 1, halves[1]);
+        ASSERT_FALSE(halves[1].isFirstOfTwo);
+        ASSERT_EQ(halves[1].lanes, 0xFFFFu >> (32 - expected.numTriangles));
+      }
+      ASSERT_EQ(halves[0].lanes, halves[0].isFirstOfTwo ? 0xFFFFu : 0xFFFFu >> (16 - expected.numTriangles));
       for (uint32_t t = 0; t < expected.numTriangles; t++) {
         ASSERT_EQ(decoder.number(*boxes, g, t), expected.numbers[t]);
         for (int c = 0; c < 3; c++) {
           double sheared = 0;
           for (int k = 0; k < 3; k++) {
             const float x = expected.corners[c][k][t];
-            ASSERT_EQ(found.at[k][found.corners[c][t]], x) << "triangle " << t << ", corner " << c << ", axis " << k;
+            ASSERT_EQ(halves[t/16].at[k][c][t%16], x) << "triangle " << t << ", corner " << c << ", axis " << k;
             ASSERT_LE(std::fabs(double(x) - boxes->origin[k]), boxes->extent[k]*(1 + 1e-6));
             sheared += (double(x) - boxes->origin[k])*boxes->shear[k];
             if (k == boxes->axis) continue;
@@ -121,31 +126,34 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
   using embree::Vec3fa;
   Random random(97);
   size_t found = 0, onEdges = 0;
-  for (int i = 0; i < 4000; i++) {
+  for (int i = 0; i < 8000; i++) {
     MeshTriangles group;
     std::memset((void*)&group, random.below(256), sizeof(group));
-    group.numVertices = 3 + random.below(29);
-    const uint32_t count = 1 + random.below(32);
-    group.lanes = 0xFFFFFFFFu >> (32 - count);
-    for (auto& axis : group.at)
-      for (uint32_t v = 0; v < group.numVertices; v++) axis[v] = float(random.below(i % 2 ? 9 : 4096))/128;
-    for (auto& corner : group.corners)
-      for (uint32_t t = 0; t < count; t++) corner[t] = uint8_t(random.below(group.numVertices));
-    const uint32_t a = random.below(group.numVertices), b = random.below(group.numVertices);
+    float vertices[32][3];
+    const uint32_t numVertices = 3 + random.below(29), count = 1 + random.below(16);
+    group.lanes = 0xFFFFu >> (16 - count);
+    for (uint32_t v = 0; v < numVertices; v++)
+      for (float& x : vertices[v]) x = float(random.below(i % 2 ? 9 : 4096))/128;
+    for (uint32_t t = 0; t < count; t++)
+      for (int c = 0; c < 3; c++) {
+        const uint32_t v = random.below(numVertices);
+        for (int k = 0; k < 3; k++) group.at[k][c][t] = vertices[v][k];
+      }
+    const uint32_t a = random.below(numVertices), b = random.below(numVertices);
     float org[3], dir[3];
     for (int k = 0; k < 3; k++) {
       org[k] = float(random.below(64))/64 - (k == 2 ? 4 : 0);
-      dir[k] = 0.5f*(group.at[k][a] + group.at[k][b]) - org[k];
+      dir[k] = 0.5f*(vertices[a][k] + vertices[b][k]) - org[k];
     }
     VertRay ray;
     ray.set(embree::Ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY));
-    const GroupTriangles triangles(ray, group);
-    ASSERT_EQ(triangles.mask & ~group.lanes, 0u);
+    const uint32_t mask = trianglesHitByLine(ray, group);
+    ASSERT_EQ(mask & ~group.lanes, 0u);
     for (uint32_t t = 0; t < count; t++) {
       const VertTriangle triangle(group, t);
       const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(triangle.sides(ray));
-      if (isInside) { ASSERT_TRUE(triangles.mask >> t & 1) << "case " << i << ", triangle " << t; }
-      else { ASSERT_FALSE((triangles.mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
+      if (isInside) { ASSERT_TRUE(mask >> t & 1) << "case " << i << ", triangle " << t; }
+      else { ASSERT_FALSE((mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
       found += isInside;
       onEdges += isInside && !isCertain;
     }

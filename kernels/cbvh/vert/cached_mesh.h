@@ -40,10 +40,11 @@ namespace embree
           return slot;
         }
 
-        __forceinline const MeshTriangles& vertices (uint32_t g) const
+        /*! half: 0, or 1 if the group has a second half. */
+        __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
-          MeshTriangles& at = cache.slot(block,g);
-          if (at.block != block || at.lane != g) decode(g,at);
+          MeshTriangles& at = cache.slot(block,16*half+g);
+          if (at.block != block || at.lane != 16*half+g) decode(g,half,at);
           return at;
         }
 
@@ -68,18 +69,30 @@ namespace embree
           MeshDecoder(block).decode(slot);
         }
 
-        __noinline void decode (uint32_t g, MeshTriangles& at) const
+        __noinline void decode (uint32_t g, uint32_t half, MeshTriangles& at) const
         {
           const MeshBoxes& boxes = this->boxes();
           at.block = block;
-          at.lane = g;
-          MeshDecoder(block).triangles(boxes,g,at);
+          at.lane = 16*half+g;
+          MeshDecoder(block).triangles(boxes,g,half,at);
         }
 
         MeshCache& cache;
         const MeshHeader* block;
         MeshBoxes& slot;
       };
+
+      __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {
+        return VertTriangle(cached.triangles(g,h >> 4),h & 15);
+      }
+
+      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached, uint32_t g)
+      {
+        const MeshTriangles& first = cached.triangles(g,0);
+        const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may take the slot of the first
+        const uint32_t mask = trianglesHitByLine(ray,first);
+        return likely(!isFirstOfTwo) ? mask : mask | trianglesHitByLine(ray,cached.triangles(g,1)) << 16;
+      }
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
                                              const VertTriangle::Sides& sides) {

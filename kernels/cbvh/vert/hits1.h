@@ -21,6 +21,17 @@ namespace embree
         return surfacePoint(block,g,h,positionInQuad(sides,bool(h & 1)));
       }
 
+      template<typename Cached>
+      __forceinline VertTriangle triangleOf (const Cached& cached, uint32_t g, uint32_t h) {
+        return VertTriangle(cached.vertices(g),h);
+      }
+
+      /*! Triangles of group g that the ray's line passes through, or may pass through: bit h of triangle h. */
+      template<typename Cached>
+      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
+        return GroupTriangles(ray,cached.vertices(g)).mask;
+      }
+
       /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), which returns true if the hit is accepted;
        *  isRead(block), which returns false if the caller does not read the data of the hit; ids(), the surface IDs of
        *  the scene. Cached: as in intersector1.h. */
@@ -33,14 +44,14 @@ namespace embree
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
         /*! Reports hits, nearest first, until one is accepted. Returns true if one was. triangles: mask from
-         *  GroupTriangles. */
+         *  trianglesHitByLine. */
         __forceinline bool report (uint32_t g, uint32_t triangles)
         {
           if (!target.isRead(block)) return reportAny(g,triangles);
           if (likely((triangles & (triangles-1)) == 0))
           {
             const uint32_t h = uint32_t(bsf(triangles));
-            const VertTriangle triangle(cached.vertices(g),h);
+            const VertTriangle triangle = triangleOf(cached,g,h);
             const VertTriangle::Sides sides = triangle.sides(vertRay);
             const WideNormal<double> normal = triangle.normal();
             float t;
@@ -57,7 +68,7 @@ namespace embree
           for (; triangles; triangles&=triangles-1)
           {
             const uint32_t h = uint32_t(bsf(triangles));
-            const VertTriangle triangle(cached.vertices(g),h);
+            const VertTriangle triangle = triangleOf(cached,g,h);
             if (!triangle.contains(vertRay,triangle.sides(vertRay))) continue;
             const TriangleSpan<double> span = triangle.span(vertRay);
             float t = 0.0f;
@@ -75,7 +86,7 @@ namespace embree
           uint32_t open = 0;
           for (uint32_t rest=triangles; rest; rest&=rest-1) {
             const uint32_t h = uint32_t(bsf(rest));
-            const VertTriangle triangle(cached.vertices(g),h);
+            const VertTriangle triangle = triangleOf(cached,g,h);
             if (triangle.contains(vertRay,triangle.sides(vertRay))
               && isInRange(triangle.distance(vertRay,triangle.normal(),target.tnear()),32*g+h,t[h])) open |= 1u << h;
           }
@@ -87,7 +98,7 @@ namespace embree
               if (t[h] < t[best]) best = h;
             }
             open &= ~(1u << best);
-            const VertTriangle triangle(cached.vertices(g),best);
+            const VertTriangle triangle = triangleOf(cached,g,best);
             if (reportHit(g,triangle.normal(),best,t[best],triangle.sides(vertRay))) return true;
           }
           return false;

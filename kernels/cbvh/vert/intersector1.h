@@ -32,8 +32,7 @@ namespace embree
 
       /*! Lanes of the groups whose boxes the ray intersects. enter: receives entry distances. */
       __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
-        const GroupBoxes& boxes,
-                                             float enter[16])
+                                                  const GroupBoxes& boxes, float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
         vfloatV tNear[vectors], tFar[vectors];
@@ -119,8 +118,8 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<RayType>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > ray.tfar) continue;
-            const GroupTriangles triangles(vertRay,cached.vertices(g));
-            if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
+            const uint32_t triangles = trianglesHitByLine(vertRay,cached,g);
+            if (triangles == 0 || !hits.report(g,triangles)) continue;
             if (IsAnyHit<RayType>::value) return true;
             found = true;
           }

@@ -28,14 +28,16 @@ namespace embree
       alignas(64) uint32_t lower[3][16];    //!< coordinates to which fields are relative, by axis
     };
 
+    /*! Up to 16 triangles of a group, one per lane. Half h of a group contains its triangles from 16 h on. */
     struct MeshTriangles
     {
-      const void* block;             //!< that the group belongs to, or null
-      uint32_t lane;
-      uint32_t numVertices;
-      uint32_t lanes;                //!< mask of lanes with a triangle
-      alignas(64) float at[3][32];   //!< vertices, by axis
-      alignas(32) uint8_t corners[3][maxGroupTriangles]; //!< corners of each lane's triangle, in application order
+      const void* block;                //!< that the group belongs to, or null
+      uint32_t lane;                    //!< of the group, plus 16 for the second half
+      uint32_t lanes;                   //!< mask of lanes with a triangle
+      bool isFirstOfTwo;                //!< the group has a second half
+      alignas(64) float at[3][3][16];   //!< vertices, by axis and by corner in the application's order
+
+      static const uint32_t width = 16;
     };
 
     class MeshEntries
@@ -55,7 +57,7 @@ namespace embree
 
     private:
       /* Together less than 512 KiB, the second-level cache of a core: a larger cache would evict the scene from it. */
-      static const size_t numBlocks = 256, numGroups = 480;
+      static const size_t numBlocks = 256, numGroups = 440;
 
       MeshBoxes blocks[numBlocks];
       MeshTriangles groups[numGroups];

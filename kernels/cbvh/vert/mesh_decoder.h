@@ -35,7 +35,8 @@ namespace embree
           findGroups(groups,out);
         }
 
-        __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, MeshTriangles& out) const
+        /*! Decodes half of a group. */
+        __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
             locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
@@ -49,18 +50,20 @@ namespace embree
           const uint32_t owns = at.take(locals);
           Bits repeats = at;
           at.skip((stream-locals)*repeatBits);
-          decodeVertices(boxes,g,locals,owns,at,out.at);
-          out.numVertices = locals;
-          out.lanes = 0xFFFFFFFFu >> (32-count);
+          alignas(64) float positions[3][32];
+          decodeVertices(boxes,g,locals,owns,at,positions);
+          const uint32_t lanes = 0xFFFFFFFFu >> (32-count);
+          out.lanes = (half ? lanes >> 16 : lanes) & 0xFFFFu;
+          out.isFirstOfTwo = half == 0 && count > 16;
 
+          alignas(32) uint8_t corners[3][maxGroupTriangles] = {}; // lanes without a triangle refer to a vertex, too
 #if defined(__AVX2__)
-          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
-            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
-              out.corners);
-            return;
-          }
+          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8))
+            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,corners);
+          else
 #endif
-          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,out.corners);
+          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,corners);
+          gather(positions,locals,corners,16*half,out.at);
         }
 
         /*! See primitiveOfMesh. */
@@ -230,6 +233,42 @@ namespace embree
           _mm_store_si128((__m128i*)corners[2],turn(r,p,q));
         }
 #endif
+
+        /*! Sets the vertices of 16 triangles. corners: numbers of vertices in the group, of the triangles from `begin`
+         *  on. */
+        static __forceinline void gather (const float (*positions)[32], uint32_t locals,
+                                          const uint8_t (*corners)[maxGroupTriangles], uint32_t begin,
+                                          float (*out)[3][16])
+        {
+#if defined(__AVX512F__)
+          for (int c=0; c<3; c++) {
+            const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)(corners[c]+begin)));
+            for (int k=0; k<3; k++)
+              _mm512_store_ps(out[k][c],
+                _mm512_permutex2var_ps(_mm512_load_ps(positions[k]),vertex,_mm512_load_ps(positions[k]+16)));
+          }
+#else
+#if defined(__AVX2__)
+          if (likely(locals <= 16)) {
+            for (int c=0; c<3; c++)
+              for (int i=0; i<16; i+=8) {
+                const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)(corners[c]+begin+i)));
+                const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,28)); // bit 3
+                for (int k=0; k<3; k++)
+                  _mm256_store_ps(out[k][c]+i,
+                    _mm256_blendv_ps(_mm256_permutevar8x32_ps(_mm256_load_ps(positions[k]),vertex),
+                      _mm256_permutevar8x32_ps(_mm256_load_ps(positions[k]+8),vertex),isUpper));
+              }
+            return;
+          }
+#endif
+          for (int c=0; c<3; c++)
+            for (int i=0; i<16; i++) {
+              const uint32_t vertex = corners[c][begin+i] & 31u; // of damaged blocks, too
+              for (int k=0; k<3; k++) out[k][c][i] = positions[k][vertex];
+            }
+#endif
+        }
 
         /*! bitsForBelow */
         static __forceinline uint32_t bitsFor (uint32_t count) {

@@ -51,8 +51,8 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > rays.tfar[k]) continue;
-            const GroupTriangles triangles(ray,cached.vertices(g));
-            if (triangles.mask == 0 || !hits.report(g,triangles.mask)) continue;
+            const uint32_t triangles = trianglesHitByLine(ray,cached,g);
+            if (triangles == 0 || !hits.report(g,triangles)) continue;
             if (IsAnyHit<Rays>::value) return true;
             found = true;
           }

@@ -31,7 +31,7 @@ namespace embree
         __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
         {
           for (int k=0; k<3; k++)
-            for (int c=0; c<3; c++) vertices[k][c] = triangles.at[k][triangles.corners[c][h]];
+            for (int c=0; c<3; c++) vertices[k][c] = triangles.at[k][c][h];
         }
 
         __forceinline Sides sides (const VertRay& ray) const
@@ -136,10 +136,6 @@ namespace embree
           const bool isOne = (met & (met-1)) == 0;
           mask = likely(isOne) ? 1u << (2*(first & 15u) + (first >> 4)) : spread(firsts) | (spread(seconds) << 1);
         }
-
-        /*! Bits of the mask are lanes. */
-        __forceinline GroupTriangles (const VertRay& ray, const MeshTriangles& triangles)
-          : mask(trianglesHitByLine(ray,triangles)) {}
 
       private:
         static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
