@@ -176,7 +176,7 @@ namespace embree
           const cbvh::CompressionStatistics& sums = surface.blocks->statistics.sums;
           if (sums.numBlocks == 0) continue;
           if (moves) caches |= cbvh::motionCache;
-          else if (sums.nodeBytes == 0) caches |= cbvh::vertCache; // only blocks with frames have nodes
+          else if (!cbvh::describe(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
           else caches |= cbvh::nodeCache | (sums.numExactQuads ? cbvh::vertCache : 0u);
           if (sums.numIrregularQuads) caches |= cbvh::meshCache;
         }

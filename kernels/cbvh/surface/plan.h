@@ -25,7 +25,7 @@ namespace embree
           settings(geometry->compression.resolve(geometry->device->compression))
       {
         isCompressed = cbvh::findKind(settings.compression,blockKind);
-        if (geometry->isCompressed() || moves()) blockKind = cbvh::Kind::VERT;
+        if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
       /*! True if a moving geometry that requests compression is compressed. */
