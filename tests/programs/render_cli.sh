@@ -87,7 +87,7 @@ refuses "colors" --scene cube --colors magenta
 refuses "level is given 2 times" --scene cube --level 2 --level 3
 refuses "samples" --scene cube --samples 0
 refuses "representation excludes --compare" --scene cube --compare --representation grid
-refuses "quad.obj: .*there is a --scene or a --cage" --scene cube "$folder/quad.obj"
+refuses "quad.obj: --scene or --cage names another model" --scene cube "$folder/quad.obj"
 refuses "a height map needs a cage" "$folder/text.png"
 mkfifo "$folder/pipe.png"
 refuses "is a pipe or a device" --cage "$folder/quad.obj" --height "$folder/pipe.png"
