@@ -52,8 +52,8 @@ endif()
 # Appends the files that are compiled per ISA to the list named by `target`.
 macro(cbvh_files target isa)
   list(APPEND ${target} cbvh/traversal/intersector1.cpp cbvh/traversal/intersectorK.cpp cbvh/traversal/point_query.cpp)
-  # Upstream also selects its subdivision builder from the lowest ISA and AVX. A higher ISA replaces a missing AVX.
-  if(${isa} EQUAL ${AVX} OR (${isa} GREATER ${AVX} AND NOT EMBREE_ISA_AVX))
+  # Upstream also selects its subdivision builder from the lowest ISA and AVX.
+  if(${isa} EQUAL ${AVX})
     list(APPEND ${target} cbvh/building/builder.cpp)
   endif()
   # For the lowest ISA, the library already compiles them.
