@@ -37,7 +37,8 @@ refuses "text.cbvh.*not a file of compressed surfaces" "$folder/text.cbvh"
 refuses "text.cbvh: .*no model for --level" "$folder/text.cbvh" --level 3
 refuses "mode blocks needs a model" "$folder/text.cbvh" --mode blocks
 refuses "quad.obj: --scene or --cage names another model" --scene cube "$folder/quad.obj"
-refuses "heights.png: --height names another height map" "$folder/quad.obj" "$folder/heights.png" --height "$folder/heights.png"
+refuses "heights.png: --height names another height map" "$folder/quad.obj" "$folder/heights.png" \
+  --height "$folder/heights.png"
 refuses "unknown representation 'mesh'" --scene cube --representation mesh
 refuses "names more than two" --scene cube --representation grid,cleaf,cvoxel
 refuses "count 0 is out of range" --scene herd --count 0

@@ -86,7 +86,7 @@ namespace embree
         return VertTriangle(cached.triangles(g,h >> 4),h & 15);
       }
 
-      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached, uint32_t g)
+      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached, uint32_t g)
       {
         const MeshTriangles& first = cached.triangles(g,0);
         const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may take the slot of the first

@@ -28,7 +28,7 @@ namespace embree
 
       /*! Triangles of group g that the ray's line passes through, or may pass through: bit h of triangle h. */
       template<typename Cached>
-      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
+      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
         return GroupTriangles(ray,cached.vertices(g)).mask;
       }
 

@@ -118,7 +118,7 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<RayType>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > ray.tfar) continue;
-            const uint32_t triangles = trianglesHitByLine(vertRay,cached,g);
+            const uint32_t triangles = groupTrianglesHitByLine(vertRay,cached,g);
             if (triangles == 0 || !hits.report(g,triangles)) continue;
             if (IsAnyHit<RayType>::value) return true;
             found = true;
