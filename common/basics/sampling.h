@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Random numbers that are the same on every machine, unlike those of the standard library's distributions. */
+/* Random numbers that are the same on every machine. The distributions of the standard library are not. */
 
 #include "basics/vec.h"
 

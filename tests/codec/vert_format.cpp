@@ -98,7 +98,7 @@ TEST(VertFormat, ConstantsMatchPages)
                               {"quads along u or v, below which the default spacing shrinks", fullQuads}});
 }
 
-// The rule in accuracy.md for a median edge of 1. The numbers are those of the table in rays.md.
+// The rule in accuracy.md for a median edge of 1. The table in rays.md has the numbers.
 TEST(VertFormat, DefaultSpacingMatchesPage)
 {
   const double ofEdge = spacingOfEdge, least = finestOfEdge, ofDiagonal = spacingOfDiagonal;

@@ -130,8 +130,8 @@ TEST(VertRule, TriangleWithNonFiniteVertexContainsNothing)
     }
 }
 
-// Parameters at edges of lower rates are interpolated from those of the vertices, which match GRID's: vertex i of n
-// quads has the parameter of vertex floor((i + 1/2) rate / n) of the edge.
+// At edges of lower rates, parameters are interpolated between the parameters of the vertices. These match GRID's:
+// vertex i of n quads has the parameter of vertex floor((i + 1/2) rate / n) of the edge.
 TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
 {
   const uint32_t quads[2] = {7, 5}, rates[4] = {3, 2, 7, 4}; // v = 0, u = 1, v = 1, u = 0

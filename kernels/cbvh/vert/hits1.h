@@ -44,7 +44,7 @@ namespace embree
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
         /*! Reports hits, nearest first, until one is accepted. Returns true if one was. triangles: mask from
-         *  trianglesHitByLine. */
+         *  groupTrianglesHitByLine. */
         __forceinline bool report (uint32_t g, uint32_t triangles)
         {
           if (!target.isRead(block)) return reportAny(g,triangles);

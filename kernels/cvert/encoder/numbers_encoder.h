@@ -18,8 +18,8 @@ namespace cvert { inline namespace CVERT_ISA
     unsigned width;                //!< in quads
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Empty if each second triangle follows its first one and all turns are
-     * those of the form. Otherwise numbers must be below 2^30. */
+    /* For quads of two triangles, row by row. Empty if each second triangle follows its first one and `form` specifies
+     * all turns. Otherwise numbers must be below 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
