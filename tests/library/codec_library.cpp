@@ -69,7 +69,7 @@ TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
       file.geometry(0), file.tree(0), [&](cvert::FileChild type, uint64_t offset) {
         if (type == cvert::FILE_FRAMED)
           hasFramed = true;
-        else if (type == cvert::FILE_MESH)
+        else if (cvert::isMesh(type))
           meshes.push_back((const cvert::MeshHeader*)(file.blocks(0) + offset));
         else
           blocks.push_back((const cvert::VertHeader*)(file.blocks(0) + offset));

@@ -85,7 +85,7 @@ TEST_F(DamagedFiles, OtherVersionsAreRejected)
   using Header = cvert::FileHeader;
   expectRefused(with(&Header::version, file.header().version + 1), "newer version of these files");
   expectRefused(with(&Header::version, file.header().version - 1), "older version of these files");
-  expectRefused(with(&Header::vertVersion, cvert::meshFormatVersion + 1), "newer version of cVERT");
+  expectRefused(with(&Header::vertVersion, cvert::movingMeshFormatVersion + 1), "newer version of cVERT");
   expectRefused(with(&Header::vertVersion, file.header().vertVersion - 1), "older version of cVERT");
   expectRefused(with(&Header::framedVersion, file.header().framedVersion + 1),
                 "blocks with frames of a newer version, 2");

@@ -112,6 +112,7 @@ TEST(FileFormat, TablesOfNumbersMatchCode)
     {"version of the file", text(fileVersion)},
     {"version of cVERT blocks", text(vertFormatVersion)},
     {"version of cVERT blocks in a file with mesh blocks", text(meshFormatVersion)},
+    {"version of cVERT blocks in a file with moving mesh blocks", text(movingMeshFormatVersion)},
     {"version of blocks with frames", text(fileFramedVersion)},
     {"bytes of the header", text(sizeof(FileHeader))},
     {"bytes of a record of the directory", text(sizeof(FileGeometry))},
@@ -131,13 +132,13 @@ TEST(FileFormat, TablesOfNumbersMatchCode)
   expectTable("| type | child |\n|---|---|\n", {
     {text(FILE_NONE), "none"}, {text(FILE_NODE), "a node"}, {text(FILE_FRAMED), "a block with a frame"},
     {text(FILE_VERT), "a cVERT block"}, {text(FILE_MOVING_VERT), "a moving cVERT block"},
-    {text(FILE_MESH), "a mesh block"}});
+    {text(FILE_MESH), "a mesh block"}, {text(FILE_MOVING_MESH), "a moving mesh block"}});
 
   // Existing files contain these numbers.
   EXPECT_EQ(FILE_TREE, 0u); EXPECT_EQ(FILE_LIST, 1u); EXPECT_EQ(FILE_MOVING, 2u);
   EXPECT_EQ(FILE_CAGE, 0u); EXPECT_EQ(FILE_GRIDS, 1u); EXPECT_EQ(FILE_QUADS, 2u); EXPECT_EQ(FILE_TRIANGLES, 3u);
   EXPECT_EQ(FILE_NONE, 0u); EXPECT_EQ(FILE_NODE, 1u); EXPECT_EQ(FILE_FRAMED, 2u); EXPECT_EQ(FILE_VERT, 3u);
-  EXPECT_EQ(FILE_MOVING_VERT, 4u); EXPECT_EQ(FILE_MESH, 5u);
+  EXPECT_EQ(FILE_MOVING_VERT, 4u); EXPECT_EQ(FILE_MESH, 5u); EXPECT_EQ(FILE_MOVING_MESH, 6u);
   EXPECT_EQ(crc32c("123456789", 9), 0xE3069283u);
 }
 
@@ -254,7 +255,7 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
   ASSERT_EQ(reader.u32(24), all.size());
   std::set<uint32_t> surfaces;
   std::set<uint32_t> forms;
-  bool hasMeshBlocks = false;
+  bool hasMeshBlocks = false, hasMovingMeshBlocks = false;
   for (size_t i = 0; i < all.size(); i++) {
     SCOPED_TRACE(all[i].name);
     const uint64_t record = reader.u64(40) + i*reader.u32(28), blocks = reader.u64(record + 16),
@@ -273,9 +274,10 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
       const bool isVert = block.second != 2;
       EXPECT_LT(block.first, blockBytes);
       EXPECT_EQ(reader.u32(at + (isVert ? 16 : 12)), surface); // block.md, framed_block.md
-      if (block.second == 5) { // mesh_block.md
+      if (block.second == 5 || block.second == 6) { // mesh_block.md, mesh_motion.md
         triangles += (reader.u32(at + 48) >> 16 & 255) + 1;
-        hasMeshBlocks = true;
+        EXPECT_EQ(reader.u32(at + 28) != 0, block.second == 6);
+        (block.second == 6 ? hasMovingMeshBlocks : hasMeshBlocks) = true;
         continue;
       }
       EXPECT_LT(reader.u32(at + (isVert ? 20 : 64)), reader.u32(record + 56));
@@ -288,8 +290,31 @@ TEST(FileFormat, ReaderWrittenFromPageFindsAllBlocks)
   }
   EXPECT_EQ(forms.size(), 3u);
   EXPECT_TRUE(hasMeshBlocks);
-  EXPECT_EQ(reader.u32(16), 6u);
+  EXPECT_TRUE(hasMovingMeshBlocks);
+  EXPECT_EQ(reader.u32(16), 7u);
   EXPECT_EQ(device.errors, 0u) << device.message;
+}
+
+// Readers that do not know a kind of block reject the file by the version of its blocks.
+TEST(FileFormat, VersionOfBlocksIsTheOldestThatSuffices)
+{
+  Folder folder;
+  Device device;
+  std::set<uint32_t> versions;
+  for (const Saveable& saveable : allSaveable()) {
+    SCOPED_TRACE(saveable.name);
+    RTCGeometry geometry = saveable.make(device);
+    ASSERT_TRUE(rtcSaveCompressedGeometry(geometry, (folder/"one").c_str())) << device.message;
+    rtcReleaseGeometry(geometry);
+    const std::string bytes = bytesOf(folder/"one");
+    Reader reader(bytes);
+    uint32_t expected = 5;
+    for (const auto& block : reader.blocksOf(reader.u64(40)))
+      if (block.second >= 5) expected = uint32_t(block.second) + 1;
+    EXPECT_EQ(reader.u32(16), expected);
+    versions.insert(expected);
+  }
+  EXPECT_EQ(versions, (std::set<uint32_t>{5, 6, 7}));
 }
 
 } // namespace

@@ -1,11 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compressed moving grids, quads and triangles that an application diced match Embree's own kernels if vertices are on
- * the lattice at all steps, with every query and on every ISA. */
+/* Compressed moving grids, quads and triangles match Embree's own kernels if vertices are on the lattice at all steps,
+ * with every query and on every ISA. */
 
-#include "support/diced_mesh.h"
 #include "support/filtered_geometry.h"
+#include "support/irregular_mesh.h"
+#include "support/memory.h"
 #include "support/moving_surface.h"
 #include "support/query_forms.h"
 #include "support/same_hits.h"
@@ -120,6 +121,23 @@ TEST_P(MovingMeshes, LosslessHitsMatchEmbree)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
+// Meshes that do not lie in grids are stored in mesh blocks.
+TEST_P(MovingMeshes, IrregularHitsMatchEmbree)
+{
+  for (const char* error : {"", ",cbvh_max_error=0"}) {
+    Device device((GetParam() + std::string(error)).c_str());
+    if (!device) GTEST_SKIP() << "this machine does not support " << GetParam();
+    Random random(3146);
+    for (NamedMesh& shape : irregularMeshes(random, lattice))
+      for (unsigned timeSteps : {2u, 5u}) {
+        SCOPED_TRACE(shape.name + ", " + std::to_string(timeSteps) + " steps" + error);
+        shape.mesh.motion = *error ? bentFreely : bent;
+        ASSERT_NO_FATAL_FAILURE(expectEmbreesHits(device, newMesh, shape.mesh, random, timeSteps));
+      }
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+}
+
 // With filters, and in a moving instance.
 template<typename Make, typename Mesh>
 void expectFiltered(const Device& device, const Make& make, const Mesh& mesh, Random& random)
@@ -172,6 +190,10 @@ TEST_P(MovingMeshes, MasksFiltersAndInstances)
   mesh.motion = bent;
   ASSERT_NO_FATAL_FAILURE(expectFiltered(device, newMesh, mesh, random));
   ASSERT_NO_FATAL_FAILURE(expectFiltered(device, newMesh, trianglesOf(mesh), random));
+  for (DicedMesh irregular : {irregularTriangles(mesh, random), irregularQuads(mesh, random)}) {
+    irregular.motion = bent;
+    ASSERT_NO_FATAL_FAILURE(expectFiltered(device, newMesh, irregular, random));
+  }
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
@@ -252,6 +274,10 @@ TEST(MovingMeshesInTime, PointQueriesFindPositionsAtTheirTime)
   mesh.motion = motion;
   ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newMesh, mesh, random));
   ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newMesh, trianglesOf(mesh, 1, 2), random));
+  for (DicedMesh irregular : {irregularTriangles(mesh, random), irregularQuads(mesh, random)}) {
+    irregular.motion = motion;
+    ASSERT_NO_FATAL_FAILURE(expectPointQueries(device, newMesh, irregular, random));
+  }
 }
 
 // A ball of grids whose copies of vertices move equally, and meshes with the same vertices.
@@ -287,6 +313,173 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
   }
 }
 
+// Irregular meshes at any precision, welded or not.
+TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
+{
+  Random random(3147);
+  for (const char* config : {"", "cbvh_max_error=0", "cbvh_max_error=0.002", "cbvh_max_error=0.05"}) {
+    Device device(config);
+    const DicedMesh ball = jittered(meshOf(dicedBall(3, 16), QuadOrder::Rows, random), random, 0.005);
+    const DicedMesh triangles = irregularTriangles(ball, random), quads = irregularQuads(ball, random);
+    for (DicedMesh mesh : {triangles, quads, unwelded(triangles), unwelded(quads)}) {
+      SCOPED_TRACE(std::string(config) + (mesh.isTriangleForm() ? ", triangles" : ", quads"));
+      mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.3*step); };
+      RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 4);
+      Scene scene(device);
+      rtcAttachGeometry(scene, geometry);
+      rtcCommitScene(scene);
+      ASSERT_EQ(statisticsOf(scene).numIrregularQuads, statisticsOf(scene).numQuads);
+      ASSERT_EQ(statisticsOf(scene).numMovingQuads, statisticsOf(scene).numQuads);
+      EXPECT_GT(statisticsOf(scene).cacheBytesPerThread, size_t(1) << 16);
+      EXPECT_LE(statisticsOf(scene).cacheBytesPerThread, size_t(512) << 10) << "no other cache is used";
+      size_t leaks = 0;
+      for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 2000))
+        leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);
+      EXPECT_EQ(leaks, 0u);
+      rtcReleaseGeometry(geometry);
+    }
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  }
+}
+
+// Vertices coincide at the first step and separate afterwards: a ray passes between the triangles.
+TEST(MovingMeshesInTime, TrianglesThatSeparateAreNotConnected)
+{
+  Random random(3148);
+  Device device;
+  DicedMesh mesh;
+  for (int side : {-1, 1}) {
+    Diced diced;
+    diced.add(13, 13, [&](unsigned x, unsigned y) { return Vec{side*(float(x)/12), 2*float(y)/12 - 1, 0}; });
+    DicedMesh half = irregularTriangles(meshOf(diced, QuadOrder::Rows, random), random);
+    for (auto& t : half.triangles) for (unsigned& v : t) v += unsigned(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), half.vertices.begin(), half.vertices.end());
+    mesh.triangles.insert(mesh.triangles.end(), half.triangles.begin(), half.triangles.end());
+  }
+  std::vector<Vec> second = mesh.vertices;
+  for (size_t i = 0; i < second.size(); i++) second[i][0] += i < second.size()/2 ? -0.5f : 0.5f;
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetGeometryTimeStepCount(geometry, 2);
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices);
+  setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 1, RTC_FORMAT_FLOAT3, second);
+  setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
+  commitAs(geometry, RTC_COMPRESSION_VERT, 0);
+  Scene scene(device);
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  ASSERT_EQ(statisticsOf(scene).numMovingQuads, mesh.size()/2);
+  for (float time : {0.0f, 0.25f, 1.0f})
+    for (float x : {-0.1f, -0.01f, 0.01f, 0.1f, 0.3f}) {
+      RTCRayHit ray = makeRay({x, 0.11f, 1}, {0, 0, -1});
+      ray.ray.time = time;
+      EXPECT_EQ(isHit(intersect(scene, ray)), std::fabs(x) >= 0.5f*time) << "time " << time << ", x " << x;
+    }
+}
+
+// A range of times that is a part of a ray's times, and one that extends beyond them.
+TEST(MovingMeshesInTime, IrregularMeshesExistInTheirTimeRange)
+{
+  Random random(3149);
+  Device device;
+  DicedMesh mesh = irregularTriangles(meshOf(dicedSheet(1, 30, lattice), QuadOrder::Rows, random), random);
+  mesh.motion = bent;
+  for (const auto& range : {std::pair<float, float>{0.25f, 0.75f}, {-1.0f, 2.0f}, {0.5f, 3.0f}}) {
+    Scene scenes[2] = {Scene(device), Scene(device)};
+    for (int i = 0; i < 2; i++) {
+      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0, 4);
+      rtcSetGeometryTimeRange(geometry, range.first, range.second);
+      rtcCommitGeometry(geometry);
+      attach(scenes[i], geometry);
+      rtcCommitScene(scenes[i]);
+    }
+    ASSERT_GT(statisticsOf(scenes[1]).numMovingQuads, 0u);
+    size_t hits = 0, others = 0;
+    for (int i = 0; i < 2000; i++) {
+      RTCRayHit ray = rayAt(random, mesh);
+      ray.ray.time = float(random.uniform());
+      const RTCRayHit found = intersect(scenes[1], ray), expected = intersect(scenes[0], ray);
+      hits += isHit(found);
+      others += isHit(found) != isHit(expected) || found.hit.primID != expected.hit.primID;
+      if (ray.ray.time < range.first || ray.ray.time > range.second) { ASSERT_FALSE(isHit(found)); }
+    }
+    EXPECT_GT(hits, 300u);
+    EXPECT_LE(others, 3u);
+  }
+}
+
+// Embree leaves out primitives with a vertex that is not finite at any step, or that does not exist.
+TEST(MovingMeshesInTime, InvalidIrregularPrimitivesAreLeftOut)
+{
+  Random random(3150);
+  Device device;
+  const DicedMesh sheet = meshOf(dicedSheet(1, 30, lattice), QuadOrder::Rows, random);
+  for (DicedMesh mesh : {irregularTriangles(sheet, random), irregularQuads(sheet, random)}) {
+    std::vector<Vec> steps[3] = {mesh.vertices, mesh.vertices, mesh.vertices};
+    for (int i = 0; i < 40; i++)
+      steps[i % 3][random.below(unsigned(mesh.vertices.size()))][i % 2] = i % 4 ? NAN : INFINITY;
+    for (int i = 0; i < 20; i++)
+      if (mesh.isTriangleForm()) mesh.triangles[random.below(unsigned(mesh.size()))][i % 3] = 100000;
+      else mesh.quads[random.below(unsigned(mesh.size()))][i % 4] = 100000;
+    Scene scenes[2] = {Scene(device), Scene(device)};
+    for (int i = 0; i < 2; i++) {
+      RTCGeometry geometry = rtcNewGeometry(device,
+        mesh.isTriangleForm() ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+      rtcSetGeometryTimeStepCount(geometry, 3);
+      for (unsigned t = 0; t < 3; t++) setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, t, RTC_FORMAT_FLOAT3, steps[t]);
+      if (mesh.isTriangleForm()) setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles);
+      else setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, mesh.quads);
+      commitAs(geometry, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE, 0);
+      attach(scenes[i], geometry);
+      rtcCommitScene(scenes[i]);
+    }
+    ASSERT_GT(statisticsOf(scenes[1]).numMovingQuads, 0u);
+    size_t hits = 0, misses = 0, others = 0;
+    for (int i = 0; i < 3000; i++) {
+      RTCRayHit ray = makeRay({float(random.uniform(-0.9, 0.9)), float(random.uniform(-0.9, 0.9)), 3}, {0, 0, -1});
+      ray.ray.time = float(random.uniform());
+      const RTCRayHit found = intersect(scenes[1], ray), expected = intersect(scenes[0], ray);
+      hits += isHit(found);
+      misses += !isHit(found);
+      others += isHit(found) != isHit(expected) || found.hit.primID != expected.hit.primID;
+    }
+    EXPECT_GT(hits, 1000u);
+    EXPECT_GT(misses, 100u);
+    EXPECT_LE(others, 3u);
+  }
+}
+
+TEST(MovingMeshesInTime, IrregularMeshesNeedFewBytes)
+{
+  for (unsigned timeSteps : {2u, 5u}) {
+    Memory memory;
+    Device device;
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    Random random(3151);
+    const DicedMesh quads = jittered(meshOf(dicedSheet(1, 200), QuadOrder::Rows, random), random, 0.002);
+    DicedMesh mesh = irregularTriangles(quads, random, false);
+    mesh.motion = bentFreely;
+    Scene scene(device);
+    const ssize_t empty = memory.live;
+    RTCGeometry input = newMesh(device, mesh, RTC_COMPRESSION_NONE, 0, timeSteps);
+    const ssize_t inputBytes = memory.live - empty;
+    attach(scene, input);
+    rtcCommitScene(scene);
+    const double embree = double(memory.live - empty - inputBytes)/double(mesh.size());
+    Scene compressed(device);
+    const ssize_t before = memory.live;
+    attach(compressed, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+    rtcCommitScene(compressed);
+    const double bytes = double(memory.live - before - inputBytes)/double(mesh.size());
+    const RTCCompressionStatistics stats = statisticsOf(compressed);
+    const auto each = [&](size_t n) { return double(n)/double(mesh.size()); };
+    std::printf("%u steps: %.2f bytes per triangle (%.2f tree, %.2f first step, %.2f per later step), Embree: %.2f\n",
+      timeSteps, bytes, each(stats.topLevelBytes), each(stats.headerBytes + stats.nodeBytes + stats.leafBytes
+      - stats.motionBytes), each(stats.motionBytes)/(timeSteps - 1), embree);
+    EXPECT_LE(each(stats.motionBytes)/(timeSteps - 1), 3.0);
+    EXPECT_LT(bytes, 0.5*embree);
+  }
+}
+
 // Triangles at a time are between those of the steps, and contain the hits.
 TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
 {
@@ -295,8 +488,8 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
   for (QuadOrder order : allQuadOrders) {
     DicedMesh quads = meshOf(dicedSheet(3, 16, lattice), order, random);
     quads.motion = bent;
-    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1)}) {
-      if (mesh.isTriangleForm() && order == QuadOrder::Shuffled) continue;
+    for (const DicedMesh& mesh : {quads, trianglesOf(quads, 2, 1), irregularTriangles(quads, random),
+           irregularQuads(quads, random)}) {
       Scene scene(device);
       RTCGeometry geometry = newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, 2);
       attach(scene, geometry);

@@ -14,6 +14,7 @@ inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool 
 {
   DicedMesh out;
   out.vertices = mesh.vertices;
+  out.motion = mesh.motion;
   for (const auto& q : mesh.quads) {
     const unsigned d = random.below(2);
     for (unsigned half : {0u, 2u}) {

@@ -152,6 +152,15 @@ inline std::vector<Saveable> allSaveable()
     return newMesh(device, irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random), RTC_COMPRESSION_VERT,
       RTC_COMPRESSION_FLAG_RELEASE_INPUT);
   });
+  for (bool triangles : {false, true})
+    diced(triangles ? "irregular triangles that move" : "irregular quads that move", 3,
+          [=](RTCDevice device, const Diced& sheet, unsigned timeSteps) {
+            Random random(8);
+            const DicedMesh quads = meshOf(sheet, QuadOrder::Rows, random);
+            DicedMesh mesh = triangles ? irregularTriangles(quads, random) : irregularQuads(quads, random);
+            mesh.motion = sheet.motion;
+            return newMesh(device, mesh, RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT, timeSteps);
+          });
   return all;
 }
 

@@ -185,6 +185,21 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
     }
 }
 
+// Irregular meshes that move are refused by name.
+TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
+{
+  const DicedMesh sheet = meshOf(dicedSheet(1, 30), QuadOrder::Rows, random);
+  for (DicedMesh mesh : {irregularTriangles(sheet, random), irregularQuads(sheet, random)}) {
+    mesh.motion = [](const Vec& p, unsigned step) { return twisted(p, 0.1*step); };
+    Scene scene(embree);
+    attach(scene, newMesh(embree, mesh, RTC_COMPRESSION_VERT, 0, 2));
+    rtcCommitScene(scene);
+    EXPECT_EQ(newVulkanScene(device, scene), nullptr);
+    EXPECT_EQ(embree.takeError(), RTC_ERROR_INVALID_OPERATION);
+    EXPECT_NE(embree.message.find("moving mesh blocks"), std::string::npos) << embree.message;
+  }
+}
+
 // Devices without 64-bit floats use separate shaders.
 TEST_F(VulkanMeshes, DevicesWithoutDoublesMatchCpu)
 {

@@ -205,9 +205,8 @@ namespace embree
     if (asks && !rejectionReason)
     {
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
-      rejectionReason = regions ? nullptr : "move and do not lie in grids";
-      if (!rejectionReason) std::atomic_store(&mesh->surface.regions,regions);
-      if (!rejectionReason && regions->numLeftOut)
+      std::atomic_store(&mesh->surface.regions,regions);
+      if (regions->numLeftOut)
         say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives
             + " are left out because an index is out of range");
     }

@@ -29,13 +29,18 @@ namespace embree
       FRAMED_BLOCK = 2,   //!< framed/block.h; BlockHeader::info contains the kind
       VERT_BLOCK = 3,     //!< cvert/format/block.h
       MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a separate tree
-      MESH_BLOCK = 5        //!< cvert/format/mesh_block.h
+      MESH_BLOCK = 5,       //!< cvert/format/mesh_block.h
+      MOVING_MESH_BLOCK = 6 //!< cvert/format/mesh_motion.h; in the same tree as moving cVERT blocks
     };
 
     /*! type: a PrimitiveType for which isBlock() is true. */
     constexpr BlockForm formOfBlock (std::size_t type) {
-      return type == FRAMED_BLOCK ? FRAMED_FORM : type == MESH_BLOCK ? MESH_FORM : VERT_FORM;
+      return type == FRAMED_BLOCK ? FRAMED_FORM
+        : type == MESH_BLOCK || type == MOVING_MESH_BLOCK ? MESH_FORM : VERT_FORM;
     }
+
+    /*! True if a block moves. Such blocks are checked when their file is loaded. */
+    constexpr bool isMovingBlock (std::size_t type) { return type == MOVING_VERT_BLOCK || type == MOVING_MESH_BLOCK; }
 
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }
   }}

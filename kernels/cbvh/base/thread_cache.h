@@ -18,7 +18,7 @@ namespace embree
   namespace cbvh
   {
     /*! The caches of a thread, as bits of a mask. */
-    enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8 };
+    enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8, meshMotionCache = 16 };
 
     /*! Size in bytes of the caches in a mask of ThreadCaches, per thread. */
     size_t threadCacheBytes (unsigned caches);

@@ -175,10 +175,10 @@ namespace embree
         {
           const cbvh::CompressionStatistics& sums = surface.blocks->statistics.sums;
           if (sums.numBlocks == 0) continue;
-          if (moves) caches |= cbvh::motionCache;
+          if (moves) caches |= sums.numIrregularQuads ? cbvh::meshMotionCache : cbvh::motionCache;
           else if (!cbvh::describe(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
           else caches |= cbvh::nodeCache | (sums.numExactQuads ? cbvh::vertCache : 0u);
-          if (sums.numIrregularQuads) caches |= cbvh::meshCache;
+          if (!moves && sums.numIrregularQuads) caches |= cbvh::meshCache;
         }
         return caches;
       }

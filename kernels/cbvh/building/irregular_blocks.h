@@ -7,7 +7,7 @@
  * task clusters and encodes each part. */
 
 #include "../surface/mesh_parts.h"
-#include "../vert/mesh_writer.h"
+#include "../vert/moving_mesh_writer.h"
 #include "build_results.h"
 
 namespace embree
@@ -51,11 +51,13 @@ namespace embree
             {
               BlockStore store(device,&memory);
               cbvh::BuildStatistics statistics;
-              // on the heap, because it is large
-              const std::unique_ptr<MeshWriter> writer(new MeshWriter(triangles,plan.surface,store,statistics));
-              clusters.cut(triangles.centers.data()+parts[i].begin(),parts[i].size(),
-                [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
-                [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
+              // on the heap, because they are large
+              if (plan.moves())
+                write(clusters,parts[i],std::unique_ptr<MovingMeshWriter>(
+                  new MovingMeshWriter(triangles,plan,store,statistics)));
+              else
+                write(clusters,parts[i],std::unique_ptr<MeshWriter>(
+                  new MeshWriter(triangles,plan.surface,store,statistics)));
               results.add(numGrids+i,0,0,store);
               results.add(statistics);
               progress(perCenter*double(parts[i].size()));
@@ -67,12 +69,21 @@ namespace embree
         const bool areQuads = triangles.mesh.areHalvesOfQuads();
         const size_t quads = areQuads ? triangles.centers.size() : (triangles.centers.size()+1)/2;
         statistics.sums.numQuads = statistics.sums.numMeshQuads = statistics.sums.numIrregularQuads = quads;
+        if (plan.moves()) statistics.sums.numMovingQuads = quads;
         statistics.sums.numInvalidQuads = areQuads ? triangles.numInvalid : (triangles.numInvalid+1)/2;
         statistics.sums.maxVertexSpacing = triangles.spacing();
         results.add(statistics);
       }
 
     private:
+      template<typename Writer>
+      void write (cbvh::MeshClusters& clusters, const range<size_t>& part, const std::unique_ptr<Writer>& writer)
+      {
+        clusters.cut(triangles.centers.data()+part.begin(),part.size(),
+          [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
+          [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
+      }
+
       /*! Halves parts that are too large. Returns false if there are none. */
       bool cut (const cbvh::MeshClusters& cutter, std::vector<range<size_t>>& parts)
       {

@@ -9,6 +9,7 @@
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
 #include "../../cvert/decoder/decoded_block.h"
+#include "../../cvert/decoder/decoded_mesh.h"
 #include "../stored/surface_blocks.h"
 #include <memory>
 
@@ -35,7 +36,7 @@ namespace embree
         {
           MotionTree::Block& block = blocks[begin+i];
           block.leaf = BVH4::NodeRef(surface.moving[i]);
-          const cbvh::VertMotion motion = cbvh::motionOf(headerOf(block.leaf));
+          const cbvh::VertMotion motion = motionOf(block.leaf);
           block.range = BBox1f(motion.begin,motion.end);
           block.segments = motion.numSteps-1;
           numBoxes += motion.numSteps;
@@ -56,7 +57,7 @@ namespace embree
       /*! Rays have times from 0 to 1. Embree's builder does not support blocks outside of them. */
       static bool overlapsRayTimes (BVH4::NodeRef leaf)
       {
-        const cbvh::VertMotion motion = cbvh::motionOf(headerOf(leaf));
+        const cbvh::VertMotion motion = motionOf(leaf);
         return motion.begin <= 1.0f && motion.end >= 0.0f;
       }
 
@@ -77,7 +78,7 @@ namespace embree
             {
               size_t at = firsts[k];
               for (size_t i=begin+64*k; i<min(begin+64*(k+1),blocks.size()); i++) {
-                decoded->bound(headerOf(blocks[i].leaf),blocks[i].segments,found->data()+at);
+                decoded->bound(blocks[i].leaf,blocks[i].segments,found->data()+at);
                 at += blocks[i].segments+1;
               }
               progress();
@@ -86,10 +87,12 @@ namespace embree
         return found;
       }
 
-      static const cbvh::VertHeader* headerOf (BVH4::NodeRef leaf)
+      static cbvh::VertMotion motionOf (BVH4::NodeRef leaf)
       {
         size_t type;
-        return (const cbvh::VertHeader*)leaf.leaf(type);
+        const void* const block = leaf.leaf(type);
+        return type == cbvh::MOVING_MESH_BLOCK ? cbvh::motionOfMesh((const cbvh::MeshHeader*)block)
+          : cbvh::motionOf((const cbvh::VertHeader*)block);
       }
 
       /*! decodes two steps at a time */
@@ -99,7 +102,35 @@ namespace embree
 
       public:
         /*! boxes: one per step */
-        void bound (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
+        void bound (BVH4::NodeRef leaf, unsigned segments, cbvh::StepBox* boxes)
+        {
+          size_t type;
+          const void* const block = leaf.leaf(type);
+          if (type == cbvh::MOVING_MESH_BLOCK) boundMesh((const cbvh::MeshHeader*)block,segments,boxes);
+          else boundGrid((const cbvh::VertHeader*)block,segments,boxes);
+        }
+
+      private:
+        static void boundMesh (const cbvh::MeshHeader* block, unsigned segments, cbvh::StepBox* boxes)
+        {
+          bool areAllEmpty = true;
+          for (unsigned s=0; s<=segments; s++)
+          {
+            const cbvh::DecodedMesh mesh(block,s);
+            cbvh::StepBox box = { { pos_inf,pos_inf,pos_inf },{ neg_inf,neg_inf,neg_inf } };
+            for (uint32_t v=0; v<mesh.numVertices; v++) {
+              const float (&p)[3] = mesh.vertices[v];
+              if (!cbvh::isFinite(p)) continue; // of a damaged block
+              for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
+            }
+            areAllEmpty &= box.isEmpty();
+            boxes[s] = box;
+          }
+          if (areAllEmpty)
+            for (int k=0; k<3; k++) boxes[0].lower[k] = boxes[0].upper[k] = block->origin[k];
+        }
+
+        void boundGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
           for (unsigned s=0; s<=segments; s+=2)
           {
@@ -117,7 +148,6 @@ namespace embree
           }
         }
 
-      private:
         struct Bounds
         {
           vfloat4 lower[3] = { pos_inf,pos_inf,pos_inf }, upper[3] = { neg_inf,neg_inf,neg_inf };

@@ -68,10 +68,11 @@ namespace embree
 
         Ref leaf (FileChild type, uint64_t offset)
         {
-          if (type == FILE_MOVING_VERT) { // scenes decode its boxes when they are committed
-            if (const Reason reason = mapped.validate(size_t(offset),VERT_FORM))
+          if (isMovingBlock(typeOf(type))) { // scenes decode its boxes when they are committed
+            const BlockForm form = formOfBlock(typeOf(type));
+            if (const Reason reason = mapped.validate(size_t(offset),form))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
-            mapped.number(size_t(offset),VERT_FORM);
+            mapped.number(size_t(offset),form);
           }
 #if defined(EMBREE_CBVH_NO_PAPER)
           if (type == FILE_FRAMED)
@@ -87,6 +88,7 @@ namespace embree
           case FILE_MOVING_VERT: return MOVING_VERT_BLOCK;
           case FILE_VERT: return VERT_BLOCK;
           case FILE_MESH: return MESH_BLOCK;
+          case FILE_MOVING_MESH: return MOVING_MESH_BLOCK;
           default: return FRAMED_BLOCK;
           }
         }

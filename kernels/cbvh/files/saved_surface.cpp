@@ -48,7 +48,7 @@ namespace embree
                            "because of its edge rates or because it has no valid frame; expected compressed blocks "
                            "only, as with cVERT");
           const BlockForm form = formOfBlock(type);
-          if (type != MOVING_VERT_BLOCK && !isUsable(block,form))
+          if (!isMovingBlock(type) && !isUsable(block,form))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                            "the geometry cannot be saved: the file that it was loaded from has a damaged block");
           return to.append(childOf(type),block,bytesOfBlock(block,form),offsetOfSurface(form));
@@ -60,6 +60,7 @@ namespace embree
           case MOVING_VERT_BLOCK: return FILE_MOVING_VERT;
           case VERT_BLOCK: return FILE_VERT;
           case MESH_BLOCK: return FILE_MESH;
+          case MOVING_MESH_BLOCK: return FILE_MOVING_MESH;
           default: return FILE_FRAMED;
           }
         }

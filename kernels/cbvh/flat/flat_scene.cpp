@@ -129,6 +129,10 @@ namespace embree
                                                ids[root->geomID()] });
             return reference(root->root(),root,index(out.ownBlocks.size()-1),above);
           }
+          if (type == MOVING_MESH_BLOCK)
+            throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                           "the scene cannot be flattened: it has moving mesh blocks, of meshes with motion blur whose "
+                           "faces lie in no grids; expected such meshes not to be compressed");
           const bool moves = type == MOVING_VERT_BLOCK;
           if (!moves && !isUsable(data,formOfBlock(type)))
             throw_RTCError(RTC_ERROR_INVALID_OPERATION,
@@ -234,7 +238,7 @@ namespace embree
         if (root == BVH4::emptyNode || !root.isLeaf()) return root != BVH4::emptyNode && !root.isAABBNode();
         size_t type;
         root.leaf(type);
-        return type == MOVING_VERT_BLOCK;
+        return isMovingBlock(type);
       }
 
       std::unique_ptr<OwnedScene> flatten (Scene* scene)

@@ -7,6 +7,7 @@
 #include "../embree/scene.h"
 #include "../../cvert/clusters/compressed1.h"
 #include "../../cvert/clusters/dgf_tiling.h"
+#include "../../cvert/format/mesh_motion.h"
 #include "surface_blocks.h"
 #include <algorithm>
 #include <memory>
@@ -27,7 +28,8 @@ namespace embree
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
-          reasonForFloats = block.isMesh() ? ClusterReason::RANGE : !block.isVert() ? ClusterReason::RAW
+          reasonForFloats = block.isMesh() ? isMovingMesh(block.mesh()) ? ClusterReason::MOVING : ClusterReason::RANGE
+              : !block.isVert() ? ClusterReason::RAW
               : isMoving(block.vert()->boxForm) ? ClusterReason::MOVING
               : isRaw(block.vert()->boxForm) || hasRemainders(block.vert()->boxForm) ? ClusterReason::RAW
               : ClusterReason::RANGE;

@@ -31,7 +31,7 @@ namespace embree
         }
         size_t type;
         const void* block = ref.leaf(type);
-        if (isBlock(type) && type != MOVING_VERT_BLOCK && !isUsable(block,formOfBlock(type)))
+        if (isBlock(type) && !isMovingBlock(type) && !isUsable(block,formOfBlock(type)))
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,
                          "the geometry's file is damaged: one of its blocks cannot be decoded");
         if (!isBlock(type) || (type == FRAMED_BLOCK && ((const Block*)block)->kind() != Kind::GRID))
@@ -116,14 +116,21 @@ namespace embree
           for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y);
       }
 
-      /*! Calls closure(number, corners) for the triangles of a mesh block. */
-      template<typename Closure>
-      void forEachTriangle (const MeshHeader* block, const Closure& closure)
+      /*! True if a block exists at a time. */
+      bool isPresent (const StoredBlock& block, const TraversalTime& time)
       {
-        const MeshView view(block);
-        for (uint32_t g=0; g<view.groups; g++)
+        if (block.isMesh()) return MeshAtTime::isPresent(block.mesh(),time);
+        return !block.isVert() || VerticesAtTime::isPresent(block.vert(),time);
+      }
+
+      /*! Calls closure(number, corners) for the triangles of a mesh block at a time. */
+      template<typename Closure>
+      void forEachTriangle (const MeshHeader* block, const TraversalTime& time, const Closure& closure)
+      {
+        const MeshAtTime mesh(block,time);
+        for (uint32_t g=0; g<mesh.view.groups; g++)
         {
-          const DecodedMeshGroup group(view,g);
+          const DecodedMeshGroup group = mesh.group(g);
           for (uint32_t t=0; t<group.numTriangles; t++)
           {
             float corners[3][3];
@@ -146,7 +153,7 @@ namespace embree
         /*! block: must contain the primitive. */
         void look (const StoredBlock& block, uint32_t primID)
         {
-          if (block.isVert() && !VerticesAtTime::isPresent(block.vert(),time)) return;
+          if (!isPresent(block,time)) return;
           if (block.isMesh()) lookInMesh(block.mesh(),primID);
           else if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
           else lookForParameters(block);
@@ -181,7 +188,7 @@ namespace embree
         void lookInMesh (const MeshHeader* block, uint32_t primID)
         {
           slack = slackOf(u) + slackOf(v);
-          forEachTriangle(block,[&](uint32_t number, const float (&corners)[3][3]) {
+          forEachTriangle(block,time,[&](uint32_t number, const float (&corners)[3][3]) {
               if (primitiveOfMesh(block->form,number) != primID) return;
               const float* const p[3] = { corners[0],corners[1],corners[2] };
               const float first[2][3] = { { 0,1,0 },{ 0,0,1 } }, second[2][3] = { { 1,0,1 },{ 1,1,0 } };
@@ -337,7 +344,7 @@ namespace embree
     /*! Calls closure(block, part) for each quad of a mesh block whose triangles are both in the block, and for each
      *  other triangle, until it returns false. A quad whose triangles are in different blocks is two parts. Returns the
      *  result of the last call. */
-    static bool forEachMeshPart (const StoredBlock& block,
+    static bool forEachMeshPart (const StoredBlock& block, const TraversalTime& time,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {
       struct Triangle
@@ -347,7 +354,7 @@ namespace embree
         bool operator< (const Triangle& other) const { return number < other.number; }
       };
       std::vector<Triangle> triangles;
-      forEachTriangle(block.mesh(),[&](uint32_t number, const float (&corners)[3][3]) {
+      forEachTriangle(block.mesh(),time,[&](uint32_t number, const float (&corners)[3][3]) {
           triangles.emplace_back();
           triangles.back().number = number;
           memcpy(triangles.back().corners,corners,sizeof(corners));
@@ -387,8 +394,8 @@ namespace embree
     {
       bool goesOn = true;
       forEachBlock(blocks,[&](const StoredBlock& block) {
-          if (goesOn && block.isMesh()) { goesOn = forEachMeshPart(block,closure); return; }
-          if (!goesOn || (block.isVert() && !VerticesAtTime::isPresent(block.vert(),time))) return;
+          if (!goesOn || !isPresent(block,time)) return;
+          if (block.isMesh()) { goesOn = forEachMeshPart(block,time,closure); return; }
           StoredPart part = StoredPart();
           part.primID = block.primID();
           const Place place(block);

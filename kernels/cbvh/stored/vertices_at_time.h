@@ -3,17 +3,26 @@
 
 #pragma once
 
-/* Vertices of a cVERT block, the same floats as in traversal. */
+/* Vertices of a cVERT block or a mesh block at a time, the same floats as in traversal. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"
+#include "../../cvert/decoder/decoded_mesh.h"
 #include "stored_triangles.h"
 #include <cmath>
+#include <memory>
 
 namespace embree
 {
   namespace cbvh
   {
+    /*! Interpolates as vert/interpolation.h does for vectors. */
+    inline float interpolated (float a, float b, float f, bool isFused)
+    {
+      const float last = f*b;
+      return isFused ? std::fma(1.0f-f,a,last) : (1.0f-f)*a + last;
+    }
+
     class VerticesAtTime
     {
     public:
@@ -31,7 +40,8 @@ namespace embree
         const DecodedBlock before(block,in.segment);
         const DecodedBlock after(block,in.segment+1);
         for (size_t i=0; i<bytes/sizeof(float); i++)
-          (&vertices[0][0])[i] = between((&before.vertices[0][0])[i],(&after.vertices[0][0])[i],in.fraction,at.isFused);
+          (&vertices[0][0])[i] =
+            interpolated((&before.vertices[0][0])[i],(&after.vertices[0][0])[i],in.fraction,at.isFused);
       }
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
@@ -40,14 +50,47 @@ namespace embree
       static bool isPresent (const VertHeader* block, const TraversalTime& at) {
         return !isMoving(block->boxForm) || cbvh::isPresent(motionOf(block),at.time);
       }
+    };
+
+    class MeshAtTime
+    {
+    public:
+      const MeshView view;
+
+      /*! The block must exist at the time, and must outlive this object. */
+      MeshAtTime (const MeshHeader* block, const TraversalTime& at) : view(block), isFused(at.isFused), fraction(0)
+      {
+        if (!moves()) return;
+        const TimeInMotion in = timeInMotion(motionOfMesh(block),at.time);
+        fraction = in.fraction;
+        if (in.segment > 0) before.reset(new MeshStepView(view,in.segment));
+        after.reset(new MeshStepView(view,in.segment+1));
+      }
+
+      bool moves () const { return isMovingMesh(view.block); }
+
+      /*! True if a block exists at a time. Always true if it does not move. */
+      static bool isPresent (const MeshHeader* block, const TraversalTime& at) {
+        return !isMovingMesh(block) || cbvh::isPresent(motionOfMesh(block),at.time);
+      }
+
+      DecodedMeshGroup group (uint32_t g) const {
+        return DecodedMeshGroup(view,g,[&](uint32_t v, float out[3]) { vertex(v,out); });
+      }
 
     private:
-      /*! Interpolates as vert/moving_block.h does for vectors. */
-      static float between (float a, float b, float f, bool isFused)
+      void vertex (uint32_t v, float out[3]) const
       {
-        const float last = f*b;
-        return isFused ? std::fma(1.0f-f,a,last) : (1.0f-f)*a + last;
+        if (before) before->vertex(v,out); else view.vertex(v,out);
+        if (!after) return;
+        float end[3];
+        after->vertex(v,end);
+        for (int k=0; k<3; k++) out[k] = interpolated(out[k],end[k],fraction,isFused);
       }
+
+      const bool isFused;
+      float fraction;
+      std::unique_ptr<const MeshStepView> before, after; //!< null: the first step; null if the block does not move
     };
   }
 }

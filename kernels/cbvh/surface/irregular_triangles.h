@@ -4,7 +4,8 @@
 #pragma once
 
 /* The triangles of a mesh that are in no grid. They are stored in mesh blocks (vert/mesh_writer.h) on one lattice. Its
- * exceptions are found before any block is encoded, so that blocks agree on shared vertices. */
+ * exceptions are found before any block is encoded, so that blocks agree on shared vertices. At each time step of a
+ * moving mesh, the lattice has exceptions of its own. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -12,6 +13,7 @@
 #include "../../cvert/encoder/mesh_lattice.h"
 #include "border_lattices.h"
 #include "embree_bytes.h"
+#include "welded_vertices.h"
 #include <memory>
 
 namespace embree
@@ -24,10 +26,12 @@ namespace embree
     public:
       explicit TrianglesOfMesh (const TriangleMesh* mesh)
         : perPrimitive(1), numPrimitives(mesh->triangles.size()), numVertices(mesh->numVertices()),
-          vertices(mesh->vertices0), indices(mesh->triangles.getPtr()), stride(mesh->triangles.getStride()) {}
+          steps(&mesh->vertices[0]), numSteps(mesh->numTimeSteps), indices(mesh->triangles.getPtr()),
+          stride(mesh->triangles.getStride()) {}
       explicit TrianglesOfMesh (const QuadMesh* mesh)
         : perPrimitive(2), numPrimitives(mesh->quads.size()), numVertices(mesh->numVertices()),
-          vertices(mesh->vertices0), indices(mesh->quads.getPtr()), stride(mesh->quads.getStride()) {}
+          steps(&mesh->vertices[0]), numSteps(mesh->numTimeSteps), indices(mesh->quads.getPtr()),
+          stride(mesh->quads.getStride()) {}
 
       const uint32_t perPrimitive;
       const size_t numPrimitives;
@@ -37,8 +41,8 @@ namespace embree
       /*! i: 0 for the first triangle of a primitive, 1 for the second. */
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
 
-      /*! Sets pointers to the corners, in the application's order. Returns false if Embree skips the primitive because
-       *  an index is out of range or a vertex is not finite. */
+      /*! Sets pointers to the corners at the first step, in the application's order. Returns false if Embree skips the
+       *  primitive because an index is out of range or a vertex is not finite at a step. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned numbers[3];
@@ -55,8 +59,10 @@ namespace embree
         const float* p[4];
         for (uint32_t i=0; i<n; i++) {
           if (v[i] >= numVertices) return false;
-          p[i] = (const float*)vertices.getPtr(v[i]);
+          p[i] = vertex(0,v[i]);
           if (!cbvh::isFinite(p[i])) return false;
+          for (unsigned step=1; step<numSteps; step++)
+            if (!cbvh::isFinite(vertex(step,v[i]))) return false;
         }
         for (int c=0; c<3; c++) {
           const int i = areHalvesOfQuads() ? ofQuad[triangle & 1][c] : c;
@@ -66,9 +72,15 @@ namespace embree
         return true;
       }
 
+      const float* vertex (unsigned step, size_t i) const { return (const float*)steps[step].getPtr(i); }
+
+      /*! Finds vertices that are equal at all steps, as WeldedVertices::find. */
+      std::shared_ptr<const WeldedVertices> weld () const { return WeldedVertices::find(steps,numSteps,numVertices); }
+
     private:
       const size_t numVertices;
-      const BufferView<Vec3fa> vertices;
+      const BufferView<Vec3fa>* const steps;
+      const unsigned numSteps;
       const char* const indices;
       const size_t stride;
     };
@@ -97,7 +109,8 @@ namespace embree
       size_t numTriangles () const { return numPrimitives()*mesh.perPrimitive; }
 
       size_t bytesInEmbree () const {
-        return numPrimitives()*(mesh.areHalvesOfQuads() ? bytesOfQuadInEmbree(1) : bytesOfTriangleInEmbree(1));
+        return numPrimitives()*(mesh.areHalvesOfQuads() ? bytesOfQuadInEmbree(plan.numTimeSteps)
+          : bytesOfTriangleInEmbree(plan.numTimeSteps));
       }
 
       /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's
@@ -106,7 +119,10 @@ namespace embree
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
         this->borders = borders;
-        lattice.reset(new cbvh::MeshLattice(chooseExponent()));
+        const int exponent = chooseExponent();
+        for (unsigned step=0; step<plan.numTimeSteps; step++)
+          lattices.emplace_back(new cbvh::MeshLattice(exponent));
+        if (plan.moves()) welded = mesh.weld();
         cbvh::resizeToFit(centers,numPrimitives());
         const size_t tasks = (numPrimitives()+perTask-1)/perTask;
         std::vector<Found> found(tasks);
@@ -127,7 +143,8 @@ namespace embree
       void release ()
       {
         centers.clear();
-        lattice.reset();
+        lattices.clear();
+        welded.reset();
       }
 
       /*! Sets the stored corners. Corners on borders of grids are where the grids store them. Returns the square of the
@@ -140,12 +157,32 @@ namespace embree
         double farthest = 0;
         for (int c=0; c<3; c++)
         {
-          if (!borders || !borders->find(vertices[c],out[c])) lattice->snap(p[c],out[c]);
+          if (!borders || !borders->find(vertices[c],out[c])) lattices[0]->snap(p[c],out[c]);
           double square = 0;
           for (int k=0; k<3; k++) { const double d = double(out[c][k])-p[c][k]; square += d*d; }
           farthest = max(farthest,square);
         }
         return farthest;
+      }
+
+      /*! For moving meshes. Sets the IDs of the corners: equal for vertices that are equal at all steps. */
+      void identify (uint32_t triangle, uint32_t out[3]) const
+      {
+        const float* p[3];
+        unsigned vertices[3];
+        mesh.corners(triangle,p,vertices);
+        for (int c=0; c<3; c++) out[c] = welded ? (*welded)[vertices[c]] : vertices[c];
+      }
+
+      /*! Returns the stored position of a vertex at a step in `out`. id: see identify(). Returns the square of the
+       *  distance that the vertex moved. */
+      double storeVertex (unsigned step, uint32_t id, float out[3]) const
+      {
+        const float* const p = mesh.vertex(step,id);
+        lattices[step]->snap(p,out);
+        double square = 0;
+        for (int k=0; k<3; k++) { const double d = double(out[k])-p[k]; square += d*d; }
+        return square;
       }
 
       /*! True if no ray can hit a triangle, because it has no area. */
@@ -154,6 +191,15 @@ namespace embree
         const float* p[3];
         mesh.corners(triangle,p);
         return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
+      }
+
+      /*! True if two corners of a triangle of a moving mesh are equal at all steps: no ray can hit it. A triangle that
+       *  has no area at some steps can have one between them. */
+      bool haveEqualCorners (uint32_t triangle) const
+      {
+        uint32_t ids[3];
+        identify(triangle,ids);
+        return ids[0] == ids[1] || ids[1] == ids[2] || ids[2] == ids[0];
       }
 
       void bound (uint32_t primitive, float lower[3], float upper[3]) const
@@ -180,7 +226,7 @@ namespace embree
       struct Found
       {
         size_t count = 0, numInvalid = 0;
-        std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip
+        std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip, of a moving mesh at any step
       };
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
@@ -192,10 +238,13 @@ namespace embree
         for (size_t i=0; i<numPrimitives(); i+=step)
         {
           const float* p[3];
-          if (!mesh.corners(mesh.triangleOf(primitiveAt(i),0),p)) continue;
-          float line[4][3];
-          for (int c=0; c<4; c++) memcpy(line[c],p[c % 3],sizeof(line[c]));
-          choice.addLine(true,line,4);
+          unsigned vertices[3];
+          if (!mesh.corners(mesh.triangleOf(primitiveAt(i),0),p,vertices)) continue;
+          for (unsigned step=0; step<plan.numTimeSteps; step++) {
+            float line[4][3];
+            for (int c=0; c<4; c++) memcpy(line[c],mesh.vertex(step,vertices[c % 3]),sizeof(line[c]));
+            choice.addLine(true,line,4);
+          }
         }
         const int exponent = choice.exponent(plan,0.0);
         spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
@@ -214,10 +263,16 @@ namespace embree
           {
             const uint32_t triangle = mesh.triangleOf(primitive,k);
             const float* p[3];
-            isValid = mesh.corners(triangle,p);
+            unsigned vertices[3];
+            isValid = mesh.corners(triangle,p,vertices);
             if (!isValid) continue;
-            const bool isRobust = lattice->isRobust(p[0],p[1],p[2]);
-            if (!isRobust && cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2])) continue;
+            bool isRobust = lattices[0]->isRobust(p[0],p[1],p[2]);
+            if (plan.moves()) {
+              if (haveEqualCorners(triangle)) continue;
+              for (unsigned step=1; step<plan.numTimeSteps && isRobust; step++)
+                isRobust = isRobustAt(step,vertices);
+            }
+            else if (!isRobust && cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2])) continue;
             canBeHit = true;
             if (!isRobust) out.fragile.push_back(triangle);
           }
@@ -231,6 +286,10 @@ namespace embree
         }
       }
 
+      bool isRobustAt (unsigned step, const unsigned v[3]) const {
+        return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
+      }
+
       /*! A vertex on a finer lattice can flip other triangles that use it, so the check is repeated until none
        *  flips. */
       template<typename Progress>
@@ -241,8 +300,10 @@ namespace embree
           for (const Found& task : found) {
             for (uint32_t triangle : task.fragile) {
               const float* p[3];
-              mesh.corners(triangle,p);
-              changed |= lattice->check(p[0],p[1],p[2]);
+              unsigned v[3];
+              mesh.corners(triangle,p,v);
+              for (unsigned step=0; step<plan.numTimeSteps; step++)
+                changed |= lattices[step]->check(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
             }
             progress();
           }
@@ -253,7 +314,8 @@ namespace embree
       const CompressionPlan& plan;
       Device* const device;
       const StoredBorders* borders = nullptr;
-      std::unique_ptr<cbvh::MeshLattice> lattice;
+      std::vector<std::unique_ptr<cbvh::MeshLattice>> lattices; //!< by step
+      std::shared_ptr<const WeldedVertices> welded;             //!< of a moving mesh; null if all vertices differ
       float spacingOfLattice = 0.0f;
 
     public:

@@ -45,15 +45,18 @@ namespace embree
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    /*! There are no mesh blocks for moving meshes. Such a mesh is stored completely as grids or not at all, because
-     *  rays would leak between grids and Embree's own kernels. */
+    /*! All of a moving mesh is stored in grids, or all of it in mesh blocks. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {
       const std::shared_ptr<const QuadRegions> found = QuadRegions::find(mesh);
       if (mesh->numTimeSteps != 1) {
         const bool isWorthIt = !found->regions.empty() && 4*found->bytesOfBlocks() <= 3*bytesInEmbree*mesh->size();
-        return isWorthIt ? found : nullptr;
+        if (isWorthIt || found->isOutOfMemory) return found;
+        const std::shared_ptr<QuadRegions> parts = std::make_shared<QuadRegions>();
+        parts->areAllIrregular = true;
+        parts->numLeftOut = found->numLeftOut;
+        return parts;
       }
       const std::shared_ptr<QuadRegions> parts = std::const_pointer_cast<QuadRegions>(found);
       parts->areAllIrregular = parts->regions.empty();

@@ -10,7 +10,7 @@
 
 namespace embree
 {
-  /*! Returns null if the mesh should be left to Embree's own kernel. */
+  /*! Finds the grids and the irregular primitives of a mesh. Never null. */
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 
@@ -23,6 +23,6 @@ namespace embree
     if (!found) found = findParts(mesh);
     if (found && found->isOutOfMemory)
       throw_RTCError(RTC_ERROR_OUT_OF_MEMORY,"not enough memory to find the grids of a mesh");
-    return found ? found : std::make_shared<const QuadRegions>();
+    return found;
   }
 }

@@ -139,7 +139,7 @@ namespace embree
         const bool isOccluded =
           cbvh::traverseAnyHit1(bvh->root,cbvh::MovingNodes{ ray.time() },ray,
             [&](BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
-            return cbvh::intersectMovingVert(ray,context,vertRay,blockOf(leaf));
+            return intersectLeaf(leaf,ray,context,vertRay);
           });
         if (isOccluded) ray.tfar = neg_inf;
       }
@@ -149,10 +149,13 @@ namespace embree
       }
 
     private:
-      static __forceinline const cbvh::VertHeader* blockOf (BVH4::NodeRef leaf)
+      template<typename RayType>
+      static __forceinline bool intersectLeaf (BVH4::NodeRef leaf, RayType& ray, IntersectContext* context,
+                                               cbvh::VertRay& vertRay)
       {
         size_t type;
-        return (const cbvh::VertHeader*)leaf.leaf(type);
+        const void* const block = leaf.leaf(type);
+        return cbvh::intersectMovingBlock(type,ray,context,vertRay,block);
       }
 
       struct Leaves
@@ -165,7 +168,7 @@ namespace embree
         static __forceinline bool hasFrame (BVH4::NodeRef) { return false; }
         __forceinline void setEnter (float) {}
         __forceinline void intersect (BVH4::NodeRef leaf, const TravRay<4,true>&, size_t&) {
-          cbvh::intersectMovingVert(ray,context,vertRay,blockOf(leaf));
+          intersectLeaf(leaf,ray,context,vertRay);
         }
       };
     };

@@ -42,6 +42,15 @@ namespace embree
         found = framed.intersect(ray,context,prim);
         return true;
       }
+
+      /*! type: of a moving block. Returns true if a hit was accepted. */
+      template<typename RayType>
+      __forceinline bool intersectMovingBlock (size_t type, RayType& ray, IntersectContext* context, VertRay& vertRay,
+                                               const void* prim)
+      {
+        if (unlikely(type == MOVING_MESH_BLOCK)) return intersectMovingMesh(ray,context,vertRay,prim);
+        return intersectMovingVert(ray,context,vertRay,(const VertHeader*)prim);
+      }
     }
   }
 }

@@ -105,10 +105,10 @@ namespace embree
         {
           size_t type;
           const void* block = leaf.leaf(type);
-          const bool isMesh = type == MESH_BLOCK;
-          if (type != VERT_BLOCK && type != MOVING_VERT_BLOCK && !isMesh) return false;
+          if (!isBlock(type) || type == FRAMED_BLOCK) return false;
+          const bool isMesh = formOfBlock(type) == MESH_FORM;
           const VertHeader* header = (const VertHeader*)block;
-          if (type != MOVING_VERT_BLOCK && !embree::cbvh::isUsable(block,isMesh ? MESH_FORM : VERT_FORM)) return false;
+          if (!isMovingBlock(type) && !embree::cbvh::isUsable(block,formOfBlock(type))) return false;
           const uint32_t geomID =
             context->scene->surfaceIDs[isMesh ? ((const MeshHeader*)block)->surface : header->surface];
           Geometry* const geometry = context->scene->get(geomID);
@@ -146,19 +146,13 @@ namespace embree
         /*! Returns true if a call changed the query. */
         bool callTriangles (Geometry* geometry, const MeshHeader* block)
         {
-          const MeshView view(block);
+          if (!embree::cbvh::MeshAtTime::isPresent(block,time())) return false;
+          const embree::cbvh::MeshAtTime mesh(block,time());
           bool changed = false;
-          for (uint32_t g=0; g<view.groups; g++)
+          for (uint32_t g=0; g<mesh.view.groups; g++)
           {
-            BBox3fa bounds;
-            view.groupBox(g,&bounds.lower.x,&bounds.upper.x);
-            if (view.isSheared()) {
-              const uint32_t m = meshShearedAxis(block->form);
-              bounds.lower[m] = neg_inf;
-              bounds.upper[m] = pos_inf;
-            }
-            if (!(distanceOf(bounds) <= reach())) continue;
-            const DecodedMeshGroup group(view,g);
+            if (!mesh.moves() && !isWithinReach(mesh.view,g)) continue;
+            const DecodedMeshGroup group = mesh.group(g);
             for (uint32_t t=0; t<group.numTriangles; t++)
             {
               float corners[3][3];
@@ -169,6 +163,19 @@ namespace embree
             }
           }
           return changed;
+        }
+
+        /*! True if the box of a group of a block that does not move is within reach. */
+        bool isWithinReach (const MeshView& view, uint32_t g) const
+        {
+          BBox3fa bounds;
+          view.groupBox(g,&bounds.lower.x,&bounds.upper.x);
+          if (view.isSheared()) {
+            const uint32_t m = meshShearedAxis(view.block->form);
+            bounds.lower[m] = neg_inf;
+            bounds.upper[m] = pos_inf;
+          }
+          return distanceOf(bounds) <= reach();
         }
 
         bool call (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)

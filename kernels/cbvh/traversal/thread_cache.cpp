@@ -27,6 +27,7 @@ namespace embree
       if (caches & vertCache) bytes += sizeof(ThreadCache<VertEntries>);
       if (caches & motionCache) bytes += sizeof(ThreadCache<MotionEntries>);
       if (caches & meshCache) bytes += sizeof(ThreadCache<MeshEntries>);
+      if (caches & meshMotionCache) bytes += sizeof(ThreadCache<MeshMotionEntries>);
 #if !defined(EMBREE_CBVH_NO_PAPER)
       if (caches & nodeCache) bytes += sizeof(ThreadCache<NodeEntries>);
 #endif
@@ -54,7 +55,8 @@ namespace embree
       return *current;
     }
 
-    static_assert(sizeof(VertEntries) < 512*1024 && sizeof(MotionEntries) < 512*1024 && sizeof(MeshEntries) < 512*1024,
+    static_assert(sizeof(VertEntries) < 512*1024 && sizeof(MotionEntries) < 512*1024 && sizeof(MeshEntries) < 512*1024
+      && sizeof(MeshMotionEntries) < 512*1024,
       "caches must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
@@ -63,5 +65,6 @@ namespace embree
     template class ThreadCache<VertEntries>;
     template class ThreadCache<MotionEntries>;
     template class ThreadCache<MeshEntries>;
+    template class ThreadCache<MeshMotionEntries>;
   }
 }

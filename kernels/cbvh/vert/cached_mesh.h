@@ -20,6 +20,18 @@ namespace embree
                     && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
                     "surface and primID must have the same offsets in both headers");
 
+      /*! Returns the primitive of a triangle, and the parameters of a point. form: of the block. number: of the
+       *  triangle. w1, w2: weights of its second and third corner. */
+      __forceinline SurfacePoint pointOfMesh (uint32_t form, uint32_t number, float w1, float w2)
+      {
+        const bool isSecond = isSecondOfQuad(form,number);
+        SurfacePoint point;
+        point.primID = primitiveOfMesh(form,number);
+        point.u = isSecond ? 1.0f-w1 : w1;
+        point.v = isSecond ? 1.0f-w2 : w2;
+        return point;
+      }
+
       class CachedMeshBlock
       {
       public:
@@ -48,17 +60,9 @@ namespace embree
           return at;
         }
 
-        /*! Primitive and parameters of a point in triangle t of group g, as in Embree's kernels. w1, w2: weights of the
-         *  triangle's second and third corner. */
-        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const
-        {
-          const uint32_t number = MeshDecoder(block).number(boxes(),g,t);
-          const bool isSecond = isSecondOfQuad(block->form,number);
-          SurfacePoint point;
-          point.primID = primitiveOfMesh(block->form,number);
-          point.u = isSecond ? 1.0f-w1 : w1;
-          point.v = isSecond ? 1.0f-w2 : w2;
-          return point;
+        /*! See pointOfMesh. */
+        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
+          return pointOfMesh(block->form,MeshDecoder(block).number(boxes(),g,t),w1,w2);
         }
 
       private:
@@ -82,16 +86,28 @@ namespace embree
         MeshBoxes& slot;
       };
 
-      __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {
+      /*! Cached: has triangles(), as CachedMeshBlock. */
+      template<typename Cached>
+      __forceinline VertTriangle triangleOfMesh (const Cached& cached, uint32_t g, uint32_t h) {
         return VertTriangle(cached.triangles(g,h >> 4),h & 15);
       }
 
-      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached, uint32_t g)
+      /*! Cached: has triangles(), as CachedMeshBlock. See groupTrianglesHitByLine. */
+      template<typename Cached>
+      __forceinline uint32_t meshTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g)
       {
         const MeshTriangles& first = cached.triangles(g,0);
         const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may take the slot of the first
         const uint32_t mask = trianglesHitByLine(ray,first);
         return likely(!isFirstOfTwo) ? mask : mask | trianglesHitByLine(ray,cached.triangles(g,1)) << 16;
+      }
+
+      __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {
+        return triangleOfMesh(cached,g,h);
+      }
+
+      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached, uint32_t g) {
+        return meshTrianglesHitByLine(ray,cached,g);
       }
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,

@@ -63,6 +63,62 @@ namespace embree
       MeshTriangles groups[numGroups];
     };
 
+    /* --- moving blocks --- */
+
+    /*! Fields of groups in a step after the first. */
+    struct MeshStepFields
+    {
+      const uint8_t* data;        //!< start of the fields of the step
+      uint16_t begin[16];         //!< first bit of a group's fields
+      uint8_t bits[3][16];        //!< bits of a field, by axis and group
+      uint32_t base[3][16];       //!< by axis and group
+    };
+
+    /*! Data that the groups of a block share in a segment. Boxes are interpolated between its ends. No axis is
+     *  sheared. */
+    struct SegmentMeshBoxes
+    {
+      SegmentKey key;            //!< key of the block
+      float origins[2][3];       //!< origins of the block at both ends
+      float extent[3];           //!< see VertAxes, at both ends and between them
+      GroupPlanes ends[2][3];    //!< planes at both ends, by axis
+      MeshStepFields steps[2];   //!< steps at both ends; unused for the first step
+      MeshBoxes first;           //!< positions of the groups in the block, and boxes at the first step
+    };
+
+    /*! Triangles of half a group, at the ends of a segment. */
+    struct SegmentTriangles
+    {
+      SegmentKey key;            //!< key of the half; see MeshTriangles::lane
+      MeshTriangles begin;
+      alignas(64) float end[3][3][16]; //!< see MeshTriangles::at
+    };
+
+    class MeshMotionEntries
+    {
+    public:
+      /*! If the slot's key differs, the caller must fill the slot and set the key. */
+      __forceinline SegmentMeshBoxes& slot (const void* block, uint32_t segment) {
+        return blocks[(slotOfBlock(block,2048) + segment) % numBlocks];
+      }
+      __forceinline SegmentTriangles& slot (const void* block, uint32_t segment, uint32_t lane) {
+        return groups[(slotOfBlock(block,128) + lane + 7*segment) % numGroups];
+      }
+
+      void clear ()
+      {
+        for (SegmentMeshBoxes& block : blocks) block.key.block = nullptr;
+        for (SegmentTriangles& group : groups) group.key.block = nullptr;
+      }
+
+    private:
+      static const size_t numBlocks = 112, numGroups = 184; // less than 512 KiB
+
+      SegmentMeshBoxes blocks[numBlocks];
+      SegmentTriangles groups[numGroups];
+    };
+
     typedef ThreadCache<MeshEntries> MeshCache;
+    typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
   }
 }

@@ -38,32 +38,10 @@ namespace embree
         /*! Decodes half of a group. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
-          const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
-            locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
-            repeatBits = bitsFor(locals);
-          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
-          const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
-          uint64_t turns = at.take(min(2*count,32u));
-          if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
-          uint64_t news = at.take(min(stream-3,32u));
-          if (unlikely(stream-3 > 32)) news |= uint64_t(at.take(stream-3-32)) << 32;
-          const uint32_t owns = at.take(locals);
-          Bits repeats = at;
-          at.skip((stream-locals)*repeatBits);
-          alignas(64) float positions[3][32];
-          decodeVertices(boxes,g,locals,owns,at,positions);
-          const uint32_t lanes = 0xFFFFFFFFu >> (32-count);
-          out.lanes = (half ? lanes >> 16 : lanes) & 0xFFFFu;
-          out.isFirstOfTwo = half == 0 && count > 16;
-
-          alignas(32) uint8_t corners[3][maxGroupTriangles] = {}; // lanes without a triangle refer to a vertex, too
-#if defined(__AVX2__)
-          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8))
-            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,corners);
-          else
-#endif
-          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,corners);
-          gather(positions,locals,corners,16*half,out.at);
+          MeshGroup group;
+          decode(boxes,g,group);
+          setLanes(group,half,out);
+          gather(group,half,group.positions,out.at);
         }
 
         /*! See primitiveOfMesh. */
@@ -76,7 +54,47 @@ namespace embree
           return block->primID + base + at.take(bits);
         }
 
-      private:
+      protected:
+        struct MeshGroup
+        {
+          uint32_t numTriangles, numVertices;
+          alignas(64) float positions[3][32];
+          alignas(32) uint8_t corners[3][maxGroupTriangles] = {}; //!< lanes without a triangle refer to a vertex, too
+        };
+
+        __forceinline void decode (const MeshBoxes& boxes, uint32_t g, MeshGroup& out) const
+        {
+          const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
+            locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
+            repeatBits = bitsFor(locals);
+          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
+          const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
+          uint64_t turns = at.take(min(2*count,32u));
+          if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
+          uint64_t news = at.take(min(stream-3,32u));
+          if (unlikely(stream-3 > 32)) news |= uint64_t(at.take(stream-3-32)) << 32;
+          const uint32_t owns = at.take(locals);
+          Bits repeats = at;
+          at.skip((stream-locals)*repeatBits);
+          out.numTriangles = count;
+          out.numVertices = locals;
+          decodeVertices(boxes,g,locals,owns,at,out.positions);
+#if defined(__AVX2__)
+          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8))
+            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
+              out.corners);
+          else
+#endif
+          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,out.corners);
+        }
+
+        static __forceinline void setLanes (const MeshGroup& group, uint32_t half, MeshTriangles& out)
+        {
+          const uint32_t lanes = 0xFFFFFFFFu >> (32-group.numTriangles);
+          out.lanes = (half ? lanes >> 16 : lanes) & 0xFFFFu;
+          out.isFirstOfTwo = half == 0 && group.numTriangles > 16;
+        }
+
         struct Bits
         {
           const uint8_t* data;
@@ -234,25 +252,25 @@ namespace embree
         }
 #endif
 
-        /*! Sets the vertices of 16 triangles. corners: numbers of vertices in the group, of the triangles from `begin`
-         *  on. */
-        static __forceinline void gather (const float (*positions)[32], uint32_t locals,
-                                          const uint8_t (*corners)[maxGroupTriangles], uint32_t begin,
+        /*! Sets the vertices of half a group. positions: of its vertices, by axis; aligned to 64 bytes. */
+        static __forceinline void gather (const MeshGroup& group, uint32_t half, const float (*positions)[32],
                                           float (*out)[3][16])
         {
+          const uint32_t begin = 16*half;
 #if defined(__AVX512F__)
           for (int c=0; c<3; c++) {
-            const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)(corners[c]+begin)));
+            const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)(group.corners[c]+begin)));
             for (int k=0; k<3; k++)
               _mm512_store_ps(out[k][c],
                 _mm512_permutex2var_ps(_mm512_load_ps(positions[k]),vertex,_mm512_load_ps(positions[k]+16)));
           }
 #else
 #if defined(__AVX2__)
-          if (likely(locals <= 16)) {
+          if (likely(group.numVertices <= 16)) {
             for (int c=0; c<3; c++)
               for (int i=0; i<16; i+=8) {
-                const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)(corners[c]+begin+i)));
+                const uint8_t* const corners = group.corners[c]+begin+i;
+                const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)corners));
                 const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,28)); // bit 3
                 for (int k=0; k<3; k++)
                   _mm256_store_ps(out[k][c]+i,
@@ -264,7 +282,7 @@ namespace embree
 #endif
           for (int c=0; c<3; c++)
             for (int i=0; i<16; i++) {
-              const uint32_t vertex = corners[c][begin+i] & 31u; // of damaged blocks, too
+              const uint32_t vertex = group.corners[c][begin+i] & 31u; // of damaged blocks, too
               for (int k=0; k<3; k++) out[k][c][i] = positions[k][vertex];
             }
 #endif

@@ -6,6 +6,7 @@
 
 #include "cached_mesh.h"
 #include "intersector1.h"
+#include "moving_mesh.h"
 
 namespace embree
 {
@@ -17,6 +18,16 @@ namespace embree
       template<typename RayType>
       __noinline bool intersectMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
         return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
+      }
+
+      /*! The same for a moving mesh block, at the time of the ray. */
+      template<typename RayType>
+      __noinline bool intersectMovingMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block)
+      {
+        const VertMotion motion = motionOfMesh((const MeshHeader*)block);
+        if (unlikely(!isPresent(motion,ray.time()))) return false;
+        return VertIntersector1<RayType,MovingMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block,
+          timeInMotion(motion,ray.time()));
       }
     }
   }

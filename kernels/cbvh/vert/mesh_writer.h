@@ -47,6 +47,18 @@ namespace embree
         store.flushIfFull();
       }
 
+      /*! Adds an encoded block to the statistics. */
+      static void addBlock (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)
+      {
+        const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
+        const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
+        cbvh::CompressionStatistics& sums = statistics.sums;
+        sums.headerBytes += layout.boxes;
+        sums.nodeBytes += layout.topology - layout.boxes;
+        sums.leafBytes += stride - layout.topology;
+        sums.numBlocks++;
+      }
+
     private:
       static bool hasThreeCorners (const cbvh::MeshTriangle& triangle)
       {
@@ -64,15 +76,7 @@ namespace embree
         memcpy(store.begin(bytes),block,bytes);
         store.end(bytes,toBBox(bounds),cbvh::MESH_BLOCK,cbvh::readPastVert);
         store.hitBounds.extend(bounds);
-
-        const cbvh::MeshHeader& header = *(const cbvh::MeshHeader*)block;
-        const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
-        const size_t stride = (bytes + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
-        cbvh::CompressionStatistics& sums = statistics.sums;
-        sums.headerBytes += layout.boxes;
-        sums.nodeBytes += layout.topology - layout.boxes;
-        sums.leafBytes += stride - layout.topology;
-        sums.numBlocks++;
+        addBlock(*(const cbvh::MeshHeader*)block,bytes,statistics);
       }
 
       const IrregularTriangles& from;

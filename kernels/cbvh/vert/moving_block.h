@@ -10,6 +10,7 @@
  * ends it bounds at all times in between. A shared vertex is the same floats at both ends, and therefore at all
  * times in between. */
 
+#include "interpolation.h"
 #include "motion_decoder.h"
 
 namespace embree
@@ -62,9 +63,7 @@ namespace embree
           const Between between(fraction);
           for (int k=0; k<3; k++)
             for (int side=0; side<2; side++)
-              for (int l=0; l<16; l+=vectorWidth)
-                vfloatV::store(now.planes[k].at[side]+l,
-                  between(vfloatV::load(stored.ends[0][k].at[side]+l),vfloatV::load(stored.ends[1][k].at[side]+l)));
+              between.set(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,now.planes[k].at[side]);
           isInterpolated = true;
           return now;
         }
@@ -77,15 +76,6 @@ namespace embree
         }
 
       private:
-        /*! fraction: 0 to 1 */
-        struct Between
-        {
-          const vfloatV before, after;
-          __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
-          /*! Returns the same floats as Embree's lerp, and therefore as Embree's kernels. */
-          __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
-        };
-
         __forceinline const SegmentBoxes& segmentBoxes () const
         {
           SegmentBoxes& slot = cache.slot(block,segment);
@@ -115,9 +105,7 @@ namespace embree
           if (unlikely(!(slot.key == key))) decode(lane,slot);
           const Between between(fraction);
           for (int k=0; k<3; k++)
-            for (int l=0; l<cellVectors*vectorWidth; l+=vectorWidth)
-              vfloatV::store(laneVertices.at[k]+l,
-                             between(vfloatV::load(slot.ends[0].at[k]+l),vfloatV::load(slot.ends[1].at[k]+l)));
+            between.set(slot.ends[0].at[k],slot.ends[1].at[k],cellVectors*vectorWidth,laneVertices.at[k]);
         }
 
         MotionCache& cache;

@@ -4,7 +4,7 @@
 #pragma once
 
 
-#include "mesh_view.h"
+#include "mesh_step_view.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
@@ -18,8 +18,14 @@ namespace cvert { inline namespace CVERT_ISA
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
     uint32_t numbers[maxGroupTriangles];                  //!< see MeshView::number
 
-    /*! Reads the header, all records and boxes, the group's topology and numbers, and the vertices that it uses. */
+    /*! First step. Reads the header, all records and boxes, the group's topology and numbers, and the vertices that it
+     *  uses. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
+      : DecodedMeshGroup(view,g,[&](uint32_t v, float out[3]) { view.vertex(v,out); }) {}
+
+    /*! Decodes group g at a step. vertex(v,out): decodes vertex v of the block at the step. */
+    template<typename Vertex>
+    DecodedMeshGroup (const MeshView& view, uint32_t g, const Vertex& vertex)
     {
       const uint32_t group = meshGroupByte(view.block,g), record = meshRecord(view.block,g);
       numTriangles = groupTriangles(group);
@@ -34,7 +40,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0, own=0, other=0; i<numVertices; i++) {
         vertices[i] = (owns >> i) & 1 ? view.firstVertex[g] + own++
           : bits(at.others + at.otherBits*other++,at.otherBits);
-        view.vertex(vertices[i],positions[i]);
+        vertex(vertices[i],positions[i]);
       }
 
       uint8_t stream[maxGroupTriangles+2+2*maxGroupRestarts];
@@ -67,11 +73,16 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numbers[maxMeshTriangles];
     uint32_t firstTriangle[maxMeshGroups+1];         //!< first triangle of each group, then the total
 
-    explicit DecodedMesh (const MeshHeader* block) : numVertices(meshVertices(block->counts)),
+    /*! step: below the number of time steps. */
+    explicit DecodedMesh (const MeshHeader* block, uint32_t step = 0) : numVertices(meshVertices(block->counts)),
       numTriangles(meshTriangles(block->counts)), numGroups(meshGroups(block->counts))
     {
       const MeshView view(block);
-      for (uint32_t v=0; v<numVertices; v++) view.vertex(v,vertices[v]);
+      if (step == 0) for (uint32_t v=0; v<numVertices; v++) view.vertex(v,vertices[v]);
+      else {
+        const MeshStepView later(view,step);
+        for (uint32_t v=0; v<numVertices; v++) later.vertex(v,vertices[v]);
+      }
       for (uint32_t g=0; g<numGroups; g++)
       {
         const DecodedMeshGroup group(view,g);

@@ -6,7 +6,7 @@
 /* Validates bytes that may be a mesh block: counts, sizes and indices. Any value of vertices and numbers is valid. */
 
 #include "../basics/reason.h"
-#include "mesh_view.h"
+#include "mesh_step_view.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
@@ -25,9 +25,11 @@ namespace cvert { inline namespace CVERT_ISA
         return Reason::damaged("it has % bytes: header, records and boxes need %",bytes,layout.topology);
       if (const Reason reason = validateGroups(header)) return reason;
       const MeshView view(&header);
-      if (view.bytes() != header.bytes)
+      if (!isMovingMesh(&header) && view.bytes() != header.bytes)
         return Reason::damaged("its header counts % bytes: its groups need %",header.bytes,view.bytes());
       if (bytes < header.bytes) return Reason::damaged("it has % bytes: its header counts %",bytes,header.bytes);
+      if (header.bytes < view.bytes())
+        return Reason::damaged("its header counts % bytes: its groups need %",header.bytes,view.bytes());
       if (view.firstTriangle[view.groups] != meshTriangles(header.counts))
         return Reason::damaged("its groups have % triangles: expected %",view.firstTriangle[view.groups],
           meshTriangles(header.counts));
@@ -36,7 +38,7 @@ namespace cvert { inline namespace CVERT_ISA
           meshVertices(header.counts));
       for (uint32_t g=0; g<view.groups; g++)
         if (const Reason reason = validateTopology(view,g)) return reason;
-      return Reason();
+      return isMovingMesh(&header) ? validateMotion(view) : Reason();
     }
 
   private:
@@ -45,11 +47,11 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t kind = kindOfBlock(header.counts,header.form), version = versionOfBlock(header.counts,header.form);
       if (kind != kindOfMesh)
         return Reason::unsupported("it is a block of kind %: expected %, a mesh block",kind,kindOfMesh);
-      if (version != meshFormatVersion)
-        return Reason::unsupported("it is a mesh block of version %: this library reads version %",version,
-          meshFormatVersion);
-      if (header.motion != 0)
-        return Reason::unsupported("it is a moving mesh block: this library reads only static ones");
+      if (version != meshFormatVersion && version != movingMeshFormatVersion)
+        return Reason::unsupported("it is a mesh block of version %: this library reads versions 6 and 7",version);
+      if ((version == movingMeshFormatVersion) != (header.motion != 0))
+        return Reason::unsupported("it is a mesh block of version % whose motion begins at %: expected an offset in "
+          "version 7, and 0 in version 6",version,header.motion);
       if (header.spacings >> 24) return Reason::unsupported("reserved bits of its spacings are set: expected 0");
       if (header.form & 0x38000000u) return Reason::unsupported("reserved bits of its form are set: expected 0");
       for (float x : header.origin)
@@ -94,6 +96,71 @@ namespace cvert { inline namespace CVERT_ISA
               + meshPlane(&header,3+k,g));
       }
       return Reason();
+    }
+
+    /*! The first step must be valid. */
+    static Reason validateMotion (const MeshView& view)
+    {
+      const MeshHeader& header = *view.block;
+      const size_t bytes = header.bytes;
+      size_t end = view.bytes();
+      if (header.motion != end) return Reason::damaged("its motion begins at %: expected %",header.motion,end);
+      if (bytes < end+sizeof(VertMotion))
+        return Reason::damaged("it has % bytes: its motion needs %",bytes,end+sizeof(VertMotion));
+      const VertMotion motion = motionOfMesh(&header);
+      if (!std::isfinite(motion.begin) || !(motion.begin < motion.end) || !std::isfinite(motion.end))
+        return Reason::damaged("its time range is empty or not finite");
+      if (motion.numSteps < 2 || motion.numSteps > maxTimeSteps)
+        return Reason::damaged("it has % time steps: expected 2 to %",motion.numSteps,maxTimeSteps);
+      end += sizeof(VertMotion);
+      if (motion.steps != end)
+        return Reason::damaged("the offsets of its time steps begin at %: expected %",motion.steps,end);
+      end += 4*(motion.numSteps-1);
+      if (bytes < end) return Reason::damaged("it has % bytes: the offsets of its time steps need %",bytes,end);
+      for (uint32_t s=1; s<motion.numSteps; s++)
+      {
+        const MeshStep* const step = meshStepOf(&header,s);
+        const size_t begin = size_t((const uint8_t*)step - (const uint8_t*)&header);
+        if (begin != end) return Reason::damaged("a time step begins at %: expected %",begin,end);
+        if (bytes < begin+meshStepBytes)
+          return Reason::damaged("it has % bytes: the header of a time step needs %",bytes,begin+meshStepBytes);
+        if (const Reason reason = validateStep(view,*step,bytes-begin,end)) return reason;
+        end += begin;
+      }
+      return end == bytes ? Reason()
+        : Reason::damaged("its header counts % bytes: its time steps end at %",bytes,end);
+    }
+
+    /*! end: set to the size of the step. */
+    static Reason validateStep (const MeshView& view, const MeshStep& step, size_t bytes, size_t& end)
+    {
+      for (uint32_t k=0; k<3; k++)
+      {
+        if (!std::isfinite(step.origin[k])) return Reason::damaged("the origin of a time step is not finite");
+        for (float x : step.map[k])
+          if (!std::isfinite(x)) return Reason::damaged("a number of a time step's map is not finite");
+        if (((step.spacings >> (8*k)) & 255) == 255)
+          return Reason::damaged("the exponent of a time step's spacing is 255: expected at most 254");
+        if (stepBaseBits(step.form,k) > 32)
+          return Reason::damaged("bases of a time step have % bits: expected at most 32",stepBaseBits(step.form,k));
+      }
+      if (step.spacings >> 24)
+        return Reason::unsupported("reserved bits of a time step's spacings are set: expected 0");
+      if (step.form >> 30) return Reason::unsupported("reserved bits of a time step's form are set: expected 0");
+      const uint32_t fields = meshStepLayout(view.groups,step.form).fields;
+      if (bytes < fields) return Reason::damaged("a time step has % bytes: its boxes and bases need %",bytes,fields);
+      const MeshStepView at(view,&step);
+      for (uint32_t g=0; g<view.groups; g++)
+      {
+        if (meshStepRecord(&step,g) >> 15)
+          return Reason::unsupported("a reserved bit of group % of a time step is set: expected 0",g);
+        for (uint32_t k=0; k<3; k++)
+          if (at.boxByte(k,g) + at.boxByte(3+k,g) > 255)
+            return Reason::damaged("a box of group % of a time step ends at %: expected at most 255",g,
+              at.boxByte(k,g) + at.boxByte(3+k,g));
+      }
+      end = at.bytes();
+      return bytes < end ? Reason::damaged("a time step has % bytes: its fields need %",bytes,end) : Reason();
     }
 
     static Reason validateTopology (const MeshView& view, uint32_t g)

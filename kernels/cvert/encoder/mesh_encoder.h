@@ -28,6 +28,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint64_t blocks = 0, groups = 0, triangles = 0, vertices = 0, restarts = 0, bytes = 0;
     uint64_t topologyBits = 0, vertexBits = 0, numberBits = 0;
     uint64_t rankAxes = 0, shearedBlocks = 0;
+    uint64_t stepBytes = 0; //!< of the steps of moving blocks but the first, not part of `bytes`
   };
 
   class MeshEncoder
@@ -82,7 +83,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-  private:
+  protected:
     struct Group
     {
       uint32_t triangles, vertices, own, restarts, repeats, others, firstVertex;
@@ -107,7 +108,16 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t cornerAt (const float p[3])
     {
       const MeshPosition position(p);
-      for (uint32_t i = position.hash() >> 21; ; i = (i+1) % slotCount)
+      return findCorner(position,position.hash(),[&](uint32_t corner) {
+          return std::memcmp(corners[corner],position.words,sizeof(position.words)) == 0;
+        });
+    }
+
+    /*! isSame(corner): true if the corner is the one that is looked for. */
+    template<typename IsSame>
+    uint32_t findCorner (const MeshPosition& position, uint32_t hash, const IsSame& isSame)
+    {
+      for (uint32_t i = hash >> 21; ; i = (i+1) % slotCount)
       {
         Slot& slot = slots[i];
         if (slot.epoch != epoch) {
@@ -118,8 +128,20 @@ namespace cvert { inline namespace CVERT_ISA
           groupOf[numCorners] = ~0u;
           return numCorners++;
         }
-        if (std::memcmp(corners[slot.corner],position.words,sizeof(position.words)) == 0) return slot.corner;
+        if (isSame(slot.corner)) return slot.corner;
       }
+    }
+
+    /*! Returns the index of a corner of a triangle. If vertices have IDs, corners with different IDs differ, even at
+     *  the same position. */
+    uint32_t cornerOf (const MeshTriangle& triangle, int c)
+    {
+      if (!ids) return cornerAt(triangle.corners[c]);
+      const uint32_t id = ids[&triangle-idsBegin][c], before = numCorners;
+      const uint32_t corner = findCorner(MeshPosition(triangle.corners[c]),id*0x9E3779B1u,
+        [&](uint32_t corner) { return idOfCorner[corner] == id; });
+      if (corner == before) idOfCorner[corner] = id;
+      return corner;
     }
 
     /*! Adds a group of up to `count` triangles. */
@@ -135,7 +157,7 @@ namespace cvert { inline namespace CVERT_ISA
         {
           uint32_t own[3], fresh = 0;
           for (int c=0; c<3; c++) {
-            own[c] = cornerAt(triangles[used].corners[c]); fresh += groupOf[own[c]] != attempt;
+            own[c] = cornerOf(triangles[used],c); fresh += groupOf[own[c]] != attempt;
           }
           if (vertices+fresh > maxGroupVertices) break;
           for (int c=0; c<3; c++) {
@@ -169,6 +191,7 @@ namespace cvert { inline namespace CVERT_ISA
         uint16_t& number = numberOf[corner[v]];
         if (number == noNumber) {
           number = uint16_t(numVertices);
+          cornerOfVertex[numVertices] = uint16_t(corner[v]);
           std::memcpy(vertices[numVertices++],corners[corner[v]],sizeof(vertices[0]));
           group.ownMask |= 1u << group.vertices;
           group.own++;
@@ -197,23 +220,32 @@ namespace cvert { inline namespace CVERT_ISA
       }
       origin[k] = lo;
       isRanked[k] = false;
+      fitsLattice[k] = true;
       exponent[k] = std::max(step,-126);
-      const double span = double(hi)-double(lo), least = double(lo);
+      const double span = double(hi)-double(lo);
       if (span == 0) { // thin boxes
         exponent[k] = -126;
         std::fill(coordinates[k],coordinates[k]+numVertices,0u);
         return;
       }
       const bool fits = step >= -126 && std::ldexp(span,-step) < double(1 << maxMeshCoordinateBits);
+      fitsLattice[k] = fits;
       if (fits) {
-        const double unit = std::ldexp(1.0,-exponent[k]);
-        for (uint32_t v=0; v<numVertices; v++) coordinates[k][v] = uint32_t(int((double(vertices[v][k])-least)*unit));
+        placeOnLattice(k);
         if (std::ldexp(span,-step) < double(1 << maxUnrankedBits)) return;
       }
       const uint32_t first = rankOfFloat(lo);
       for (uint32_t v=0; v<numVertices; v++) other[v] = rankOfFloat(vertices[v][k])-first;
       isRanked[k] = !fits || bitsOnAxis(other,true) < bitsOnAxis(coordinates[k],false);
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
+    }
+
+    /*! Computes the coordinates on an axis that does not need ranks, after place(). */
+    void placeOnLattice (int k)
+    {
+      const double unit = std::ldexp(1.0,-exponent[k]), least = double(origin[k]);
+      for (uint32_t v=0; v<numVertices; v++) coordinates[k][v] = uint32_t(int((double(vertices[v][k])-least)*unit));
+      isRanked[k] = false;
     }
 
     /*! Returns the bits of all fields on an axis. values: coordinates or ranks. */
@@ -415,6 +447,11 @@ namespace cvert { inline namespace CVERT_ISA
     uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< index as a vertex of the block
     uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt that used the corner
     uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< index in that attempt
+    /*! IDs of the corners of triangles from idsBegin on, or null if positions identify vertices. */
+    const uint32_t (*ids)[3] = nullptr;
+    const MeshTriangle* idsBegin = nullptr;
+    uint32_t idOfCorner[3*maxMeshTriangles+3*maxGroupTriangles];
+    uint16_t cornerOfVertex[maxMeshVertices];
     MeshStrips strips;
     uint32_t groups, numTriangles, numVertices;
     Group all[maxMeshGroups];
@@ -422,7 +459,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t coordinates[3][maxMeshVertices], other[maxMeshVertices];
     float origin[3];
     int exponent[3];
-    bool isRanked[3];
+    bool isRanked[3], fitsLattice[3]; //!< fitsLattice: ranks are not necessary
     uint32_t shearedAxis, shifts[3];
     int slopes[2];
   };

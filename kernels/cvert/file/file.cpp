@@ -72,7 +72,7 @@ namespace cvert
       return reason;
     if (h.checksum != fileChecksum(&h,offsetof(FileHeader,checksum)))
       return Reason::damaged("is damaged: the checksum of its header differs");
-    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,meshFormatVersion,
+    if (const Reason reason = checkVersion(h.vertVersion,oldestVertVersion,movingMeshFormatVersion,
           "has blocks of an older version of cVERT, %: this library reads % and later",
           "has blocks of a newer version of cVERT, %: this library reads versions up to %"))
       return reason;
@@ -119,7 +119,7 @@ namespace cvert
         const char* const block = blocks(i)+offset;
         const size_t bytes = size_t(record.blockBytes-offset);
         Reason reason = type == FILE_FRAMED ? other(record,block,bytes)
-            : type == FILE_MESH ? validateMeshBlock(record,block,bytes) : validateVertBlock(record,block,bytes);
+            : isMesh(type) ? validateMeshBlock(record,block,bytes) : validateVertBlock(record,block,bytes);
         if (!reason && type != FILE_FRAMED && ((const VertHeader*)block)->surface != record.surface)
           reason = Reason::damaged("its surface number differs from its geometry's");
         if (reason) failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());

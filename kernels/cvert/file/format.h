@@ -6,8 +6,7 @@
 /* Layout of files of compressed surfaces, specified by docs/formats/file.md: a header, the tree and the blocks of each
  * geometry, and a directory. Offsets are relative to the start of the file. Numbers are little-endian. */
 
-#include "../format/mesh_block.h"
-#include "../format/motion.h"
+#include "../format/mesh_motion.h"
 #include "checksum.h"
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +31,8 @@ namespace cvert
   {
     char magic[8];
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
-    /*! of blocks: vertFormatVersion, or meshFormatVersion if the file has mesh blocks; fileFramedVersion */
+    /*! of blocks: vertFormatVersion, or meshFormatVersion if the file has mesh blocks, or movingMeshFormatVersion if it
+     *  has moving ones; fileFramedVersion */
     uint32_t vertVersion, framedVersion;
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
     uint64_t fileBytes, directory;         //!< size of the file, and offset of the geometries' records
@@ -71,7 +71,9 @@ namespace cvert
   /*! Type of a reference to a child, in the lower 4 bits. The upper bits are the offset from the start of the tree or
    *  the blocks, a multiple of 16. */
   enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4,
-    FILE_MESH = 5, FILE_CHILD_MASK = 15 };
+    FILE_MESH = 5, FILE_MOVING_MESH = 6, FILE_CHILD_MASK = 15 };
+
+  inline bool isMesh (FileChild type) { return type == FILE_MESH || type == FILE_MOVING_MESH; }
 
   /*! Nodes and blocks are in depth-first order, first children first. */
   struct FileNode

@@ -23,6 +23,22 @@ namespace cvert
           }
       return Reason();
     }
+
+    /*! record: of a moving geometry. */
+    Reason validateMotion (const FileGeometry& record, const VertMotion& motion)
+    {
+      if (motion.numSteps != record.numTimeSteps)
+        return Reason::damaged("it has % time steps: the geometry has %",motion.numSteps,record.numTimeSteps);
+      if (motion.begin != record.begin || motion.end != record.end)
+        return Reason::damaged("its time range differs from the geometry's");
+      return Reason();
+    }
+
+    Reason validateMoves (const FileGeometry& record, bool moves)
+    {
+      if (moves == (record.form == FILE_MOVING)) return Reason();
+      return Reason::damaged(moves ? "it has time steps, but its geometry has none" : "it has no time steps");
+    }
   }
 
   bool areBounds (const float lower[3], const float upper[3]) {
@@ -60,24 +76,19 @@ namespace cvert
   {
     if (const Reason reason = validateVert(data,bytes)) return reason;
     const VertHeader* const block = (const VertHeader*)data;
-    const bool moves = record.form == FILE_MOVING;
-    if (isMoving(block->boxForm) != moves)
-      return Reason::damaged(moves ? "it has no time steps" : "it has time steps, but its geometry has none");
-    if (moves) {
-      const VertMotion motion = motionOf(block);
-      if (motion.numSteps != record.numTimeSteps)
-        return Reason::damaged("it has % time steps: the geometry has %",motion.numSteps,record.numTimeSteps);
-      if (motion.begin != record.begin || motion.end != record.end)
-        return Reason::damaged("its time range differs from the geometry's");
-    }
+    if (const Reason reason = validateMoves(record,isMoving(block->boxForm))) return reason;
+    if (isMoving(block->boxForm))
+      if (const Reason reason = validateMotion(record,motionOf(block))) return reason;
     return validatePrimitives(block,record.numPrimitives);
   }
 
   Reason validateMeshBlock (const FileGeometry& record, const void* data, size_t bytes)
   {
     if (const Reason reason = validateMesh(data,bytes)) return reason;
-    if (record.form == FILE_MOVING) return Reason::damaged("it has no time steps");
     const MeshHeader* const block = (const MeshHeader*)data;
+    if (const Reason reason = validateMoves(record,isMovingMesh(block))) return reason;
+    if (isMovingMesh(block))
+      if (const Reason reason = validateMotion(record,motionOfMesh(block))) return reason;
     const MeshView view(block);
     for (uint32_t g=0; g<view.groups; g++)
       for (uint32_t t=0; t<groupTriangles(meshGroupByte(block,g)); t++) {

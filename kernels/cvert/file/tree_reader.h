@@ -60,7 +60,7 @@ namespace cvert
     {
       const uint64_t type = child & FILE_CHILD_MASK, offset = child & ~uint64_t(FILE_CHILD_MASK);
       const bool moves = record.form == FILE_MOVING;
-      const bool isKnown = moves ? type == FILE_MOVING_VERT
+      const bool isKnown = moves ? type == FILE_MOVING_VERT || type == FILE_MOVING_MESH
         : type == FILE_VERT || type == FILE_FRAMED || type == FILE_MESH;
       if (!isKnown) return fail("a leaf of its tree has the unknown type %",type);
       if (offset < next || offset > record.blockBytes || record.blockBytes-offset < vertHeaderBytes)

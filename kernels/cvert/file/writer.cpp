@@ -4,6 +4,7 @@
 #include "writer.h"
 #include "../decoder/decoded_block.h"
 #include "record.h"
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -14,7 +15,8 @@ namespace cvert
     const uint64_t begin = end;
     blocks.push_back({ data,bytes,surface });
     end = (begin + bytes + blockAlignment-1) & ~uint64_t(blockAlignment-1);
-    hasMeshBlocks |= type == FILE_MESH;
+    if (type == FILE_MESH) vertVersion = std::max(vertVersion,meshFormatVersion+0u);
+    if (type == FILE_MOVING_MESH) vertVersion = movingMeshFormatVersion;
     return begin | type;
   }
 
@@ -116,7 +118,7 @@ namespace cvert
     const std::string anew = "; remove it to start again";
     if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is not a file of compressed surfaces");
     if (header.byteOrder != fileByteOrder || header.version != fileVersion
-        || (header.vertVersion != vertFormatVersion && header.vertVersion != meshFormatVersion)
+        || header.vertVersion < vertFormatVersion || header.vertVersion > movingMeshFormatVersion
         || header.framedVersion != fileFramedVersion)
       refuse("was started by another version of the library" + anew);
     const uint64_t count = header.numGeometries;
@@ -126,7 +128,7 @@ namespace cvert
       refuse("is damaged" + anew);
     if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32))
       refuse("was started with another key" + anew);
-    hasMeshBlocks = header.vertVersion == meshFormatVersion;
+    vertVersion = header.vertVersion;
     directory.resize(size_t(count));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
@@ -197,7 +199,7 @@ namespace cvert
     padTo(filePage);
     if (at-end < fileReadPast) { const char zeros[fileReadPast] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
     directory.push_back(record);
-    hasMeshBlocks |= surface.hasMeshBlocks;
+    vertVersion = std::max(vertVersion,surface.vertVersion);
     // starts writing to the disk, so that the next checkpoint need not wait
     if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
   }
@@ -227,7 +229,7 @@ namespace cvert
     memcpy(header.magic,fileMagic,sizeof(header.magic));
     header.byteOrder = fileByteOrder;
     header.version = fileVersion;
-    header.vertVersion = hasMeshBlocks ? meshFormatVersion : vertFormatVersion;
+    header.vertVersion = vertVersion;
     header.framedVersion = fileFramedVersion;
     header.numGeometries = uint32_t(directory.size());
     header.recordBytes = sizeof(FileGeometry);

@@ -32,8 +32,8 @@ namespace cvert
     };
     std::vector<Block> blocks;
 
-    /*! Appends a block. type: FILE_FRAMED, FILE_VERT, FILE_MOVING_VERT or FILE_MESH. surface: offset of the surface
-     *  number in the block. Returns the child that refers to the block. */
+    /*! Appends a block. type: FILE_FRAMED, FILE_VERT, FILE_MOVING_VERT, FILE_MESH or FILE_MOVING_MESH. surface: offset
+     *  of the surface number in the block. Returns the child that refers to the block. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surface);
 
     /*! Appends a cVERT block to a list, and extends the record's bounds by the block's vertices. record.form must be
@@ -45,7 +45,7 @@ namespace cvert
     friend class FileWriter;
 
     uint64_t end = 0;        //!< size of the blocks
-    bool hasMeshBlocks = false;
+    uint32_t vertVersion = vertFormatVersion; //!< of its blocks, the newest
   };
 
   /*! One thread at a time may use a writer. Functions throw Error. After an error during writing, only the destructor
@@ -102,7 +102,7 @@ namespace cvert
     bool failed = false;
     uint64_t key = 0;
     uint64_t at = 0, saved = 0;           //!< bytes written, and bytes covered by the header on the disk
-    bool hasMeshBlocks = false;
+    uint32_t vertVersion = vertFormatVersion; //!< newest of all surfaces
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;
   };

@@ -54,7 +54,7 @@ struct MeshHeader
   uint32_t surface;       //!< number of the surface, see limits.h
   uint32_t primID;        //!< base of the primitive numbers
   uint32_t bytes;         //!< size of the block, a multiple of 4
-  uint32_t motion;        //!< reserved, 0
+  uint32_t motion;        //!< 0; in a block that moves, the offset of its VertMotion, mesh_motion.h
   //! a byte per group, 0 if unused: bits 0..4: triangles minus 1; 5..7: lower bits of the number of restarts
   uint32_t groups[4];
   //! bits 0..9: vertices minus 1; 10..13: groups minus 1; 16..23: triangles minus 1; 24..29: bits of the base number of

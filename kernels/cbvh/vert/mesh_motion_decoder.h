@@ -1,0 +1,201 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends of the segment: first the
+ * boxes of all groups, then the triangles of one group at a time. Boxes have no sheared axis, because the steps of a
+ * block have different spacings. */
+
+#include "../../cvert/decoder/mesh_step_view.h"
+#include "mesh_decoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class MeshMotionDecoder : private MeshDecoder
+      {
+      public:
+        __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
+          : MeshDecoder(block), block(block), groups(meshGroups(block->counts)) {}
+
+        /*! Decodes boxes and positions of all groups, except for out.key. */
+        void decode (uint32_t segment, SegmentMeshBoxes& out) const
+        {
+          MeshDecoder::decode(out.first);
+          for (int k=0; k<3; k++) out.extent[k] = 0.0f;
+          for (uint32_t e=0; e<2; e++)
+          {
+            const MeshStep* const step = segment+e ? meshStepOf(block,segment+e) : nullptr;
+            for (uint32_t k=0; k<3; k++) {
+              out.origins[e][k] = step ? step->origin[k] : block->origin[k];
+              setPlanes(k,step,out.origins[e][k],out.ends[e][k],out.extent[k]);
+            }
+            if (step) findFields(*step,out.steps[e]);
+          }
+          for (int k=0; k<3; k++) // between the ends, origins and planes are rounded
+            out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
+        }
+
+        /*! Decodes half of a group at both ends, except for out.key. boxes: of the segment. */
+        void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
+        {
+          MeshGroup group;
+          MeshDecoder::decode(boxes.first,g,group);
+          setLanes(group,half,out.begin);
+          Places places;
+          find(boxes.first,g,places);
+          for (uint32_t e=0; e<2; e++)
+          {
+            const uint32_t step = boxes.key.segment+e;
+            float (&at)[3][3][16] = e == 0 ? out.begin.at : out.end;
+            if (step == 0) { gather(group,half,group.positions,at); continue; }
+            alignas(64) float moved[3][32] = {};
+            move(*meshStepOf(block,step),boxes.steps[e],group,places,moved);
+            gather(group,half,moved,at);
+          }
+        }
+
+        /*! See primitiveOfMesh. */
+        uint32_t number (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t t) const {
+          return MeshDecoder::number(boxes.first,g,t);
+        }
+
+      private:
+        /*! Sets the planes of all groups on an axis at a step; null for the first one. extent: increased to the extent
+         *  of the boxes from the origin. */
+        void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
+        {
+          const uint32_t spacings = step ? step->spacings : block->spacings;
+          const uint32_t shift = step ? stepBoxShift(*step,k) : meshBoxShift(spacings,block->form,k);
+          const bool isSheared = !step && isShearedAxis(k);
+          for (uint32_t l=0; l<16; l++)
+          {
+            const uint32_t g = min(l,groups-1), begin = plane(step,k,g) << shift,
+              end = begin + ((plane(step,3+k,g)+1) << shift);
+            float lower, upper;
+            if (unlikely(hasRanks(spacings,k))) {
+              lower = floatOfRank(rankOfFloat(origin) + begin);
+              upper = floatOfRank(rankOfFloat(origin) + end-1);
+            }
+            else {
+              int values[2] = { int(begin),int(end) };
+              if (isSheared) unshear(k,g,values);
+              lower = origin + float(values[0])*meshSpacing(spacings,k);
+              upper = origin + float(values[1])*meshSpacing(spacings,k);
+            }
+            out.at[0][l] = lower;
+            out.at[1][l] = upper;
+            extent = max(extent,max(std::fabs(lower-origin),std::fabs(upper-origin)));
+          }
+        }
+
+        bool isShearedAxis (uint32_t k) const {
+          return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0 && k == meshShearedAxis(block->form);
+        }
+
+        /*! Replaces bounds of the sheared coordinates of a group by bounds of its coordinates on the sheared axis. */
+        void unshear (uint32_t m, uint32_t g, int values[2]) const
+        {
+          int least = 8, most = 8; // of the shear, in 1/16
+          for (uint32_t i=1; i<3; i++)
+          {
+            const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);
+            const int slope = meshSlope(block->form,i), lower = int(plane(nullptr,k,g) << shift),
+              upper = lower + int((plane(nullptr,3+k,g)+1) << shift) - 1;
+            least += slope*(slope < 0 ? upper : lower);
+            most += slope*(slope < 0 ? lower : upper);
+          }
+          values[0] -= most >> 4;
+          values[1] -= least >> 4;
+        }
+
+        /*! A byte of the boxes. i: 0 to 2 for the lower planes, 3 to 5 for the extents. */
+        uint32_t plane (const MeshStep* step, uint32_t i, uint32_t g) const
+        {
+          const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->form).boxes
+            : (const uint8_t*)block + meshLayout(block->counts).boxes;
+          return boxes[i*groups+g];
+        }
+
+        void findFields (const MeshStep& step, MeshStepFields& out) const
+        {
+          const MeshStepLayout layout = meshStepLayout(groups,step.form);
+          const uint8_t* const bases = (const uint8_t*)&step + layout.bases;
+          out.data = (const uint8_t*)&step + layout.fields;
+          uint32_t begin = 0, at = 0;
+          for (uint32_t g=0; g<groups; g++)
+          {
+            const uint32_t record = meshStepRecord(&step,g);
+            out.begin[g] = uint16_t(begin);
+            uint32_t all = 0;
+            for (uint32_t k=0; k<3; k++)
+            {
+              const uint32_t bits = stepFieldBits(record,k), ofBase = stepBaseBits(step.form,k);
+              out.bits[k][g] = uint8_t(bits);
+              all += bits;
+              const uint32_t base = meshBitsAt(bases,at,ofBase);
+              out.base[k][g] = ofBase == 0 ? 0 : uint32_t(int(base << (32-ofBase)) >> (32-ofBase));
+              at += ofBase;
+            }
+            begin += groupOwnVertices(meshRecord(block,g))*all;
+          }
+        }
+
+        /*! The group that each vertex of a group belongs to, and its index there. */
+        struct Places { uint8_t group[32], index[32]; };
+
+        void find (const MeshBoxes& boxes, uint32_t g, Places& out) const
+        {
+          const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g),
+            locals = groupVertices(record);
+          const MeshTopology at = meshTopology(group,record,meshVertices(block->counts));
+          const uint8_t* const data = (const uint8_t*)block + boxes.topologyBegin/8;
+          const uint32_t begin = boxes.topology[g], owns = meshBitsAt(data,begin+at.owns,locals);
+          for (uint32_t i=0, own=0, other=0; i<locals; i++)
+          {
+            if ((owns >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
+            const uint32_t v = meshBitsAt(data,begin + at.others + at.otherBits*other++,at.otherBits);
+            uint32_t owner = 0;
+            while (owner+1 < groups && v >= boxes.firstVertex[owner+1]) owner++;
+            out.group[i] = uint8_t(owner);
+            out.index[i] = uint8_t(v-boxes.firstVertex[owner]);
+          }
+        }
+
+        /*! Decodes the vertices of a group at a later step, as MeshStepView does. first: the group at the first
+         *  step. */
+        static void move (const MeshStep& step, const MeshStepFields& fields,
+                          const MeshGroup& first, const Places& places, float (*out)[32])
+        {
+          alignas(64) uint32_t rest[3][32]; // coordinates less their predictions
+          for (uint32_t i=0; i<first.numVertices; i++)
+          {
+            const uint32_t g = places.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };
+            uint32_t at = fields.begin[g] + places.index[i]*(bits[0]+bits[1]+bits[2]);
+            for (int k=0; k<3; at+=bits[k++]) rest[k][i] = fields.base[k][g] + meshBitsAt(fields.data,at,bits[k]);
+          }
+          for (uint32_t k=0; k<3; k++)
+          {
+            const float origin = step.origin[k], spacing = meshSpacing(step.spacings,k);
+            const bool ranked = hasRanks(step.spacings,k);
+            for (uint32_t i=0; i<first.numVertices; i++)
+            {
+              const float p[3] = { first.positions[0][i],first.positions[1][i],first.positions[2][i] };
+              const uint32_t coordinate =
+                predictedCoordinate(predictedPosition(step.map[k],p),origin,step.spacings,k) + rest[k][i];
+              out[k][i] = ranked ? floatOfRank(rankOfFloat(origin)+coordinate)
+                : origin + float(int(coordinate))*spacing;
+            }
+          }
+        }
+
+        const MeshHeader* const block;
+        const uint32_t groups;
+      };
+    }
+  }
+}

@@ -1,0 +1,134 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* CachedMeshBlock at a time between two steps. Boxes and vertices are interpolated as in moving_block.h, so what is
+ * said there about bounds and about shared vertices also holds here. */
+
+#include "cached_mesh.h"
+#include "interpolation.h"
+#include "mesh_motion_decoder.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    namespace cbvh
+    {
+      class MovingMeshBlock
+      {
+      public:
+        /*! block: a MeshHeader, see cached_mesh.h. */
+        __forceinline MovingMeshBlock (const VertRay&, const VertHeader* block, const TimeInMotion& at)
+          : cache(MeshMotionCache::ofThread()), block((const MeshHeader*)block), segment(at.segment),
+            fraction(at.fraction)
+        {
+          atTime.lane = ~0u;
+        }
+
+        /*! Null if the boxes are not decoded. */
+        __forceinline const GroupBoxes* decodedBoxes () const
+        {
+          const SegmentKey key = { block,segment,0 };
+          return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
+        }
+
+        /*! Always true: moving blocks are checked when their file is loaded. */
+        __forceinline bool isUsable () const { return true; }
+
+        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray intersects. */
+        __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
+
+        /*! Valid as long as this object. */
+        __forceinline const GroupBoxes& boxes () const
+        {
+          if (isInterpolated) return now;
+          const SegmentMeshBoxes& stored = segmentBoxes();
+          now.axis = 3;
+          now.lanes = stored.first.lanes;
+          for (int k=0; k<3; k++) {
+            now.origin[k] = (1.0f-fraction)*stored.origins[0][k] + fraction*stored.origins[1][k];
+            now.extent[k] = stored.extent[k];
+            now.shear[k] = 0.0f;
+          }
+          const Between between(fraction);
+          for (int k=0; k<3; k++)
+            for (int side=0; side<2; side++)
+              between.set(stored.ends[0][k].at[side],stored.ends[1][k].at[side],16,now.planes[k].at[side]);
+          isInterpolated = true;
+          return now;
+        }
+
+        /*! half: as in CachedMeshBlock::triangles. Valid until another half is requested. */
+        __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
+        {
+          if (atTime.lane != 16*half+g) interpolate(g,half);
+          return atTime;
+        }
+
+        /*! See pointOfMesh. */
+        __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
+          return pointOfMesh(block->form,MeshMotionDecoder(block).number(segmentBoxes(),g,t),w1,w2);
+        }
+
+      private:
+        __forceinline const SegmentMeshBoxes& segmentBoxes () const
+        {
+          SegmentMeshBoxes& slot = cache.slot(block,segment);
+          const SegmentKey key = { block,segment,0 };
+          if (unlikely(!(slot.key == key))) decode(slot);
+          return slot;
+        }
+
+        __noinline void decode (SegmentMeshBoxes& slot) const
+        {
+          slot.key = { block,segment,0 };
+          MeshMotionDecoder(block).decode(segment,slot);
+        }
+
+        __noinline void decode (uint32_t g, uint32_t half, SegmentTriangles& slot) const
+        {
+          const SegmentMeshBoxes& boxes = segmentBoxes();
+          slot.key = { block,segment,16*half+g };
+          MeshMotionDecoder(block).triangles(boxes,g,half,slot);
+        }
+
+        __forceinline void interpolate (uint32_t g, uint32_t half) const
+        {
+          atTime.lane = 16*half+g;
+          SegmentTriangles& slot = cache.slot(block,segment,atTime.lane);
+          const SegmentKey key = { block,segment,atTime.lane };
+          if (unlikely(!(slot.key == key))) decode(g,half,slot);
+          atTime.lanes = slot.begin.lanes;
+          atTime.isFirstOfTwo = slot.begin.isFirstOfTwo;
+          const Between between(fraction);
+          for (int k=0; k<3; k++)
+            for (int c=0; c<3; c++)
+              between.set(slot.begin.at[k][c],slot.end[k][c],MeshTriangles::width,atTime.at[k][c]);
+        }
+
+        MeshMotionCache& cache;
+        const MeshHeader* block;
+        const uint32_t segment;
+        const float fraction;
+        mutable bool isInterpolated = false;
+        mutable GroupBoxes now;
+        mutable MeshTriangles atTime; //!< MeshTriangles::block is unused
+      };
+
+      __forceinline VertTriangle triangleOf (const MovingMeshBlock& cached, uint32_t g, uint32_t h) {
+        return triangleOfMesh(cached,g,h);
+      }
+
+      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const MovingMeshBlock& cached, uint32_t g) {
+        return meshTrianglesHitByLine(ray,cached,g);
+      }
+
+      __forceinline SurfacePoint pointOfHit (const MovingMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
+                                             const VertTriangle::Sides& sides) {
+        return cached.point(g,t,clampParameter(sides.w1/sides.sum),clampParameter(sides.w2/sides.sum));
+      }
+    }
+  }
+}

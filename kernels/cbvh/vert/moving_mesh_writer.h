@@ -1,0 +1,88 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* Writer of moving mesh blocks: rounds the vertices of a cluster's triangles at all time steps, encodes them, and puts
+ * the blocks into a store. */
+
+#include "../../cvert/encoder/mesh_motion_encoder.h"
+#include "mesh_writer.h"
+
+namespace embree
+{
+  namespace isa
+  {
+    class MovingMeshWriter
+    {
+    public:
+      MovingMeshWriter (const IrregularTriangles& from, const CompressionPlan& plan, BlockStore& store,
+                        cbvh::BuildStatistics& statistics)
+        : from(from), plan(plan), store(store), statistics(statistics),
+          words(cbvh::MeshMotionEncoder::maxBytes(plan.numTimeSteps)/sizeof(uint32_t)+1) {}
+
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last one. */
+      void write (const cbvh::MeshCenter* cluster, uint32_t count)
+      {
+        uint32_t n = 0;
+        for (uint32_t i=0; i<count; i++)
+          for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
+            const uint32_t number = from.mesh.triangleOf(cluster[i].index,k);
+            if (from.haveEqualCorners(number)) continue; // half of a quad
+            triangles[n].number = number;
+            from.identify(number,ids[n]);
+            for (int c=0; c<3; c++) from.storeVertex(0,ids[n][c],triangles[n].corners[c]);
+            n++;
+          }
+        if (n == 0) return;
+        const cbvh::MovingCluster moving = { triangles,ids,n,MeshWriter::groupTriangles,from.mesh.areHalvesOfQuads(),
+          plan.surface,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
+        cbvh::MeshStatistics ofBlocks;
+        double moved = 0;
+        encoder.encodeCluster(moving,(uint8_t*)words.data(),ofBlocks,
+          [&](uint32_t step, uint32_t id, float out[3]) { moved = max(moved,from.storeVertex(step,id,out)); },
+          [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,first,stored); });
+        statistics.sums.motionBytes += size_t(ofBlocks.stepBytes);
+        for (uint32_t i=0; i<n; i++)
+          for (uint32_t id : ids[i]) { float p[3]; moved = max(moved,from.storeVertex(0,id,p)); }
+        statistics.addDeviation(moved);
+        store.flushIfFull();
+      }
+
+    private:
+      /*! first, count: triangles of the encoded block. */
+      void add (size_t bytes, uint32_t first, uint32_t count)
+      {
+        cbvh::WorldBounds bounds;
+        for (unsigned step=0; step<plan.numTimeSteps; step++)
+        {
+          cbvh::StepBox box = { { pos_inf,pos_inf,pos_inf },{ neg_inf,neg_inf,neg_inf } };
+          for (uint32_t i=first; i<first+count; i++)
+            for (uint32_t id : ids[i]) {
+              float p[3];
+              from.storeVertex(step,id,p);
+              for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
+            }
+          bounds.extend(box.lower[0],box.lower[1],box.lower[2]);
+          bounds.extend(box.upper[0],box.upper[1],box.upper[2]);
+          store.boxes.push_back(box);
+        }
+        cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
+        if (from.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
+        memcpy(store.begin(bytes),header,bytes);
+        store.end(bytes,toBBox(bounds),cbvh::MOVING_MESH_BLOCK,cbvh::readPastVert);
+        store.hitBounds.extend(bounds);
+        MeshWriter::addBlock(*header,bytes,statistics);
+      }
+
+      const IrregularTriangles& from;
+      const CompressionPlan& plan;
+      BlockStore& store;
+      cbvh::BuildStatistics& statistics;
+      cbvh::MeshMotionEncoder encoder;
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
+      uint32_t ids[cbvh::maxMeshTriangles][3];
+      std::vector<uint32_t> words; //!< the encoded block
+    };
+  }
+}

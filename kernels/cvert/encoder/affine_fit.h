@@ -1,0 +1,101 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* The affine map that moves the vertices of a mesh block from its first step to a later one with the least squares of
+ * errors, see format/mesh_motion.h. Products are not fused, so that all instruction sets encode the same bytes. */
+
+#include "../format/mesh_block.h"
+#include <cmath>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  class AffineFit
+  {
+  public:
+    /*! first: `count` vertices at the first step. Must outlive this object. */
+    void setFirst (const float (*first)[3], uint32_t count)
+    {
+      this->first = first;
+      this->count = count;
+      mean(first,center);
+      double s[3][3];
+      sum(first,center,s);
+      /* Factors s into L D L^T. If positions on an axis follow from those on the axes before, as in a plane or a line,
+       * the axis is not used. */
+      const double least = product(1e-9,s[0][0]+s[1][1]+s[2][2]);
+      for (int a=0; a<3; a++)
+      {
+        diagonal[a] = s[a][a];
+        for (int b=0; b<a; b++) diagonal[a] -= product(product(factor[a][b],factor[a][b]),diagonal[b]);
+        isUsed[a] = diagonal[a] > least;
+        if (!isUsed[a]) diagonal[a] = 0;
+        for (int c=a+1; c<3; c++) {
+          double rest = s[c][a];
+          for (int b=0; b<a; b++) rest -= product(product(factor[c][b],factor[a][b]),diagonal[b]);
+          factor[c][a] = isUsed[a] ? rest/diagonal[a] : 0;
+        }
+      }
+    }
+
+    /*! later: the same vertices at a later step. map: set to finite floats that are not denormal. */
+    void fit (const float (*later)[3], float map[3][4]) const
+    {
+      double to[3], s[3][3];
+      mean(later,to);
+      sum(later,to,s);
+      for (int a=0; a<3; a++)
+      {
+        double row[3] = { s[a][0],s[a][1],s[a][2] };
+        solve(row);
+        double summand = to[a];
+        for (int b=0; b<3; b++) {
+          map[a][b] = normal(row[b]);
+          summand -= product(double(map[a][b]),center[b]);
+        }
+        map[a][3] = normal(summand);
+      }
+    }
+
+  private:
+    static float normal (double x) {
+      return std::fabs(x) >= 1.1754943508222875e-38 && std::fabs(x) < 3.4e38 ? float(x) : 0.0f;
+    }
+
+    void mean (const float (*of)[3], double out[3]) const
+    {
+      for (int k=0; k<3; k++) {
+        out[k] = 0;
+        for (uint32_t v=0; v<count; v++) out[k] += double(of[v][k]);
+        out[k] /= count;
+      }
+    }
+
+    /*! Sums of products of positions relative to their mean with first positions relative to their mean. */
+    void sum (const float (*of)[3], const double mean[3], double s[3][3]) const
+    {
+      for (int a=0; a<3; a++)
+        for (int b=0; b<3; b++) {
+          s[a][b] = 0;
+          for (uint32_t v=0; v<count; v++)
+            s[a][b] += product(double(of[v][a])-mean[a],double(first[v][b])-center[b]);
+        }
+    }
+
+    /*! Solves a system of equations with the factored matrix. */
+    void solve (double x[3]) const
+    {
+      for (int a=0; a<3; a++)
+        for (int b=0; b<a; b++) x[a] -= product(factor[a][b],x[b]);
+      for (int a=0; a<3; a++) x[a] = isUsed[a] ? x[a]/diagonal[a] : 0;
+      for (int a=2; a>=0; a--)
+        for (int b=a+1; b<3; b++) x[a] -= product(factor[b][a],x[b]);
+    }
+
+    const float (*first)[3] = nullptr;
+    uint32_t count = 0;
+    double center[3], factor[3][3], diagonal[3];
+    bool isUsed[3];
+  };
+}}

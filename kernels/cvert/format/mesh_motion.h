@@ -1,0 +1,121 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+/* A moving mesh block: a mesh block at its first time step, followed by its other steps. docs/formats/mesh_motion.md
+ * specifies it.
+ *
+ *   block of the first step | VertMotion | offsets of steps | step 1 | step 2 | ...
+ *
+ *   step: MeshStep | records of groups | boxes of groups | bases of groups | fields of vertices
+ *
+ * Triangles and their numbers are the same at all steps. A step has an affine map, which predicts the positions of all
+ * vertices from their positions at the first step: a small piece of a surface moves nearly as a rigid body. The block
+ * stores the difference between predicted and true coordinates: a base per group, and a field per vertex. A step needs
+ * the first step only, so that decoders do not read the steps between.
+ *
+ * Predictions are computed in double. They are exactly the same on all processors: products of two floats are exact in
+ * double, with fused operations or without, and the order of sums is fixed. Denormal floats count as 0, because
+ * processors may flush them. */
+
+#include "mesh_block.h"
+#include "motion.h"
+#include <cmath>
+
+namespace cvert { inline namespace CVERT_ISA
+{
+  /*! Version of mesh blocks that move, and of files with such blocks. Older readers reject it. */
+  static const uint32_t movingMeshFormatVersion = 7;
+
+  static const uint32_t meshStepBytes = 68;
+  static const uint32_t meshStepRecordBytes = 2; //!< per group
+
+  struct MeshStep
+  {
+    float origin[3];   //!< as in MeshHeader
+    uint32_t spacings; //!< as in MeshHeader
+    float map[3][4];   //!< by axis: factors of x, y and z of the first step, and a summand
+    uint32_t form;     //!< bits 0..11: shifts of boxes; 12..17, 18..23, 24..29: bits of bases on x, y, z; 30..31: 0
+  };
+  static_assert(sizeof(MeshStep) == meshStepBytes,"step of a mesh block");
+
+  inline uint32_t stepBoxShift (const MeshStep& step, uint32_t axis) {
+    return meshBoxShift(step.spacings,step.form,axis);
+  }
+  inline uint32_t stepBaseBits (uint32_t form, uint32_t axis) { return (form >> (12+6*axis)) & 63; }
+
+  /*! Bits of a field of a group. record: bits 0..4, 5..9, 10..14: bits on x, y and z; 31 stands for 32. */
+  inline uint32_t stepFieldBits (uint32_t record, uint32_t axis) {
+    const uint32_t bits = (record >> (5*axis)) & 31;
+    return bits == 31 ? 32 : bits;
+  }
+
+  /*! Offsets in bytes from the start of the step. */
+  struct MeshStepLayout
+  {
+    uint32_t records, boxes, bases, fields;
+  };
+
+  inline MeshStepLayout meshStepLayout (uint32_t groups, uint32_t form)
+  {
+    MeshStepLayout offsets;
+    offsets.records = meshStepBytes;
+    offsets.boxes = offsets.records + meshStepRecordBytes*groups;
+    offsets.bases = offsets.boxes + meshBoxBytes*groups;
+    const uint32_t bits = groups*(stepBaseBits(form,0) + stepBaseBits(form,1) + stepBaseBits(form,2));
+    offsets.fields = offsets.bases + (bits+7)/8;
+    return offsets;
+  }
+
+  inline uint32_t meshStepRecord (const MeshStep* step, uint32_t g)
+  {
+    uint16_t record;
+    std::memcpy(&record,(const uint8_t*)step + meshStepBytes + meshStepRecordBytes*g,sizeof(record));
+    return record;
+  }
+
+  /*! Version and kind of a block that moves, in `counts`. Those in `form` are the same as of other mesh blocks. */
+  inline uint32_t movingMeshMarkOfCounts () { return meshMarkOfCounts() | 1u << 15; }
+
+  /*! block: a valid mesh block. MeshHeader::motion is the offset of its VertMotion, or 0. */
+  inline bool isMovingMesh (const MeshHeader* block) { return block->motion != 0; }
+
+  /*! block: must move. */
+  inline VertMotion motionOfMesh (const MeshHeader* block)
+  {
+    VertMotion motion;
+    std::memcpy(&motion,(const uint8_t*)block + block->motion,sizeof(motion));
+    return motion;
+  }
+
+  /*! step: from 1 on. */
+  inline const MeshStep* meshStepOf (const MeshHeader* block, uint32_t step)
+  {
+    uint32_t offset;
+    std::memcpy(&offset,(const uint8_t*)block + motionOfMesh(block).steps + 4*(step-1),sizeof(offset));
+    return (const MeshStep*)((const uint8_t*)block + offset);
+  }
+
+  /* --- prediction --- */
+
+  /*! Converts a float exactly, but a denormal one to 0. */
+  inline double wideOf (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
+
+  /*! Returns the predicted position on an axis. row: of MeshStep::map. p: vertex at the first step. */
+  inline double predictedPosition (const float row[4], const float p[3]) {
+    return ((wideOf(row[0])*wideOf(p[0]) + wideOf(row[1])*wideOf(p[1])) + wideOf(row[2])*wideOf(p[2])) + wideOf(row[3]);
+  }
+
+  /*! Returns the coordinate of a predicted position on an axis, modulo 2^32. origin, spacings: of the step. */
+  inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
+  {
+    if (hasRanks(spacings,axis))
+      return rankOfFloat(std::fabs(position) >= 1.1754943508222875e-38 ? float(position) : 0.0f) - rankOfFloat(origin);
+    const uint64_t bits = uint64_t(1023+127 - ((spacings >> (8*axis)) & 255)) << 52; // 1 / spacing
+    double unit;
+    std::memcpy(&unit,&bits,sizeof(unit));
+    const double coordinate = std::floor((position-wideOf(origin))*unit + 0.5), most = 1073741824.0;
+    return uint32_t(int32_t(coordinate > -most ? coordinate < most ? coordinate : most : -most));
+  }
+}}

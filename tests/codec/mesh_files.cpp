@@ -1,0 +1,150 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* Files with moving mesh blocks: blocks are read as they were written, older readers reject them by version, and blocks
+ * that do not move as their geometry does are rejected. */
+
+#include "kernels/cvert/decoder/decoded_mesh.h"
+#include "kernels/cvert/file/file.h"
+#include "kernels/cvert/file/tree_reader.h"
+#include "kernels/cvert/file/writer.h"
+#include "support/moving_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <memory>
+#include <unistd.h>
+
+namespace cbvh::test {
+namespace {
+
+using namespace cvert;
+
+constexpr uint32_t numSteps = 3;
+
+// A path of this process. The file is removed at the end.
+struct TemporaryFile
+{
+  const std::string path = testing::TempDir() + "mesh_files." + std::to_string(::getpid()) + ".cbvh";
+  ~TemporaryFile() { ::unlink(path.c_str()); }
+};
+
+// The blocks of a moving sheet, as a list.
+struct Saved
+{
+  std::vector<EncodedBlock> blocks;
+  FileSurface surface;
+
+  Saved()
+  {
+    Random random(3181);
+    auto encoder = std::make_unique<MeshMotionEncoder>();
+    MeshStatistics statistics;
+    const MovingMesh mesh = sheet(random, 30, numSteps, -1000, bent);
+    blocks = encode(*encoder, mesh, 16, statistics);
+    FileGeometry& record = surface.record;
+    record.form = FILE_MOVING;
+    record.source = FILE_TRIANGLES;
+    record.compression = FILE_COMPRESSION_VERT;
+    record.numPrimitives = uint32_t(mesh.triangles.size());
+    record.numTimeSteps = numSteps;
+    record.begin = 0.25f;
+    record.end = 0.75f;
+    for (int k = 0; k < 3; k++) { record.lower[k] = -100; record.upper[k] = 100; }
+    for (const EncodedBlock& block : blocks) add(block, FILE_MOVING_MESH);
+  }
+
+  void add(const EncodedBlock& block, FileChild type)
+  {
+    FileEntry entry = FileEntry();
+    entry.child = surface.append(type, block.words.data(), uint32_t(block.size()), offsetof(MeshHeader, surface));
+    surface.tree.insert(surface.tree.end(), (const char*)&entry, (const char*)(&entry + 1));
+  }
+
+  // Returns the message of the error that a reader reports, or "".
+  std::string write(const std::string& path)
+  {
+    FileWriter writer(path);
+    writer.add(surface);
+    writer.commit();
+    try { File(path).verify(); }
+    catch (const Error& error) { return error.what(); }
+    return "";
+  }
+};
+
+TEST(MeshFiles, BlocksAreReadAsTheyWereWritten)
+{
+  const TemporaryFile temporary;
+  Saved saved;
+  ASSERT_GT(saved.blocks.size(), 4u);
+  ASSERT_EQ(saved.write(temporary.path), "");
+  const File file(temporary.path);
+  size_t n = 0;
+  const Reason reason = forEachBlock(file.geometry(0), file.tree(0), [&](FileChild type, uint64_t offset) {
+    ASSERT_EQ(type, FILE_MOVING_MESH);
+    const EncodedBlock& expected = saved.blocks[n++];
+    MeshHeader header;
+    std::memcpy(&header, expected.words.data(), sizeof(header));
+    header.surface = file.geometry(0).surface;
+    EXPECT_EQ(std::memcmp(file.blocks(0) + offset, &header, sizeof(header)), 0);
+    EXPECT_EQ(std::memcmp(file.blocks(0) + offset + sizeof(header), (const char*)expected.words.data() + sizeof(header),
+      expected.size() - sizeof(header)), 0);
+  });
+  EXPECT_EQ(reason.message(), "");
+  EXPECT_EQ(n, saved.blocks.size());
+  EXPECT_EQ(motionOfMesh((const MeshHeader*)file.blocks(0)).numSteps, numSteps);
+}
+
+// Readers before version 7 compare vertVersion, the word at 16, with 6.
+TEST(MeshFiles, OlderReadersRejectTheFileByVersion)
+{
+  const TemporaryFile temporary;
+  Saved saved;
+  ASSERT_EQ(saved.write(temporary.path), "");
+  std::ifstream file(temporary.path, std::ios::binary);
+  FileHeader header;
+  file.read((char*)&header, sizeof(header));
+  EXPECT_EQ(header.vertVersion, movingMeshFormatVersion);
+}
+
+TEST(MeshFiles, BlocksThatMoveOtherwiseAreRejected)
+{
+  const TemporaryFile temporary;
+  for (int change = 0; change < 4; change++) {
+    Saved saved;
+    FileGeometry& record = saved.surface.record;
+    if (change == 0) record.numTimeSteps = numSteps + 1;
+    if (change == 1) record.end = 1;
+    if (change == 2) record.numPrimitives = 100;
+    EncodedBlock other = saved.blocks[0];
+    if (change == 3) { // the first step alone
+      MeshHeader& header = *(MeshHeader*)other.words.data();
+      other.words.resize(header.motion/4);
+      MeshHeader& still = *(MeshHeader*)other.words.data();
+      still.bytes = still.motion;
+      still.motion = 0;
+      still.counts &= ~(1u << 15); // version 6
+      ASSERT_EQ(validateMesh(other.words.data(), other.size()).message(), "");
+      saved.add(other, FILE_MOVING_MESH);
+    }
+    const char* const expected[] = {"time steps", "time range", "out of range", "no time steps"};
+    const std::string message = saved.write(temporary.path);
+    EXPECT_NE(message.find(expected[change]), std::string::npos) << change << ": " << message;
+  }
+}
+
+// The type of a child must fit the form of the tree.
+TEST(MeshFiles, StillTreesHaveNoMovingBlocks)
+{
+  const TemporaryFile temporary;
+  Saved saved;
+  FileGeometry& record = saved.surface.record;
+  record.form = FILE_LIST;
+  record.numTimeSteps = 1;
+  EXPECT_NE(saved.write(temporary.path).find("unknown type 6"), std::string::npos);
+}
+
+} // namespace
+} // namespace cbvh::test
