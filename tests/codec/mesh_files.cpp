@@ -12,6 +12,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <unistd.h>
@@ -96,6 +98,45 @@ TEST(MeshFiles, BlocksAreReadAsTheyWereWritten)
   EXPECT_EQ(n, saved.blocks.size());
   EXPECT_EQ(motionOfMesh((const MeshHeader*)file.blocks(0)).numSteps, numSteps);
 }
+
+#if defined(FILE_TO_OBJ)
+// The example of the codec writes the triangles of mesh blocks at their first step.
+TEST(MeshFiles, AreWrittenAsObj)
+{
+  const TemporaryFile temporary;
+  Saved saved;
+  ASSERT_EQ(saved.write(temporary.path), "");
+  FILE* const pipe = ::popen((std::string(FILE_TO_OBJ " ") + temporary.path).c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::vector<std::array<float, 3>> vertices;
+  std::vector<std::array<unsigned, 3>> triangles;
+  char line[256];
+  while (std::fgets(line, sizeof(line), pipe)) {
+    std::array<float, 3> p;
+    std::array<unsigned, 3> t;
+    if (std::sscanf(line, "v %f %f %f", &p[0], &p[1], &p[2]) == 3) vertices.push_back(p);
+    if (std::sscanf(line, "f %u %u %u", &t[0], &t[1], &t[2]) == 3) triangles.push_back(t);
+  }
+  EXPECT_EQ(::pclose(pipe), 0);
+
+  size_t n = 0;
+  unsigned first = 1;
+  for (const EncodedBlock& block : saved.blocks) {
+    const auto decoded = std::make_unique<DecodedMesh>((const MeshHeader*)block.words.data());
+    for (unsigned i = 0; i < decoded->numTriangles; i++, n++) {
+      ASSERT_LT(n, triangles.size());
+      for (int c = 0; c < 3; c++) {
+        const unsigned corner = decoded->triangles[i][c];
+        ASSERT_EQ(triangles[n][c], first + corner);
+        ASSERT_LE(triangles[n][c], vertices.size());
+        for (int k = 0; k < 3; k++) EXPECT_EQ(vertices[first + corner - 1][k], decoded->vertices[corner][k]);
+      }
+    }
+    first += decoded->numVertices;
+  }
+  EXPECT_EQ(n, triangles.size());
+}
+#endif
 
 // Readers before version 7 compare vertVersion, the word at 16, with 6.
 TEST(MeshFiles, OlderReadersRejectTheFileByVersion)

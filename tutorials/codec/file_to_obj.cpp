@@ -80,8 +80,8 @@ int main(int argc, char** argv)
           throw cvert::Error(cvert::ErrorCode::UNSUPPORTED,
                              file.path + ": the file contains blocks of another representation: expected cVERT");
         const char* const block = file.blocks(i) + offset;
-        numVertices = type == cvert::FILE_MESH ? writeMeshBlock((const cvert::MeshHeader*)block, numVertices)
-                                               : writeBlock((const cvert::VertHeader*)block, numVertices);
+        numVertices = cvert::isMesh(type) ? writeMeshBlock((const cvert::MeshHeader*)block, numVertices)
+                                          : writeBlock((const cvert::VertHeader*)block, numVertices);
       });
     }
   }
