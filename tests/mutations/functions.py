@@ -25,6 +25,8 @@ CLUSTERS = ("cluster_codec",)
 MOTION_DECODING = tuple(f"motion_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
 MESH_DECODING = tuple(f"mesh_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
+MESH_MOTION = ("mesh_motion",)
+MESH_MOTION_DECODING = tuple(f"mesh_motion_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 TRIANGLES = tuple(f"vert_decoding_{isa} VertTriangles.*" for isa in ("avx512", "sse2"))
 RULE = ("vert_rule",)
 BORDERS = ("vert_surfaces -VertRays.*:VertCache.*:Isas/*", "mixed_rates BordersOfMixedRates.*:*VERT", "cage_topology")
@@ -86,6 +88,14 @@ FUNCTIONS = (
     Entry("RotatedBase", 2, MOTION_DECODING),
     Entry("SegmentReach", 3, ("moving_hard_cases", "moving_surfaces")),
     Entry("MotionTree", 8, ("moving_surfaces *Range*:*Time*:*Hits*", "moving_hard_cases")),
+    Entry("stepFieldBits", 2, MESH_MOTION),
+    Entry("meshStepLayout", 2, MESH_MOTION),
+    Entry("predictedPosition", 1, MESH_MOTION),
+    Entry("predictedCoordinate", 2, MESH_MOTION),
+    Entry("MeshStepView", 4, MESH_MOTION),
+    Entry("AffineFit", 4, MESH_MOTION),
+    Entry("MeshMotionEncoder", 6, MESH_MOTION),
+    Entry("MeshMotionDecoder", 7, MESH_MOTION_DECODING),
     # clusters for GPUs
     Entry("LatticePoints::locate", 3, CLUSTERS, {"shift >= [0 => 1]": "a shift by 0 has no effect"}),
     Entry("LatticePoints::place", 2, CLUSTERS),
