@@ -21,7 +21,11 @@ import tempfile
 import textwrap
 from pathlib import Path
 
-from matplotlib.image import imread
+try:
+    from matplotlib.image import imread
+except ModuleNotFoundError as error:
+    package = "install the package python3-matplotlib"
+    raise SystemExit(f"measure_blender.py: matplotlib is not installed for this Python: {package}") from error
 
 ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- begin: scripts/measure_blender.py -->\n", "<!-- end -->\n"

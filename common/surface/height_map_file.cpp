@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 #include <utility>
 #include <unistd.h>
@@ -60,6 +61,15 @@ Error unreadable(const std::string& path, std::string reason)
   return Error(path + ": cannot read this height map: " + (reason.empty() ? "unknown reason" : reason));
 }
 
+/* True for names of a first tile, and for placeholders of other programs. */
+bool resemblesTile(const std::string& path)
+{
+  const std::string name = std::filesystem::path(path).filename().string();
+  const char* const parts[] = {"<", "%(", "u1_v1", "u0_v0", "1001"};
+  return std::any_of(std::begin(parts), std::end(parts),
+                     [&](const char* part) { return name.find(part) != std::string::npos; });
+}
+
 /* Pipes without a writer would block, and OpenImageIO opens a file several times. */
 void requireFile(const std::string& path)
 {
@@ -67,7 +77,7 @@ void requireFile(const std::string& path)
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (!std::filesystem::exists(status))
     throw Error(path + ": no such height map" +
-                (path.find('<') == std::string::npos ? "" : "; expected <UDIM>, %(UDIM)d or <UVTILE> for tiles"));
+                (resemblesTile(path) ? "; expected <UDIM>, %(UDIM)d or <UVTILE> for tiles" : ""));
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status))
     throw Error(path + ": this is a pipe or a device, which cannot be read more than once: expected a file");
 }

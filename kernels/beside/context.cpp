@@ -90,15 +90,15 @@ Failure embree::beside::caughtFailure()
   return failure;
 }
 
-OwnErrors::OwnErrors(bool areTaken) : outer(ofEmbree), wereTaken(isTaken)
+/* Moves texts, because a copy allocates: the destructor must not throw. */
+OwnErrors::OwnErrors(bool areTaken) : outer(std::exchange(ofEmbree, Failure{CBVH_OK, ""})), wereTaken(isTaken)
 {
-  ofEmbree = {CBVH_OK, ""};
   isTaken = areTaken;
 }
 
 OwnErrors::~OwnErrors()
 {
-  ofEmbree = outer;
+  ofEmbree = std::move(outer);
   isTaken = wereTaken;
 }
 

@@ -111,7 +111,7 @@ public:
   ~OwnErrors();
 
 private:
-  const Failure outer;
+  Failure outer;
   const bool wereTaken;
 };
 

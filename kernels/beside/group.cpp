@@ -18,9 +18,15 @@ constexpr size_t maxPrimitive = 0xFFFFFFFFu; // numbers of primitives have 32 bi
 } // namespace
 
 CbvhGroupTy::CbvhGroupTy(CbvhContext context, const CbvhSurface* from, size_t count)
-  : context(context), scene(rtcNewScene(context->device)), firstPrimitive(count + 1, 0), attached(count, nullptr)
+  : context(context), scene(rtcNewScene(context->device))
 {
-  for (size_t i = 0; i < count; i++) surfaces.emplace_back(from[i]);
+  try {
+    context->check(); // without memory there is no scene
+    for (size_t i = 0; i < count; i++) surfaces.emplace_back(from[i]);
+    firstPrimitive.resize(count + 1, 0);
+    attached.resize(count, nullptr);
+  }
+  catch (...) { if (scene) rtcReleaseScene(scene); throw; }
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 }
 
@@ -28,9 +34,12 @@ CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
 
 void CbvhGroupTy::commit()
 {
+  for (const auto& surface : surfaces) { // both may throw: the scene must not change then
+    surface->committed();
+    surface->applyMask();
+  }
   for (size_t i = 0; i < surfaces.size(); i++) {
     const RTCGeometry geometry = surfaces[i]->committed()->geometry;
-    surfaces[i]->applyMask();
     if (geometry == attached[i]) continue;
     if (attached[i]) rtcDetachGeometry(scene, unsigned(i));
     rtcAttachGeometryByID(scene, geometry, unsigned(i));

@@ -85,6 +85,7 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
     {"cbvhDiceSurface", [&] { return cbvhDiceSurface(nullptr, &dicing, nullptr); }},
     {"cbvhDiceSurface", [&] { return cbvhDiceSurface(surface, nullptr, nullptr); }},
     {"cbvhSetAccuracy", [&] { return cbvhSetAccuracy(nullptr, nullptr); }},
+    {"cbvhSetLossless", [&] { return cbvhSetLossless(nullptr, 1); }},
     {"cbvhSetSurfaceMask", [&] { return cbvhSetSurfaceMask(nullptr, 1); }},
     {"cbvhCommitSurface", [&] { return cbvhCommitSurface(nullptr, nullptr, nullptr); }},
     {"cbvhInterpolate", [&] { return cbvhInterpolate(nullptr, 0, 0, 0, 0, P, nullptr, nullptr); }},
@@ -117,6 +118,8 @@ TEST_F(OddCalls, NullIsRejectedByEveryFunction)
     {"cbvhForEachPart", [&] { return cbvhForEachPart(surface, 0, nullptr, nullptr); }},
     {"cbvhForEachCluster",
      [&] { return cbvhForEachCluster(nullptr, 0, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr); }},
+    {"cbvhForEachCluster",
+     [&] { return cbvhForEachCluster(surface, 0, CbvhClusterFormat(3), nullptr, nullptr, nullptr); }},
   };
   for (const auto& call : refused) {
     EXPECT_EQ(call.second(), CBVH_ERROR_INVALID_ARGUMENT) << call.first;
@@ -228,8 +231,13 @@ TEST_F(OddCalls, NonFiniteQueryParametersAreRejected)
       EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, at.first, at.second, nullptr, &triangle), 0)
         << at.first << " " << at.second;
     }
-  for (float odd : {INFINITY, -INFINITY, float(NAN)})
+  const auto part = [](void*, const CbvhPart*) { return 1; };
+  for (float odd : {INFINITY, -INFINITY, float(NAN)}) {
     EXPECT_EQ(cbvhGetTriangle(surface, odd, 0, 0.5f, 0.5f, nullptr, &triangle), 0);
+    // surfaces that do not move ignore the time
+    EXPECT_EQ(cbvhForEachPart(surface, odd, part, nullptr), CBVH_OK) << cbvhGetErrorText();
+    EXPECT_EQ(cbvhForEachCluster(surface, odd, CBVH_CLUSTER_FORMAT_FLOAT3, nullptr, nullptr, nullptr), CBVH_OK);
+  }
   EXPECT_EQ(cbvhInterpolate(surface, 0, 1, 0, 0, uv, du, dv), CBVH_OK);
   EXPECT_EQ(cbvhGetTriangle(surface, 0, 0, 1, 0, nullptr, &triangle), 1);
 }
@@ -419,6 +427,44 @@ TEST_F(OddCalls, StatisticsOfAnotherGroupStayAvailable)
   cbvhReleaseGroup(other);
 }
 
+// A displacement function commits a group with the surface that is being committed, whose mask has changed.
+TEST_F(OddCalls, FailedCommitOfAGroupLeavesItUnchanged)
+{
+  std::vector<float> distant(cubeVertices, cubeVertices + 25);
+  for (size_t i = 0; i < 24; i += 3) distant[i] += 100;
+  const float* const steps[] = {distant.data()};
+  CbvhCage cage = cube();
+  cage.vertices.steps = steps;
+  CbvhSurface second = nullptr;
+  ASSERT_EQ(cbvhNewSurface(context, &second), CBVH_OK);
+  ASSERT_EQ(cbvhSetCage(second, &cage), CBVH_OK) << cbvhGetErrorText();
+  const CbvhSurface both[] = {surface, second};
+  for (CbvhSurface one : both) ASSERT_EQ(cbvhCommitSurface(one, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhNewGroup(context, both, 2, &group), CBVH_OK);
+  ASSERT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  ASSERT_EQ(cbvhSetCage(surface, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+
+  struct State { CbvhGroup group; std::atomic<unsigned> calls{0}; CbvhError error = CBVH_OK; } state{group};
+  cage.displacementPtr = &state;
+  cage.displacement = [](const CbvhDisplacementArguments* args) {
+    State& state = *(State*)args->userPtr;
+    if (state.calls++ == 0) state.error = cbvhCommitGroup(state.group);
+  };
+  ASSERT_EQ(cbvhSetSurfaceMask(second, 3), CBVH_OK);
+  ASSERT_EQ(cbvhSetCage(second, &cage), CBVH_OK);
+  ASSERT_EQ(cbvhCommitSurface(second, nullptr, nullptr), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_GT(state.calls, 0u);
+  EXPECT_EQ(state.error, CBVH_ERROR_INVALID_OPERATION);
+  float lower[3], upper[3];
+  cbvhGetGroupBounds(group, lower, upper);
+  EXPECT_LT(lower[0], 0) << "the group still contains the surfaces of its last commit";
+  EXPECT_TRUE(isSeen(group));
+  EXPECT_EQ(cbvhCommitGroup(group), CBVH_OK) << cbvhGetErrorText();
+  EXPECT_FALSE(isSeen(group));
+  cbvhReleaseSurface(second);
+}
+
 TEST_F(OddCalls, AccuracyThatCannotBeAppliedRemainsAnError)
 {
   commit();
@@ -459,6 +505,8 @@ TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
                                   {"isa=avx9", "\"avx9\"", "avx2"},
                                   {"max_isa=bogus", "\"bogus\"", "max_isa"},
                                   {"threads=two", "\"two\"", "a number"},
+                                  {"threads=4e", "\"4e\"", "a number"},
+                                  {"threads=1-2", "\"1-2\"", "a number"},
                                   {"threads", "threads=<value>", ""},
                                   {"verbos=1,threads=2", "\"verbos\"", "verbose"},
                                   {"threads=2, cbvh_grid=1", "\"cbvh_grid\"", "cbvh_grids"},

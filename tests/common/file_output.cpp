@@ -4,6 +4,7 @@
 #include "basics/file_output.h"
 #include "basics/error.h"
 #include "basics/input_files.h"
+#include "kernels/cvert/file/unfinished_file.h"
 #include "pictures/image_output.h"
 #include "surface/height_map.h"
 #include "surface/mesh.h"
@@ -19,6 +20,7 @@
 #include <functional>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <system_error>
 #include <thread>
 
 namespace cbvh::test {
@@ -117,6 +119,19 @@ TEST_F(FileOutput, DevicesAndPipesAreWrittenInPlace)
 }
 
 /* Like >(command) of a shell, and /dev/stdout redirected to a file. */
+/* For writers that do not distinguish devices and pipes from files, such as caches. */
+TEST_F(FileOutput, UnfinishedFileReplacesNoDeviceAndNoPipe)
+{
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  fs::create_symlink("/dev/null", folder / "link");
+  for (const std::string& path : {std::string("/dev/null"), std::string("/dev/stdout"), at("link"), at("pipe")})
+  {
+    EXPECT_THROW(cvert::UnfinishedFile{cvert::OutputPath(path)}, std::system_error) << path;
+    EXPECT_THROW((cvert::UnfinishedFile{cvert::OutputPath(path), ".part"}), std::system_error) << path;
+  }
+  EXPECT_EQ(files(), 2u);
+}
+
 TEST_F(FileOutput, DescriptorsOfTheProcessAreWrittenInPlace)
 {
   int ends[2];

@@ -570,6 +570,14 @@ TEST_F(MapFormats, DeepImagesAreRejected)
     << sampleAt(path, 0.5f, 0.5f).error;
 }
 
+TEST_F(MapFormats, MissingFilesThatResembleTilesSuggestAPlaceholder)
+{
+  for (const char* name : {"skin_u1_v1.exr", "skin.1001.exr", "skin.<TILE>.exr", "skin.%(tile)d.exr"})
+    EXPECT_TRUE(containsInOrder(sampleAt(pathOf(name), 0.5f, 0.5f).error, {"no such height map", "<UDIM>", "<UVTILE>"}))
+      << name;
+  EXPECT_EQ(sampleAt(pathOf("skin.exr"), 0.5f, 0.5f).error, pathOf("skin.exr") + ": no such height map");
+}
+
 TEST_F(MapFormats, PipesAreRejectedWithoutOpeningThem)
 {
   const std::string path = pathOf("pipe.exr");

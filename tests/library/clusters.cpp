@@ -7,6 +7,7 @@
 #include "support/cluster_judge.h"
 #include "support/diced_mesh.h"
 #include "support/edge_rates.h"
+#include "support/memory.h"
 #include "support/moving_surface.h"
 
 #include <gtest/gtest.h>
@@ -222,6 +223,34 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
     &report);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
   EXPECT_EQ(report.numClusters, 3u);
+}
+
+// The blocks that are being read exist until the call returns.
+TEST(Clusters, CallbackMayReleaseTheGeometry)
+{
+  Memory memory;
+  Device device;
+  rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+  struct Callback { RTCGeometry geometry; Memory& memory; ssize_t freed; } callback = {nullptr, memory, 0};
+  callback.geometry = newGrids(device, dicedSheet(4, 64), RTC_COMPRESSION_VERT, RTC_COMPRESSION_FLAG_RELEASE_INPUT);
+  const ssize_t before = memory.live;
+  RTCCompressedClusterReport report;
+  rtcForEachCompressedCluster(
+    callback.geometry, 0, RTC_CLUSTER_FORMAT_COMPRESSED1,
+    [](void* self, const RTCCompressedCluster*) {
+      Callback& callback = *(Callback*)self;
+      if (!callback.geometry) return true;
+      const ssize_t before = callback.memory.live;
+      rtcReleaseGeometry(callback.geometry);
+      callback.geometry = nullptr;
+      callback.freed = before - callback.memory.live;
+      return true;
+    },
+    &callback, &report);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  EXPECT_EQ(callback.freed, 0) << "blocks were freed during the call";
+  EXPECT_EQ(report.numTriangles, 2u*256*256);
+  EXPECT_LT(memory.live, before);
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 #include "cvert/file/file.h"
 #include "cvert/file/tree_reader.h"
 #include "cvert/file/writer.h"
+#include "support/file_mutations.h"
 #include "support/query_forms.h"
 #include "support/saved.h"
 
@@ -252,6 +253,72 @@ TEST(CodecLibrary, ReportsErrors)
   cvert::FileSurface hasTree;
   EXPECT_EQ(codeOf([&] { hasTree.appendToList(sheet.blocks[0].data(), uint32_t(bytes)); }), ErrorCode::INVALID_ARGUMENT)
     << "the surface is a tree";
+}
+
+// The block is valid, but no ray can hit it at any time. Builders of trees need its box nevertheless.
+TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
+{
+  const unsigned side = 17, numSteps = 2;
+  const cvert::VertPlacement place(cvert::vertRegion(16, 16, 0, 0), cvert::vertPatch(16, 16));
+  std::vector<uint64_t> block(cvert::MotionEncoder::maxBytes(numSteps)/8 + 1);
+  const auto encoder = std::make_unique<cvert::MotionEncoder>();
+  encoder->begin(place, 0, 1, numSteps, (uint8_t*)block.data());
+  for (unsigned step = 0; step < numSteps; step++) {
+    for (unsigned v = 0; v < side*side; v++) {
+      encoder->vertices()[v][0] = float(v % side);
+      encoder->vertices()[v][1] = float(v/side);
+      encoder->vertices()[v][2] = v == 0 ? NAN : float(step); // NaN: the step is stored as floats
+    }
+    encoder->addStep();
+  }
+  cvert::MotionStatistics statistics;
+  const uint32_t bytes = uint32_t(encoder->finish(statistics));
+  cvert::FileSurface surface;
+  surface.record.form = cvert::FILE_MOVING;
+  surface.record.source = cvert::FILE_GRIDS;
+  surface.record.compression = cvert::FILE_COMPRESSION_VERT;
+  surface.record.numPrimitives = 1;
+  surface.record.numTimeSteps = numSteps;
+  surface.record.end = 1;
+  surface.appendToList(block.data(), bytes);
+  Folder folder;
+  const std::string path = folder/"sheet";
+  {
+    cvert::FileWriter writer(path);
+    writer.add(surface);
+    writer.commit();
+  }
+  const auto removeVertices = [&](void* data) {
+    const cvert::VertHeader* const header = (const cvert::VertHeader*)data;
+    const cvert::VertLayout layout = cvert::vertLayout(header->region, header->boxForm);
+    for (unsigned step = 0; step < numSteps; step++) {
+      const cvert::StepView view = cvert::viewOfStep(header, layout, step);
+      ASSERT_TRUE(cvert::isRaw(view.form));
+      const size_t offset = size_t(view.data - (const uint8_t*)data) + view.vertices;
+      std::fill_n((float*)((uint8_t*)data + offset), 3*side*side, NAN);
+    }
+  };
+  FileBytes file(bytesOf(path));
+  removeVertices(&file.bytes[file.record(0).blocks]);
+  writeBytes(path, file.bytes);
+  Device device;
+  Scene scene(device);
+  RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
+  ASSERT_NE(geometry, nullptr) << device.message;
+  attach(scene, geometry);
+  rtcCommitScene(scene);
+  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  RTCBounds bounds;
+  rtcGetSceneBounds(scene, &bounds);
+  EXPECT_GT(bounds.lower_x, -1);
+  EXPECT_LT(bounds.upper_x, 1) << "the block's origin";
+  for (unsigned i = 0; i < 256; i++) {
+    RTCRayHit ray = makeRay({float(i % 16) + 0.3f, float(i/16) + 0.4f, 10}, {0, 0, -1});
+    ray.ray.time = float(i)/255;
+    EXPECT_FALSE(isHit(intersect(scene, ray)));
+  }
+  removeVertices(block.data());
+  EXPECT_EQ(codeOf([&] { surface.appendToList(block.data(), bytes); }), ErrorCode::INVALID_ARGUMENT);
 }
 
 } // namespace

@@ -341,6 +341,24 @@ TEST(Dicing, GeometriesWithoutCageAreRejected)
   }
 }
 
+// Commits leave out such faces and store the others, which must get the same rates as without them.
+TEST(Dicing, UnsupportedFacesAreIgnored)
+{
+  Device device;
+  const RTCDicingArguments args = cameraAt(0.5f, 0.5f, 2);
+  const std::vector<float> alone = Surface(device, quadCage()).rates(args);
+  for (const Cage& other : {prismCage(20), trapezohedronCage(65)}) {
+    SCOPED_TRACE(testing::Message() << other.faces[0] << " corners");
+    Cage cage = quadCage();
+    const unsigned first = unsigned(cage.positions.size());
+    for (const Vec& p : other.positions) cage.positions.push_back({p[0] + 5, p[1], p[2]});
+    for (unsigned vertex : other.indices) cage.indices.push_back(first + vertex);
+    cage.faces.insert(cage.faces.end(), other.faces.begin(), other.faces.end());
+    const std::vector<float> rates = Surface(device, cage).rates(args);
+    for (size_t i = 0; i < rates.size(); i++) EXPECT_EQ(rates[i], i < alone.size() ? alone[i] : 1.0f) << i;
+  }
+}
+
 TEST(Dicing, CagesWithInvalidIndicesAreRejected)
 {
   Device device;

@@ -25,15 +25,15 @@ struct Values
 const float untouched = 12345;
 
 // P and its derivatives in a face, or in the first sub-patch of a face that is not a quadrilateral.
-Values interpolate(RTCGeometry geometry, unsigned face, On on)
+Values interpolate(RTCGeometry geometry, unsigned face, On on, float u = 0.8f, float v = 0.9f)
 {
   Values out;
   std::fill_n(&out.values[0][0], 18, untouched);
   RTCInterpolateArguments args = {};
   args.geometry = geometry;
   args.primID = face;
-  args.u = 0.8f;
-  args.v = 0.9f;
+  args.u = u;
+  args.v = v;
   args.bufferType = on == On::Vertices ? RTC_BUFFER_TYPE_VERTEX : RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
   args.bufferSlot = on == On::OtherTopology;
   args.P = out.values[0];
@@ -48,19 +48,19 @@ Values interpolate(RTCGeometry geometry, unsigned face, On on)
 }
 
 // The same with rtcInterpolateN, in lane 2 of 4. The other lanes are inactive.
-Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = true)
+Values interpolateN(RTCGeometry geometry, unsigned face, On on, bool isActive = true, float u = 0.8f, float v = 0.9f)
 {
   alignas(16) int valid[4] = {0, 0, isActive ? -1 : 0, 0};
   alignas(16) unsigned faces[4] = {face, face, face, face};
-  alignas(16) float u[4] = {0.8f, 0.8f, 0.8f, 0.8f}, v[4] = {0.9f, 0.9f, 0.9f, 0.9f};
+  alignas(16) float us[4] = {0.8f, 0.8f, u, 0.8f}, vs[4] = {0.9f, 0.9f, v, 0.9f};
   float values[6][3][4];
   std::fill_n(&values[0][0][0], 72, untouched);
   RTCInterpolateNArguments args = {};
   args.geometry = geometry;
   args.valid = valid;
   args.primIDs = faces;
-  args.u = u;
-  args.v = v;
+  args.u = us;
+  args.v = vs;
   args.N = 4;
   args.bufferType = on == On::Vertices ? RTC_BUFFER_TYPE_VERTEX : RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
   args.bufferSlot = on == On::OtherTopology;
@@ -183,6 +183,36 @@ TEST(Interpolation, UnsupportedFacesAreErrors)
       expectRefused(device, geometry, numFaces, on, "the geometry has " + std::to_string(numFaces) + " faces");
     });
   }
+}
+
+// A pentagon has the sub-patches 0 to 4. Embree would read past them.
+TEST(Interpolation, SubPatchesThatDoNotExistAreErrors)
+{
+  const float odd[] = {-1, -0.01f, 8, 9, 1e7f, 1e30f, -1e30f, INFINITY, -INFINITY, NAN};
+  forEachForm(prismCage(5), nullptr, [&](Device& device, RTCGeometry geometry, On on) {
+    const auto expectAt = [&](float u, float v, bool exists) {
+      SCOPED_TRACE(testing::Message() << "u " << u << ", v " << v << ", buffer " << int(on));
+      for (bool inLanes : {false, true}) {
+        const Values found = inLanes ? interpolateN(geometry, 0, on, true, u, v) : interpolate(geometry, 0, on, u, v);
+        EXPECT_EQ(found.isFinite() && found.values[0][0] != untouched, exists);
+        EXPECT_EQ(device.takeError(), exists ? RTC_ERROR_NONE : RTC_ERROR_INVALID_ARGUMENT) << device.message;
+        if (exists) continue;
+        EXPECT_EQ(found.values[0][0], untouched);
+        EXPECT_NE(device.message.find("one of its 5 sub-patches"), std::string::npos) << device.message;
+      }
+      interpolateN(geometry, 0, on, false, u, v);
+      EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << "no lane is active: " << device.message;
+    };
+    for (unsigned i = 0; i < 16; i++) expectAt(1 + 2.0f*float(i%4), 1 + 2.0f*float(i/4), i < 5);
+    for (float x : odd) {
+      expectAt(x, 1, false);
+      expectAt(1, x, false);
+      expectAt(x, x, false);
+    }
+    /* faces with four corners are extrapolated, as in Embree */
+    interpolate(geometry, 2, on, -0.25f, 1.25f);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+  });
 }
 
 // A face may be supported in the surface's topology, but not in an attribute's.

@@ -9,6 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <functional>
+#include <iterator>
 #include <memory>
 
 namespace cbvh::test {
@@ -70,6 +73,55 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
       EXPECT_NE(device.message.find("release_input"), std::string::npos) << device.message;
       rtcReleaseGeometry(geometry);
     }
+  }
+}
+
+// The commit of the geometry builds its blocks, and the progress function commits the geometry again.
+TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
+{
+  struct Callback
+  {
+    RTCGeometry geometry = nullptr;
+    std::atomic<unsigned> calls{0};
+
+    static bool function(void* self, double)
+    {
+      Callback& callback = *(Callback*)self;
+      if (callback.calls++ == 0) rtcCommitGeometry(callback.geometry);
+      return true;
+    }
+  };
+  Device device;
+  Random random(1);
+  const Diced grids = dicedSheet(4, 32);
+  const DicedMesh mesh = meshOf(grids, QuadOrder::Rows, random);
+  SurfaceSettings settings;
+  settings.rate = 32;
+  const std::function<RTCGeometry()> types[] = {
+    [&] { return newSurface(device, sheetCage(8), settings); }, [&] { return newGrids(device, grids); },
+    [&] { return newMesh(device, mesh); }, [&] { return newMesh(device, trianglesOf(mesh)); }};
+  for (size_t type = 0; type < std::size(types); type++) {
+    SCOPED_TRACE(type);
+    Callback callback;
+    callback.geometry = types[type]();
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    RTCCompressionArguments args;
+    rtcInitCompressionArguments(&args);
+    args.compression = RTC_COMPRESSION_VERT;
+    args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
+    args.progress = Callback::function;
+    args.progressUserPtr = &callback;
+    rtcSetGeometryCompression(callback.geometry, &args);
+    rtcCommitGeometry(callback.geometry);
+    EXPECT_GT(callback.calls, 0u);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
+    EXPECT_NE(device.message.find("is being committed"), std::string::npos) << device.message;
+    Scene scene(device);
+    attach(scene, callback.geometry);
+    rtcCommitScene(scene);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_GT(statisticsOf(scene).numQuads, 10000u);
+    EXPECT_TRUE(isHit(intersect(scene, makeRay({0.3f, 0.2f, 5}, {0, 0, -1}))));
   }
 }
 

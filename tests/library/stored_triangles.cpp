@@ -5,6 +5,7 @@
 
 #include "support/diced.h"
 #include "support/edge_rates.h"
+#include "support/memory.h"
 
 #include <embree3/rtcore_compressed_triangles.h>
 
@@ -215,6 +216,55 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   size_t calls = 0;
   rtcForEachCompressedPart(geometry, [](void* n, const RTCCompressedPart*) { return ++*(size_t*)n < 3; }, &calls);
   EXPECT_EQ(calls, 3u) << "false ends the calls";
+}
+
+// A callback may release the last reference to the geometry, or commit the geometry without compression: the blocks
+// that are being read exist until the call returns.
+TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry)
+{
+  struct Callback
+  {
+    RTCGeometry geometry;
+    bool releases;
+    Memory& memory;
+    size_t calls = 0;
+    ssize_t freed = 0;
+
+    static bool function(void* self, const RTCCompressedPart* part)
+    {
+      Callback& callback = *(Callback*)self;
+      EXPECT_GT(part->width, 1u);
+      if (callback.calls++ != 0) return true;
+      const ssize_t before = callback.memory.live;
+      if (callback.releases)
+        rtcReleaseGeometry(callback.geometry);
+      else
+        commitAs(callback.geometry, RTC_COMPRESSION_NONE, 0);
+      callback.freed = before - callback.memory.live;
+      return true;
+    }
+  };
+  const Diced diced = dicedSheet(4, 64);
+  for (bool releases : {true, false}) {
+    SCOPED_TRACE(releases ? "releases" : "commits");
+    Memory memory;
+    Device device;
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    Callback callback = {newGrids(device, diced, RTC_COMPRESSION_VERT), releases, memory};
+    {
+      Scene scene(device);
+      rtcAttachGeometry(scene, callback.geometry);
+      rtcCommitScene(scene);
+    }
+    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const ssize_t before = memory.live;
+    rtcForEachCompressedPart(callback.geometry, Callback::function, &callback);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    EXPECT_GT(callback.calls, 16u) << "one grid has several parts";
+    EXPECT_EQ(callback.freed, 0) << "blocks were freed during the call";
+    EXPECT_LT(memory.live, before);
+    if (!releases) rtcReleaseGeometry(callback.geometry);
+  }
 }
 
 } // namespace

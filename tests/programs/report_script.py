@@ -547,7 +547,8 @@ class Report(unittest.TestCase):
             (without / module).mkdir(parents=True)
             (without / f"{module}/__init__.py").write_text(f"raise ModuleNotFoundError(name={module!r})\n")
             environment = {**os.environ, "PYTHONPATH": str(without)}
-            for script in (SCRIPT, SCRIPT.with_name("claims.py")):
+            names = ["report.py", "claims.py"] + ["measure_blender.py"] * (module == "matplotlib")
+            for script in map(SCRIPT.with_name, names):
                 command = [sys.executable, "-B", str(script), str(self.records)]
                 done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
                 self.assertEqual(done.returncode, 1)

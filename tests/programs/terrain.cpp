@@ -15,6 +15,7 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -192,6 +193,8 @@ TEST_F(Terrain, InvalidArgumentsAreRejected)
   expectRefusal(path + " --embree nothing", "--embree");
   expectRefusal(folder + "/missing.tif", "missing.tif");
   expectRefusal(write<float>(OIIO::TypeDesc::FLOAT, 1, 21, hills), "1 x 21");
+  ASSERT_EQ(mkfifo((folder + "/pipe.tif").c_str(), 0600), 0);
+  expectRefusal(folder + "/pipe.tif", "pipe.tif: this is a pipe");
 }
 
 } // namespace

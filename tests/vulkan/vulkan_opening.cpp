@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace cbvh::test {
@@ -296,6 +297,9 @@ TEST_F(VulkanOpening, CompiledShadersAreStoredAndReadIfIntact)
             }),
             0u);
   EXPECT_EQ(damage([](const fs::path& file) { fs::remove_all(file); fs::create_directories(file/"folder"); }), 0u);
+  EXPECT_EQ(damage([](const fs::path& file) { fs::remove(file); fs::create_symlink("/dev/null", file); }), 0u);
+  EXPECT_TRUE(fs::is_character_file("/dev/null")) << "a device is replaced";
+  EXPECT_EQ(damage([](const fs::path& file) { fs::remove(file); ASSERT_EQ(mkfifo(file.c_str(), 0600), 0); }), 0u);
 
   device.reset();
   fs::remove_all(folder);

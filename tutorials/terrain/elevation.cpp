@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <system_error>
 
 namespace cbvh {
 namespace {
@@ -23,6 +25,15 @@ int mirrored(int i, int n)
 {
   const int period = 2 * (n - 1), place = i % period;
   return place < n ? place : period - place;
+}
+
+/* OpenImageIO would wait for a pipe's writer. */
+void requireNoPipe(const std::string& path)
+{
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && std::filesystem::is_other(status))
+    throw Error(path + ": this is a pipe or a device, which cannot be read more than once: expected a file");
 }
 
 /* Factor by which MapImage, like OpenImageIO, divides samples. */
@@ -44,6 +55,7 @@ float unitOf(OIIO::TypeDesc type)
 
 Elevation::Elevation(const ElevationSettings& settings) : settings(settings)
 {
+  requireNoPipe(settings.path);
   noteInputFile(settings.path);
   const auto native = OIIO::ImageInput::open(settings.path);
   OIIO::ImageSpec spec;

@@ -12,6 +12,7 @@
 #include "../surface/plan.h"
 #include "../../cvert/format/block.h"
 #include <new>
+#include <set>
 
 namespace embree
 {
@@ -50,6 +51,44 @@ namespace embree
 
   namespace
   {
+    /*! Marks a geometry while its commit builds blocks: displacement and progress functions of the application run
+     *  then, and a commit by them would replace what is being read. */
+    class Building
+    {
+    public:
+      explicit Building (const Geometry* geometry) : geometry(geometry)
+      {
+        Lock<MutexSys> lock(mutex());
+        all().insert(geometry);
+      }
+      ~Building ()
+      {
+        Lock<MutexSys> lock(mutex());
+        all().erase(geometry);
+      }
+      Building (const Building&) = delete;
+      Building& operator= (const Building&) = delete;
+
+      /*! Throws if the commit of a geometry builds its blocks. */
+      static void requireNone (const Geometry* geometry)
+      {
+        Lock<MutexSys> lock(mutex());
+        if (all().count(geometry))
+          throw_RTCError(RTC_ERROR_INVALID_OPERATION,
+                         "the geometry is being committed: its callbacks, and other threads, must not commit it");
+      }
+
+    private:
+      /* Never destroyed, because destructors of static objects may commit geometries. */
+      static MutexSys& mutex () { static MutexSys& it = *new MutexSys; return it; }
+      static std::set<const Geometry*>& all () {
+        static std::set<const Geometry*>& it = *new std::set<const Geometry*>;
+        return it;
+      }
+
+      const Geometry* const geometry;
+    };
+
     /*! True if a device's setting applies to geometries of a type. */
     bool takes (const CompressionSettings& device, Geometry::GType type)
     {
@@ -81,6 +120,7 @@ namespace embree
      *  must otherwise set again. */
     bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
+      Building::requireNone(geometry);
       SurfaceState& surface = geometry->surface;
       if (surface.isKept(geometry->modCounter_)) return false;
       if (surface.inputReleased && !hasInput)
@@ -146,6 +186,7 @@ namespace embree
       if (!releasesInput(geometry) || geometry->surface.blocks || !isOfTree || !requestsCompression(geometry))
         return false;
       const Symbols symbols(geometry->device->enabled_builder_cpu_features);
+      const Building scope(geometry);
       runAsCommit([&] { symbols.buildBlocksOfGeometry(geometry); });
       geometry->surface.inputReleased = true;
       return true;

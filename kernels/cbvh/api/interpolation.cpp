@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Faces without a surface cannot be interpolated. Their first half-edge is marked, because the input may be released
- * before the face is interpolated. */
+ * before the face is interpolated. Parameters outside of a face with four corners extrapolate its surface, but those of
+ * other faces must be in a sub-patch that exists. */
 
 #include "interpolation.h"
 #include "../surface/patches.h"
@@ -43,6 +44,20 @@ namespace embree
           + std::to_string(MAX_RING_FACE_VALENCE) + " faces");
     }
 
+    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Sub-patch i + 4 j begins at u = 2 i, v = 2 j.
+     *  The face must be supported. */
+    void requireSubPatch (const SubdivMesh::Topology& topology, unsigned face, float u, float v)
+    {
+      const HalfEdge* const edge = topology.getHalfEdge(face);
+      if (likely(edge->patch_type != HalfEdge::COMPLEX_PATCH)) return; // has four corners
+      const unsigned corners = edge->numEdges();
+      if (corners == 4) return;
+      if (u >= 0.0f && u < 8.0f && v >= 0.0f && v < 8.0f && unsigned(0.5f*u) + 4*unsigned(0.5f*v) < corners) return;
+      throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,"face " + std::to_string(face) + " cannot be interpolated at u "
+          + std::to_string(u) + ", v " + std::to_string(v) + ": expected one of its " + std::to_string(corners)
+          + " sub-patches, as hits number them");
+    }
+
     template<typename Arguments>
     const SubdivMesh::Topology& topologyOf (const SubdivMesh* mesh, const Arguments* args)
     {
@@ -70,7 +85,9 @@ namespace embree
   }
 
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args) {
-    require(mesh,topologyOf(mesh,args),args->primID);
+    const SubdivMesh::Topology& topology = topologyOf(mesh,args);
+    require(mesh,topology,args->primID);
+    requireSubPatch(topology,args->primID,args->u,args->v);
   }
 
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args)
@@ -80,9 +97,10 @@ namespace embree
     unsigned checked = RTC_INVALID_GEOMETRY_ID;
     for (unsigned i=0; i<args->N; i++)
     {
-      if ((valid && valid[i] != -1) || args->primIDs[i] == checked) continue;
+      if (valid && valid[i] != -1) continue;
+      if (args->primIDs[i] != checked) require(mesh,topology,args->primIDs[i]);
       checked = args->primIDs[i];
-      require(mesh,topology,checked);
+      requireSubPatch(topology,checked,args->u[i],args->v[i]);
     }
   }
 }

@@ -26,6 +26,7 @@ RTC_API void rtcForEachCompressedCluster (RTCGeometry hgeometry, float time, enu
                                           struct RTCCompressedClusterReport* report)
 {
   Geometry* geometry = (Geometry*) hgeometry;
+  const Ref<Geometry> held(geometry); // the function may release the application's reference
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   if (report) core::requireStruct(report);

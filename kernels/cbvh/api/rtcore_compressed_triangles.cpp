@@ -35,6 +35,7 @@ RTC_API void rtcForEachCompressedPartAtTime (RTCGeometry hgeometry, float time, 
                                              void* userPtr)
 {
   Geometry* geometry = (Geometry*) hgeometry;
+  const Ref<Geometry> held(geometry); // the function may release the application's reference
   RTC_CATCH_BEGIN;
   require(geometry,"geometry");
   require((const void*)function,"function");

@@ -11,6 +11,7 @@
 #include "../../cvert/decoder/decoded_block.h"
 #include "../../cvert/decoder/decoded_mesh.h"
 #include "../stored/surface_blocks.h"
+#include <algorithm>
 #include <memory>
 
 namespace embree
@@ -106,14 +107,23 @@ namespace embree
         {
           size_t type;
           const void* const block = leaf.leaf(type);
-          if (type == cbvh::MOVING_MESH_BLOCK) boundMesh((const cbvh::MeshHeader*)block,segments,boxes);
-          else boundGrid((const cbvh::VertHeader*)block,segments,boxes);
+          const float* origin;
+          if (type == cbvh::MOVING_MESH_BLOCK) {
+            boundMesh((const cbvh::MeshHeader*)block,segments,boxes);
+            origin = ((const cbvh::MeshHeader*)block)->origin;
+          }
+          else {
+            boundGrid((const cbvh::VertHeader*)block,segments,boxes);
+            origin = ((const cbvh::VertHeader*)block)->origin;
+          }
+          // of a damaged block; MotionTree requires a box
+          if (std::all_of(boxes,boxes+segments+1,[](const cbvh::StepBox& box) { return box.isEmpty(); }))
+            for (int k=0; k<3; k++) boxes[0].lower[k] = boxes[0].upper[k] = origin[k];
         }
 
       private:
         static void boundMesh (const cbvh::MeshHeader* block, unsigned segments, cbvh::StepBox* boxes)
         {
-          bool areAllEmpty = true;
           for (unsigned s=0; s<=segments; s++)
           {
             const cbvh::DecodedMesh mesh(block,s);
@@ -123,11 +133,8 @@ namespace embree
               if (!cbvh::isFinite(p)) continue; // of a damaged block
               for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
             }
-            areAllEmpty &= box.isEmpty();
             boxes[s] = box;
           }
-          if (areAllEmpty)
-            for (int k=0; k<3; k++) boxes[0].lower[k] = boxes[0].upper[k] = block->origin[k];
         }
 
         void boundGrid (const cbvh::VertHeader* block, unsigned segments, cbvh::StepBox* boxes)

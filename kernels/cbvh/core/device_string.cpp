@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <locale>
+#include <sstream>
 
 namespace embree
 {
@@ -91,9 +93,10 @@ namespace embree
 
     bool isNumber (const std::string& text)
     {
-      const size_t sign = !text.empty() && (text[0] == '-' || text[0] == '+');
-      return text.size() > sign && text.find_first_not_of("0123456789.eE+-",sign) == std::string::npos
-        && std::strchr("0123456789.",text[sign]);
+      std::istringstream stream(text);
+      stream.imbue(std::locale::classic());
+      double number;
+      return (stream >> number) && stream.eof();
     }
 
     std::string findDeviceStringError (const Key& key, std::string value)

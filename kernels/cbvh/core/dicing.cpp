@@ -5,6 +5,7 @@
 #include "../files/loaded_geometry.h"
 #include "../surface/dicing_samples.h"
 #include "../surface/input_checks.h"
+#include "../surface/patches.h"
 
 namespace embree
 {
@@ -101,6 +102,7 @@ namespace embree
             for (size_t f=r.begin(); f!=r.end(); f++)
             {
               const unsigned n = mesh->faceVertices[f];
+              if (!isa::canBeEvaluated(mesh->getHalfEdge(0,f),n)) continue; // left out by commits
               float* const out = &rates[first[f]];
               for (unsigned step=0; step<mesh->numTimeSteps; step++)
               {

@@ -14,6 +14,19 @@ namespace embree
       cbvh::TraversalTime traversalTime (Geometry* geometry, float time) {
         return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
       }
+
+      /*! Keeps a geometry and its blocks, because callbacks may release or commit the geometry. Throws if it has no
+       *  blocks. */
+      struct HeldBlocks
+      {
+        const Ref<Geometry> geometry; // released last: blocks refer to its device
+        const std::shared_ptr<const SurfaceBlocks> blocks;
+
+        explicit HeldBlocks (Geometry* held)
+          : geometry(held), blocks(compressible(held) ? cbvh::blocksOf(compressible(held)) : nullptr) {
+          if (!blocks) notCompressed();
+        }
+      };
     }
 
     float firstTime (Geometry* geometry) { return geometry->time_range.lower; }
@@ -24,7 +37,8 @@ namespace embree
     }
 
     void forEachPart (Geometry* geometry, float time, const std::function<bool(const cbvh::StoredPart&)>& closure) {
-      cbvh::forEachPart(requireBlocks(geometry),traversalTime(geometry,time),
+      const HeldBlocks held(geometry);
+      cbvh::forEachPart(*held.blocks,traversalTime(geometry,time),
           [&](const cbvh::StoredBlock&, const cbvh::StoredPart& part) { return closure(part); });
     }
 
@@ -33,12 +47,12 @@ namespace embree
                          cbvh::ClusterReport& report)
     {
       report = cbvh::ClusterReport();
-      const SurfaceBlocks& blocks = requireBlocks(geometry);
+      const HeldBlocks held(geometry);
       if (format != cbvh::ClusterFormat::FLOAT3 && format != cbvh::ClusterFormat::COMPRESSED1
           && format != cbvh::ClusterFormat::DGF1)
         throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,
                        "unknown cluster format " + std::to_string(int(format)));
-      cbvh::forEachCluster(blocks,traversalTime(geometry,time),format,closure,report);
+      cbvh::forEachCluster(*held.blocks,traversalTime(geometry,time),format,closure,report);
     }
   }
 }

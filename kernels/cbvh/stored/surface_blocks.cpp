@@ -6,9 +6,10 @@
 #include "surface_blocks.h"
 #include "../base/kinds.h"
 #include "stored_triangles.h"
+#include <algorithm>
 #include <functional>
-#include <queue>
 #include <set>
+#include <vector>
 
 namespace embree
 {
@@ -17,7 +18,9 @@ namespace embree
     namespace
     {
       MutexSys mutex;                    //!< protects the following, and the blocks of geometries
-      std::priority_queue<uint32_t,std::vector<uint32_t>,std::greater<uint32_t>> freeNumbers; //!< below usedNumbers
+      /*! Numbers below usedNumbers, as a heap with the smallest one first. Has capacity for all of them, because
+       *  destructors add numbers and must not allocate. */
+      std::vector<uint32_t> freeNumbers;
       uint32_t usedNumbers = 0;
       std::set<uint32_t> fileNumbers;    //!< in use
     }
@@ -26,16 +29,24 @@ namespace embree
     {
       Lock<MutexSys> lock(mutex);
       if (fileNumber != none && fileNumbers.insert(fileNumber).second) { value = fileNumber; return; }
-      if (freeNumbers.empty()) { value = usedNumbers++; return; }
-      value = freeNumbers.top();
-      freeNumbers.pop();
+      if (freeNumbers.empty()) {
+        if (freeNumbers.capacity() <= usedNumbers) freeNumbers.reserve(2*size_t(usedNumbers)+16);
+        value = usedNumbers++;
+        return;
+      }
+      std::pop_heap(freeNumbers.begin(),freeNumbers.end(),std::greater<uint32_t>());
+      value = freeNumbers.back();
+      freeNumbers.pop_back();
     }
 
     SurfaceNumber::~SurfaceNumber ()
     {
       Lock<MutexSys> lock(mutex);
       if (value >= firstFileNumber) fileNumbers.erase(value);
-      else freeNumbers.push(value);
+      else {
+        freeNumbers.push_back(value);
+        std::push_heap(freeNumbers.begin(),freeNumbers.end(),std::greater<uint32_t>());
+      }
     }
 
     std::shared_ptr<const SurfaceNumber> numberOf (CompressibleGeometry* geometry)

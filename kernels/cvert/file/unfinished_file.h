@@ -72,9 +72,10 @@ namespace cvert
   {
   public:
     /*! Creates a file that is removed unless it is committed, and removes files of killed writers of the same path.
-     *  Throws std::system_error. */
+     *  Throws std::system_error, with EINVAL for a STREAM, which the file would replace. */
     explicit UnfinishedFile (const OutputPath& place) : place(place)
     {
+      requireFile();
       const std::string mark = ".cbvh-part-";
       const std::string begin = fitted(mark.size()+16) + mark, folder = folderOf(place.path);
       for (int tries=0; !open(folder + "/" + begin + randomDigits(),O_EXCL); tries++)
@@ -83,9 +84,10 @@ namespace cvert
     }
 
     /*! Creates or opens a file that a later process can continue, named by the final name and `ending`. Throws
-     *  std::system_error, with EWOULDBLOCK if another writer has it locked. */
+     *  std::system_error, with EWOULDBLOCK if another writer has it locked, and with EINVAL for a STREAM. */
     UnfinishedFile (const OutputPath& place, const std::string& ending) : place(place), keeps(true)
     {
+      requireFile();
       const std::string path = folderOf(place.path) + "/" + fitted(ending.size()) + ending;
       for (int tries=0; !open(path,0); tries++)
         if (tries == 100) throwErrno(EWOULDBLOCK);
@@ -129,6 +131,8 @@ namespace cvert
     }
 
   private:
+    void requireFile () const { if (place.kind == OutputPath::STREAM) throwErrno(EINVAL); }
+
     /*! Creates and locks the file. Returns false if the caller must try again, because the name exists, or because the
      *  file's previous writer renamed or removed it. */
     bool open (const std::string& path, int flags)

@@ -32,19 +32,19 @@ namespace cvert
     if (blocks.empty())
       for (int k=0; k<3; k++) { record.lower[k] = infinity; record.upper[k] = -infinity; }
     FileEntry entry = FileEntry();
+    bool hasVertex = false;
     for (uint32_t step=0; step<(moves ? motionOf(block).numSteps : 1); step++)
     {
       float lower[3], upper[3];
-      if (!DecodedBlock(block,step).bounds(lower,upper)) {
-        if (moves) continue;
-        throw Error(ErrorCode::INVALID_ARGUMENT,"the block cannot be saved: it has no finite vertex");
-      }
+      if (!DecodedBlock(block,step).bounds(lower,upper)) continue;
+      hasVertex = true;
       for (int k=0; k<3; k++) {
         record.lower[k] = lesser(lower[k],record.lower[k]);
         record.upper[k] = greater(upper[k],record.upper[k]);
         if (!moves) { entry.lower[k] = lower[k]; entry.upper[k] = upper[k]; }
       }
     }
+    if (!hasVertex) throw Error(ErrorCode::INVALID_ARGUMENT,"the block cannot be saved: it has no finite vertex");
     entry.child = append(moves ? FILE_MOVING_VERT : FILE_VERT,block,bytes,offsetof(VertHeader,surface));
     tree.insert(tree.end(),(const char*)&entry,(const char*)(&entry+1));
   }

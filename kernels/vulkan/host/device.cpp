@@ -315,7 +315,8 @@ void Device::readCache()
 {
   std::vector<char> data;
   const std::string path = cachePath();
-  if (!path.empty()) {
+  struct stat status;
+  if (!path.empty() && stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode)) { // a pipe would block
     std::ifstream file(path, std::ios::binary);
     uint64_t sum = 0;
     if (file.read(reinterpret_cast<char*>(&sum), sizeof(sum)))
