@@ -45,7 +45,7 @@ unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
   return numVertices + width*height;
 }
 
-// Writes the triangles of a mesh block. Returns the number of vertices so far.
+// Writes the triangles of a mesh block at its first time step. Returns the number of vertices so far.
 unsigned writeMeshBlock(const cvert::MeshHeader* block, unsigned numVertices)
 {
   const auto decoded = std::make_unique<cvert::DecodedMesh>(block);
@@ -80,8 +80,8 @@ int main(int argc, char** argv)
           throw cvert::Error(cvert::ErrorCode::UNSUPPORTED,
                              file.path + ": the file contains blocks of another representation: expected cVERT");
         const char* const block = file.blocks(i) + offset;
-        numVertices = type == cvert::FILE_MESH ? writeMeshBlock((const cvert::MeshHeader*)block, numVertices)
-                                               : writeBlock((const cvert::VertHeader*)block, numVertices);
+        numVertices = cvert::isMesh(type) ? writeMeshBlock((const cvert::MeshHeader*)block, numVertices)
+                                          : writeBlock((const cvert::VertHeader*)block, numVertices);
       });
     }
   }
