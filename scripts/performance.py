@@ -6,6 +6,8 @@
 
     scripts/performance.py                  measures on the widest instruction set, some ten minutes
     scripts/performance.py --record FILE    uses a record of cbvh_bench --json, made with at least OPTIONS
+
+If the headline's figures change, change them in docs/figures.csv, too.
 """
 
 import argparse
@@ -135,9 +137,10 @@ def headline(rows):
     smaller = [by[scene, "GRID"].memory_live_bytes / by[scene, "cVERT"].memory_live_bytes for scene in scenes]
     faster = [float(speed) for pair in speeds_of_page().values() for speed in pair]
     text = (
-        f"**{min(smaller):.0f} to {max(smaller):.0f} times less memory than Embree's own subdivision surfaces; single"
-        f" rays at {min(faster):.2f} to {max(faster):.2f} times their speed**, lowest where the scene fits the caches"
-        f" ({len(scenes)} models; [measurements](docs/performance.md#how-fast-are-rays))."
+        f"**[{min(smaller):.0f} to {max(smaller):.0f} times](docs/figures.md#memory) less memory than Embree's own"
+        f" subdivision surfaces; single rays at [{min(faster):.2f} to {max(faster):.2f} times](docs/figures.md#rays)"
+        f" their speed**, lowest where the scene fits the caches ({len(scenes)} models;"
+        " [measurements](docs/performance.md#how-fast-are-rays))."
     )
     return [*textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False), ""]
 

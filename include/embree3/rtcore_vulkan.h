@@ -146,7 +146,8 @@ struct RTCVulkanSceneArguments
  *
  * Supported are subdivision surfaces (GRID and all compressed representations), compressed grids, quads and triangles,
  * triangle meshes, and instances, all without filter functions. With motion blur, compressed geometry and instances
- * with linear transforms are supported. Any other enabled geometry is an error that names the geometry.
+ * with linear transforms are supported, except for irregular meshes. Any other enabled geometry is an error that names
+ * the geometry or what is not supported.
  *
  * A scene for ray queries has a bottom-level structure for each geometry, with boxes in Morton order. Structures of
  * geometry that did not change since another scene on the device was created are not built again. Rays of the

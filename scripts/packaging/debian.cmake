@@ -51,7 +51,7 @@ macro(cbvh_package component name replaced multiarch section summary)
     set(CPACK_DEBIAN_${key}_PACKAGE_REPLACES ${replaced})
   endif()
   set(CPACK_COMPONENT_${key}_DESCRIPTION "${summary}\n${about}")
-  install(FILES "${CMAKE_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}" RENAME copyright
+  install(FILES "${CMAKE_SOURCE_DIR}/scripts/packaging/copyright" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}"
     COMPONENT ${component})
 endmacro()
 

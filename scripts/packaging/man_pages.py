@@ -40,6 +40,19 @@ STRUCT_SIZE = (
     "Set structSize to the sizeof of its struct: in C++, T s = T() does so; in C, T s = {.structSize = sizeof(s)}."
 )
 SECTIONS = {"Returns ": "RETURN VALUE", "Errors: ": "ERRORS", "Thread safety: ": "NOTES"}
+FIRST_VERSION = "0.9.0"
+FUNCTIONS_OF_FIRST_VERSION = frozenset(
+    """
+    rtcGetDeviceCompressionProperty rtcGetSceneCompressionStatistics rtcGetVulkanDeviceHandles
+    rtcGetVulkanDeviceInfo rtcGetVulkanDevices rtcGetVulkanRayOrderBytes rtcGetVulkanSceneAddress
+    rtcGetVulkanSceneKinds rtcGetVulkanSceneStatistics rtcInitCompressionArguments rtcIsVulkanTraceDone
+    rtcNewVulkanDevice rtcNewVulkanDeviceFromHandles rtcNewVulkanScene rtcRecordVulkanIntersect
+    rtcRecordVulkanIntersectInOrder rtcRecordVulkanOccluded rtcRecordVulkanOccludedInOrder
+    rtcRecordVulkanRayOrder rtcReleaseVulkanDevice rtcReleaseVulkanScene rtcRetainVulkanDevice
+    rtcRetainVulkanScene rtcSetGeometryCompression rtcSetVulkanSceneRaySort rtcStartVulkanIntersect
+    rtcStartVulkanOccluded rtcWaitVulkanTrace
+    """.split()
+)
 
 
 @dataclass(frozen=True)
@@ -210,6 +223,8 @@ def page_of(group, version, include, library, types, others):
     for section, found in parts.items():
         if found:
             out += [".SS " + section] + prose(found, group.arguments)
+    since = "since" if group.names[0] in FUNCTIONS_OF_FIRST_VERSION else "in versions after"
+    out += [".SS HISTORY", ".PP", "Available %s %s." % (since, FIRST_VERSION)]
     named = [name for name in library.own_pages if re.search(r"\b%s\b" % name, "\n".join(group.declarations))]
     return (
         "\n".join(out + see_also(named + [name for name in others if name != group.names[0]], library.section)) + "\n"

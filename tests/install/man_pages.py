@@ -3,8 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """Checks properties of the manual pages of functions, by reading pages that scripts/packaging/man_pages.py writes for
-a header
-with known declarations, and for the public headers.
+a header with known declarations, and for the public headers.
 
     man_pages.py
 """
@@ -151,6 +150,18 @@ class PublicHeaders(unittest.TestCase):
                 declarations = re.findall(r"^(?:RTC_API|RTC_FORCEINLINE|CBVH_API)\s[^;{]*", header.read_text(), re.M)
                 for declaration in declarations:
                     self.assertIn(re.search(r"(\w+)\s*\(", declaration)[1], pages, header.name)
+
+    def test_pages_name_the_version_that_introduced_the_functions(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pages = made(folder, *HEADERS)
+        history = {name.split(".")[0]: section(page, "HISTORY") for name, page in pages.items()}
+        self.assertIn("Available since 0.9.0.", history["rtcSetGeometryCompression"])
+        self.assertIn("Available in versions after 0.9.0.", history["rtcDiceGeometry"])
+        listed = re.search(r'frozenset\(\s*"""(.*?)"""', SCRIPT.read_text(), re.S)[1].split()
+        self.assertEqual([name for name in listed if name not in history], [])
+        for name, page in pages.items():
+            if "\n.SS RETURN VALUE" in page or "\n.SS ERRORS" in page:
+                self.assertIsNotNone(history[name.split(".")[0]], name)
 
     def test_references_lead_to_pages_and_pages_have_no_warnings(self):
         with tempfile.TemporaryDirectory() as folder:

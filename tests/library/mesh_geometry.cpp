@@ -377,7 +377,7 @@ TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
   }
 }
 
-// Irregular quads or triangles, and quads that share no vertices, become mesh blocks unless they move. Small meshes
+// Irregular quads or triangles, and quads that share no vertices, become mesh blocks, also if they move. Small meshes
 // and refitted ones are left to Embree.
 TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
 {

@@ -63,7 +63,7 @@ inline std::array<Corner, 3> triangleOf(const RTCCompressedPart& part, unsigned 
   return {cornerOf(part, x, y), cornerOf(part, x + 1, y), cornerOf(part, x, y + 1)};
 }
 
-// True if rays can hit the triangle: its vertices are finite and distinct.
+// True if a ray may hit the triangle: its vertices are finite and distinct. Clusters contain only such triangles.
 inline bool canBeHit(const std::array<Corner, 3>& t)
 {
   for (const Corner& c : t)

@@ -130,7 +130,7 @@ TEST_F(VulkanMeshes, InstancesMatchCpu)
   sum.expect();
 }
 
-// The same meshes several times: for equal distances both must report the first.
+// The same mesh three times: of hits at equal distances, the CPU and the device must report the same one.
 TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
 {
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
@@ -185,7 +185,7 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
     }
 }
 
-// Irregular meshes that move are refused by name.
+// Scenes with irregular meshes that move are rejected, and the message names their blocks.
 TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
 {
   const DicedMesh sheet = meshOf(dicedSheet(1, 30), QuadOrder::Rows, random);

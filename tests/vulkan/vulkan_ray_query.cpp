@@ -15,11 +15,11 @@
 namespace cbvh::test {
 namespace {
 
-// Compares both ways to trace rays of one scene.
+// Numbers of rays for which ray queries and compute shaders differ in one scene.
 struct Differences
 {
   size_t rays = 0, hits = 0;
-  size_t bits = 0;      // results that are not bit-identical
+  size_t bits = 0;      // results that are not equal to the bit
   size_t otherHit = 0;  // a hit instead of a miss, or the reverse, or different IDs
   size_t otherAny = 0;  // any hit differs from closest hit
 };
@@ -67,7 +67,7 @@ protected:
   }
 };
 
-// bits: number of rays whose hits may differ by rounding, for kinds whose blocks overlap
+// bits: number of rays whose hits may differ by rounding; 0 for representations whose blocks do not overlap
 void expectSame(const Differences& found, size_t bits = 0)
 {
   EXPECT_GT(found.hits, found.rays/20) << "too many rays miss";
@@ -222,7 +222,7 @@ TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
   std::vector<RTCRayHit> rays = timedRays(random, 20000);
   for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
   const Differences found = compare(scene, rays);
-  expectSame(found, found.hits/1000); // of cLEAF
+  expectSame(found, found.hits/1000); // blocks of cLEAF overlap
 }
 
 TEST_F(VulkanRayQuery, MovingGeometryMatchesComputeShaders)

@@ -45,7 +45,7 @@ unsigned writeBlock(const cvert::VertHeader* block, unsigned numVertices)
   return numVertices + width*height;
 }
 
-// Writes the triangles of a mesh block. Returns the number of vertices so far.
+// Writes the triangles of a mesh block at its first time step. Returns the number of vertices so far.
 unsigned writeMeshBlock(const cvert::MeshHeader* block, unsigned numVertices)
 {
   const auto decoded = std::make_unique<cvert::DecodedMesh>(block);

@@ -264,7 +264,7 @@ int run(int argc, char** argv)
   }
   catch (const CLI::ParseError& error)
   {
-    return app.exit(error);
+    return app.exit(error) == 0 ? 0 : 1; // prints the message or the help; CLI11 has a status per kind of error
   }
   std::printf("| geometries | subdiv_accel | rate | geometries made, s | scene, s | one moved (of the scene) "
               "| one masked (of the scene) | a second scene, s | MiB of geometries | and scene | peak | second scene "

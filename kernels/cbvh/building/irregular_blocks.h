@@ -17,7 +17,7 @@ namespace embree
     class IrregularBlocks
     {
     public:
-      /*! parts: must have loose primitives. plan must outlive this object. */
+      /*! parts: must have irregular primitives. plan must outlive this object. */
       IrregularBlocks (const TrianglesOfMesh& mesh, const std::shared_ptr<const QuadRegions>& parts,
                    const CompressionPlan& plan, Device* device)
         : device(device), plan(plan), parts(parts),

@@ -50,7 +50,7 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan must outlive this object. loose: primitives of a mesh that the source does not have, or null. */
+      /*! mesh and plan must outlive this object. loose: irregular primitives of a mesh, or null. */
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
                  std::unique_ptr<IrregularBlocks> loose = nullptr)

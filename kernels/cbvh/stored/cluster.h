@@ -22,12 +22,12 @@ namespace embree
       DGF1 = 2         //!< 128 bytes of AMD's Dense Geometry Format, including the topology
     };
 
-    /*! Why a cluster is stored as floats. */
+    /*! Reason why a cluster is returned as floats. */
     enum class ClusterReason : int
     {
       FITS = 0,   //!< it has the requested format
       RAW = 1,    //!< its block stores floats, or as many bits
-      MOVING = 2, //!< between two time steps, its vertices are on no lattice
+      MOVING = 2, //!< its vertices are interpolated between two time steps, or its block is a moving mesh block
       RANGE = 3   //!< its lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
     };
     enum { numClusterReasons = 4 };
@@ -57,11 +57,12 @@ namespace embree
       size_t numVertices = 0;      //!< counted in each cluster that has them
       size_t bytes = 0;
       size_t indexBytes = 0;       //!< 3 per triangle, except for whole grids and for DGF
-      size_t numClustersOf[numClusterReasons] = {};
-      size_t numTrianglesOf[numClusterReasons] = {};
+      size_t numClustersOf[numClusterReasons] = {};  //!< by ClusterReason
+      size_t numTrianglesOf[numClusterReasons] = {}; //!< by ClusterReason
     };
 
-    /*! Cluster: struct of an interface with the same members in the same order. part: must outlive the result. */
+    /*! Converts a cluster for a public interface. Cluster: its struct, with the same members in the same order. part:
+     *  must outlive the result. */
     template<typename Cluster, typename Part>
     Cluster clusterAs (const StoredCluster& cluster, const Part& part)
     {
@@ -70,7 +71,7 @@ namespace embree
           cluster.firstTriangle,cluster.width,cluster.height,&part };
     }
 
-    /*! Report: struct of an interface with members of the same names. */
+    /*! Converts a report for a public interface. Report: its struct, with members of the same names. */
     template<typename Report>
     Report reportAs (const ClusterReport& report)
     {

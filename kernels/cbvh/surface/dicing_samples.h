@@ -14,8 +14,9 @@ namespace embree
   public:
     DicingSamples (SubdivMesh* mesh, const DicingView& view) : mesh(mesh), view(view) {}
 
-    /*! quads: along v = 0, u = 1, v = 1 and u = 0. (u0,v0): corner of the patch in parameters of the face; the patch is
-     *  1 wide. */
+    /*! Estimates the number of quads that each edge of a patch needs. step: time step. (u0,v0): corner of the patch in
+     *  parameters of the face; the patch has size 1 x 1. quads: set, along v = 0, u = 1, v = 1 and u = 0; at least 1,
+     *  not rounded. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
       const unsigned fewest = 2, most = 64;
@@ -87,9 +88,10 @@ namespace embree
       for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
-    /*! Divides the patch into up to 4 x 4 parts. The number of quads that a part needs is the quadratic mean over the
-     *  part: quads are uniform in parameter space, so quads on steep displacement are longer. A camera can see the
-     *  parts at different distances: each edge gets the maximum over the parts in the half of the patch next to it. */
+    /*! Sets the number of quads of each edge, from n x n cells of samples. Divides the patch into up to 4 x 4 parts.
+     *  The number of quads that a part needs is the quadratic mean over the part: quads are uniform in parameter space,
+     *  so quads on steep displacement are longer. A camera can see the parts at different distances: each edge gets the
+     *  maximum over the parts in the half of the patch next to it. */
     void need (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;
@@ -106,7 +108,7 @@ namespace embree
               const double perUnit = double(n)*view.quadsPerUnit(corners);
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
-              // not finite, or at the eye: the cells around are sufficient
+              // the cell is not finite, or the eye is in it: its neighbors are sufficient
               if (!(u < maxSquared) || !(v < maxSquared)) continue;
               sum[0] += u; sum[1] += v; count++;
             }

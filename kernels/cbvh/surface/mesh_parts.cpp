@@ -11,7 +11,7 @@ namespace embree
 {
   namespace
   {
-    /*! Moves quads to the loose primitives if their region needs less memory in mesh blocks. */
+    /*! Moves the quads of a region to the irregular primitives if the region needs less memory in mesh blocks. */
     template<typename Mesh>
     void moveToMeshBlocks (const Mesh* mesh, QuadRegions& parts)
     {

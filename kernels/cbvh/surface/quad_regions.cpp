@@ -253,7 +253,7 @@ namespace embree
 
     Found findInPairsAnywhere (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
 
-    /*! True if at most 5% of the quads are loose. */
+    /*! True if at most 5% of the quads are irregular. */
     bool areFewLoose (const QuadRegions& found)
     {
       const size_t few = 20;
@@ -302,7 +302,7 @@ namespace embree
       return quads != 0 && double(found.bytesOfBlocks()) <= 1.1*least;
     }
 
-    /*! If pairs of consecutive triangles leave many quads loose, also tries partners anywhere in the mesh. */
+    /*! If pairs of consecutive triangles leave many quads irregular, also tries partners anywhere in the mesh. */
     template<typename Mesh>
     Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {

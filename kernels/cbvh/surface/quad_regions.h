@@ -129,12 +129,12 @@ namespace embree
      *  it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads are loose if their region has fewer quads along a side. A block needs 138 bytes and about 1 per quad: 16
-     *  bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads are irregular if their region has fewer quads along a side. A block needs 138 bytes and about 1 per quad:
+     *  16 bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned minRegionSide = 4;
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty if the mesh is not regular
-    size_t numRegular = 0;                   //!< regions without loose quads
+    size_t numRegular = 0;                   //!< number of regions without irregular quads
     cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null

@@ -21,12 +21,13 @@ namespace cvert { inline namespace CVERT_ISA
   class CellEncoder
   {
   public:
-    /*! By axis, row by row, 0 to maxExtent-1. The last is repeated up to whole vectors. */
+    /*! Coordinates by axis, row by row, from 0 to maxExtent-1. The caller repeats the last vertex up to whole
+     *  vectors. */
     int vertices[3][paddedVertices];
 
-    int residuals[3][paddedVertices]; //!< by axis; set by predict, modified by encode
+    int residuals[3][paddedVertices]; //!< by axis; set by predict(), modified by encode()
 
-    /*! quads: along u and v. step: quads from one vertex to the next. */
+    /*! Sets the residuals. quads: of the cell, along u and v. step: quads from one vertex to the next. */
     void predict (const uint32_t quads[2], uint32_t step)
     {
       setWeights(quads,step);
@@ -44,7 +45,8 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Returns false if a residual has too many bits. */
+    /*! Chooses main axis and slopes, and sets `word`. If a residual has too many bits, sets `excess` and returns
+     *  false. */
     bool encode ()
     {
       float squares[3], others[3];
@@ -71,10 +73,10 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    uint32_t word;
+    uint32_t word; //!< of the encoded cell, see format/cell.h
     int excess[3]; //!< by axis: surplus bits of residuals if encode fails
 
-    /*! Requires encode() or encodeNoise(). Returns the end. */
+    /*! Writes the fields of the vertices. Requires encode() or encodeNoise(). Returns the end of the written bytes. */
     uint8_t* write (uint8_t* out) const
     {
       const int main = cellMainAxis(word), sum = cellFieldBits(word);
@@ -111,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
-    /*! Most cells of a block have the same weights. */
+    /*! Computes the weights unless they are those of the previous call: most cells of a block have the same. */
     void setWeights (const uint32_t quads[2], uint32_t step)
     {
       const uint32_t key[3] = { quads[0],quads[1],step };
@@ -133,7 +135,8 @@ namespace cvert { inline namespace CVERT_ISA
       return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads);
     }
 
-    /*! Adds a b, c d and e f in order, so that all ISAs return the same. */
+    /*! Sets sums to the sums of a*b, c*d and e*f over the vertices. Adds in the order of the vertices, so that all ISAs
+     *  return the same. */
     static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f,
                              float sums[3])
     {

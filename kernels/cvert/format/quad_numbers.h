@@ -33,7 +33,8 @@ struct VertNumbers
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Part of blocks whose second triangles do not follow the first ones. Only a table may follow it. */
+/*! Section of blocks in which the number of a second triangle is not that of the first plus 1. If the block has a table
+ *  of numbers, the table follows this section. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;
@@ -74,7 +75,8 @@ CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32
   return isTriangleForm(form) && !haveTrianglePairs(form) ? 2u*code : code;
 }
 
-/*! The lowest bits of an entry in a table of triangles. Numbers in it are therefore within 2^30 of the lowest. */
+/*! Number of lowest bits of an entry in a table of triangles that store the triangle's turn. 30 bits remain for the
+ *  number, so all numbers of such a table are within 2^30 of the lowest one. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
 CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
@@ -84,15 +86,17 @@ CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
 /*! Bytes of a table. Readers may read 32 bits after its end. */
 CBVH_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
-/*! The quad or one of its triangles. */
+/*! The application's primitive that a hit in a quad reports: the quad, or one of its triangles. */
 struct QuadPrimitive
 {
   uint32_t primID;
   uint32_t form; //!< form of its block with the turn of this triangle
 };
 
+/*! Parameters of a primitive of the application. */
 struct OwnParameters { float u, v; };
 
+/*! Converts the parameters a, b of a quad to those of its primitive. form: see QuadPrimitive. */
 CBVH_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
 {
   OwnParameters parameters;

@@ -27,7 +27,7 @@ namespace embree
     {
     public:
       uint32_t encoded = 15;   //!< mask of lanes that have a lattice
-      uint32_t undecided = 0;  //!< mask of lanes that require lattice_encoder.h
+      uint32_t undecided = 0;  //!< mask of lanes that lattice_encoder.h must encode
 
       LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
         : parents(parents), groups(groups),
@@ -178,13 +178,14 @@ namespace embree
         }
       }
 
-      /*! Rounds q, in bins, down. */
+      /*! Sets the height of vertex v. q: height in bins; rounded down. */
       void set(int v, Double4 q)
       {
         heights[v] = toInt(min(max(q,0.0),double(latticeBins-1)));
         z[v] = lower + (toFloat(heights[v])+0.5f)*size;
       }
 
+      /*! As QuadGroup::slack(), with the slopes of the coded heights. */
       Double4 slackOf() const
       {
         Double4 slope[2];
@@ -293,6 +294,7 @@ namespace embree
         return range;
       }
 
+      /*! Sets the height of the surface above vertex v. */
       template<int v>
       void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
 
@@ -434,7 +436,7 @@ namespace embree
       Double4 at[9][2];        //!< position of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
-      Double4 off[9];          //!< see measure()
+      Double4 off[9];          //!< height of the surface above each vertex; set by measure()
       Double4 bend[4];         //!< per cell: sag of a straight line through it that advances by 1 along both axes
       Double4 thick;
     };
