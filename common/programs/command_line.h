@@ -111,7 +111,6 @@ struct LevelOptions
 /* Default of --max-pixel-error with --level auto. Larger errors turn the normals of pixel-sized quads, so that
  * smooth surfaces show rings and grain; 1/32 avoids this for a tenth more memory. */
 constexpr float autoPixelError = 1.0f / 32.0f;
-constexpr int fixedLevel = 6; // if representations are compared
 
 inline void addViewLevelOptions(CLI::App& app, LevelOptions& options)
 {
@@ -144,14 +143,6 @@ inline bool parseLevel(const LevelOptions& options, int& level)
   if (code != std::errc() || next != end)
     throw Error("invalid --level '" + options.level + "': expected " + levelRange() + " or auto");
   return false;
-}
-
-inline void addLevelOptions(CLI::App& app, int& level, std::string& frameLevel)
-{
-  app.add_option("--level", level, "tessellation level, " + levelRange() + ": each face has 2^L x 2^L quads")
-    ->type_name("L")->capture_default_str();
-  app.add_option("--frame-level", frameLevel, "frame level, at which local frames start: " + levelRange() + ", or auto")
-    ->type_name("N")->capture_default_str();
 }
 
 /* Throws Error with the options, or with the loaded library if it cannot compress. */

@@ -485,7 +485,8 @@ enum CbvhClusterReason
 {
   CBVH_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
   CBVH_CLUSTER_REASON_RAW = 1,         /* the block stores these vertices as floats */
-  CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice */
+  CBVH_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
+                                        * belong to a moving mesh block */
   CBVH_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, or the spacing is below
                                         * 2^-126 */
 };

@@ -25,7 +25,8 @@ enum RTCClusterReason
   RTC_CLUSTER_REASON_NONE = 0,        /* the cluster has the requested format */
   RTC_CLUSTER_REASON_RAW = 1,         /* the geometry stores these vertices with the precision of floats: cGRID, and raw
                                        * blocks of cVERT */
-  RTC_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice */
+  RTC_CLUSTER_REASON_MOVING = 2,      /* the vertices are interpolated between two time steps, not on a lattice, or
+                                       * belong to a moving mesh block */
   RTC_CLUSTER_REASON_OUT_OF_RANGE = 3 /* the vertices are over 2^23 spacings from the origin, or the spacing is below
                                        * 2^-126 */
 };

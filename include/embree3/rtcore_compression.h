@@ -13,7 +13,8 @@
  * - Grids (RTC_GEOMETRY_TYPE_GRID) keep their triangles and their u and v.
  * - Quad meshes and triangle meshes (RTC_GEOMETRY_TYPE_QUAD, RTC_GEOMETRY_TYPE_TRIANGLE) keep their triangles, primIDs,
  *   u and v. The library finds the parts of a mesh in which quads form grids, whatever order they are in. It stores
- *   the remaining triangles in mesh blocks. A mesh with several time steps is compressed only if all of it forms grids.
+ *   the remaining triangles in mesh blocks. A mesh with several time steps is stored either completely in grids or
+ *   completely in mesh blocks.
  *
  * Grids and meshes are always stored as cVERT. Geometry that compression would not make smaller is left to Embree's own
  * kernels. The representation of a geometry is the first of these that is set:

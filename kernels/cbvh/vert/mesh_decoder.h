@@ -294,9 +294,6 @@ namespace embree
         }
 
         __forceinline bool isSheared () const { return (block->form & 0x03FF0000u) != 0; }
-        __forceinline bool hasAnyRanks () const {
-          return hasRanks(block->spacings,0) || hasRanks(block->spacings,1) || hasRanks(block->spacings,2);
-        }
 
         /*! Sets the shear of boxes in world space: 1 on the sheared axis, slopes times the ratio of spacings on the
          *  others. If floats cannot represent a ratio well, boxes are unbounded on the sheared axis. */

@@ -55,7 +55,6 @@ namespace cvert { inline namespace CVERT_ISA
   inline uint32_t bitsOf(uint32x4_t mask) { return vaddvq_u32(vandq_u32(mask,uint32x4_t{ 1,2,4,8 })); }
 
   inline uint32_t lanesLess(Float4 a, Float4 b) { return bitsOf(vcltq_f32(a.v,b.v)); }
-  inline uint32_t lanesLessEqual(Float4 a, Float4 b) { return bitsOf(vcleq_f32(a.v,b.v)); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return bitsOf(vceqq_f32(a.v,b.v)); }
 
   struct Int4

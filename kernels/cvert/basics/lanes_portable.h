@@ -58,7 +58,6 @@ namespace cvert { inline namespace CVERT_ISA
     return uint32_t(isTrue(0)) | uint32_t(isTrue(1)) << 1 | uint32_t(isTrue(2)) << 2 | uint32_t(isTrue(3)) << 3;
   }
   inline uint32_t lanesLess(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] < b.v[i]; }); }
-  inline uint32_t lanesLessEqual(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] <= b.v[i]; }); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return lanesWhere([&](int i) { return a.v[i] == b.v[i]; }); }
 
   struct Int4

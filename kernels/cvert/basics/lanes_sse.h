@@ -47,7 +47,6 @@ namespace cvert { inline namespace CVERT_ISA
 
   /* Return one bit per lane. */
   inline uint32_t lanesLess(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
-  inline uint32_t lanesLessEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmple_ps(a.v,b.v))); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
 
   struct Int4
