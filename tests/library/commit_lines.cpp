@@ -165,6 +165,32 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
 }
 
+// The largest distance between a vertex of the application and the stored one, at all time steps.
+TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
+{
+  Random random(3);
+  for (const char* config : {"cbvh_max_error=0.0015", "cbvh_max_error=0.01", "cbvh_max_error=0"})
+    for (unsigned timeSteps : {1u, 3u}) {
+      SCOPED_TRACE(testing::Message() << config << ", " << timeSteps << " time steps");
+      DicedMesh mesh = jittered(meshOf(dicedSheet(2, 64), QuadOrder::Rows, random), random, 0.001);
+      mesh.motion = [](const Vec& p, unsigned step) { return Vec{p[0], p[1], p[2] + 0.3f*float(step)*p[0]}; };
+      const auto add = [&](RTCDevice device, RTCScene scene) {
+        attach(scene, newMesh(device, mesh, RTC_COMPRESSION_INHERIT, 0, timeSteps));
+      };
+      const std::string line = commitLineOf(config, add);
+      const size_t at = line.find("vertices move by up to ");
+      const Environment set("1");
+      const Device device(config);
+      Scene scene(device);
+      add(device, scene);
+      rtcCommitScene(scene);
+      const double moved = statisticsOf(scene).maxVertexDeviation;
+      EXPECT_EQ(moved > 0, std::string(config) != "cbvh_max_error=0");
+      ASSERT_EQ(at != std::string::npos, moved > 0) << line;
+      if (moved > 0) { EXPECT_NEAR(std::stod(line.substr(at + 23)), moved, 0.005*moved) << line; }
+    }
+}
+
 // A lattice that is as coarse as the quads is reported once, even if lines about commits are off.
 TEST(CoarseLattice, IsReportedOnce)
 {

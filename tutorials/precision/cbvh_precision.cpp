@@ -35,6 +35,7 @@ struct Options
   std::vector<std::string> inputs{"grids", "triangles"};
   std::string motion = "bend"; // of models
   std::vector<int> steps{1, 2};
+  std::vector<int> fractions;  // of the median edge; empty: one that suits the source
   int sheetQuads = 1536;       // per side of a sheet
   int gridQuads = 512;         // per side of a grid
 };
@@ -368,8 +369,11 @@ void measure(const Options& options, const Source& source)
   const std::vector<Vec3f> expected = exact.vertices(source.steps);
   const double edge = medianEdge(exact), quads = double(source.numQuads);
   const PictureRays picture(source.model, embree.handle(), compared.side, source.steps > 1);
-  const std::pair<std::string, double> precisions[] =
-    {{source.isCage ? "1/512" : "1/36", edge / (source.isCage ? 512 : 36)}, {"default", -1}, {"lossless", 0}};
+  std::vector<std::pair<std::string, double>> precisions;
+  for (int fraction : options.fractions.empty() ? std::vector<int>{source.isCage ? 512 : 36} : options.fractions)
+    precisions.push_back({"1/" + std::to_string(fraction), edge / fraction});
+  precisions.push_back({"default", -1});
+  precisions.push_back({"lossless", 0});
   for (const auto& precision : precisions)
   {
     std::unique_ptr<Built> other;
@@ -424,6 +428,10 @@ int run(int argc, char** argv)
   app.add_option("--steps", options.steps, "comma-separated list of numbers of time steps; terrains do not move")
       ->delimiter(',')->check(CLI::Range(1, 129))->capture_default_str();
   app.add_option("--motion", options.motion, "motion of models: turn, bend, twist, walk")->capture_default_str();
+  app.add_option("--fraction", options.fractions,
+      "comma-separated list: bounds of the movement of vertices to measure besides the default and lossless, as "
+      "fractions 1/N of the median edge (default: 36; cages: 512)")
+      ->delimiter(',')->check(CLI::Range(1, 1 << 20));
   app.add_option("--quads", options.sheetQuads, "quads per side of terrains and scans")
       ->check(CLI::Range(16, 30000))->capture_default_str();
   if (!parseCommandLine(app, argc, argv))
