@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """Checks that sources which choose by representation compile without the paper's representations
-(EMBREE_CBVH_PAPER=OFF), and then include only headers for the layout of their blocks. Also checks that rays through cVERT depend on few of our files.
+(EMBREE_CBVH_PAPER=OFF), and then include only headers for the layout of their blocks. Also checks that rays through
+cVERT depend on few of our files.
 
     without_paper.py COMPILE_COMMANDS
 
