@@ -106,7 +106,8 @@ TEST(Representation, FrameLevelsAreLimitedLikeTheLibrarys)
 
 TEST(Representation, RejectsUnknownNames)
 {
-  for (const char* list : {"", "grid,", "mesh", "grid^2", "naive-compact^2", "compact", "cleaf^9", "cleaf^-1", "cleaf^", "cleaf^2x", "cleaf,cleaf^2"})
+  for (const char* list : {"", "grid,", "mesh", "grid^2", "naive-compact^2", "compact", "cleaf^9", "cleaf^-1", "cleaf^",
+                           "cleaf^2x", "cleaf,cleaf^2"})
     EXPECT_THROW(parseRepresentations(list, 2), Error) << list;
   EXPECT_NO_THROW(parseRepresentations("cleaf,cleaf^3", 2));
 }

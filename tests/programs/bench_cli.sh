@@ -32,8 +32,8 @@ refuses "count 0 is out of range" --scene herd --count 0
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "representation 'mesh'.*naive, naive-compact, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" --scene cube \
-  --representation mesh
+refuses "representation 'mesh'.*naive, naive-compact, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" \
+  --scene cube --representation mesh
 refuses "representation 'cbvh.leaf' is repeated" --scene cube --representation Leaf,cbvh.leaf
 refuses "leaves-only" --scene cube --leaves-only
 refuses "frame level '9'" --scene cube --frame-level 2,9

@@ -4,9 +4,9 @@
 /* GRID is built first and stays in memory, because the others are timed alternately with it; only one of them is in
  * memory at a time. The first representation provides the hits from which rays bounce.
  *
- * NAIVE, the largest, is next, then NAIVE-compact. If both are built, the reference of all errors is the nearer hit of NAIVE and GRID:
- * they have the same triangles, but tens of rays in 100,000 slip between two of NAIVE's, because without
- * RTC_SCENE_FLAG_ROBUST Embree's triangle test is not watertight. */
+ * NAIVE, the largest, is next, then NAIVE-compact. If GRID and NAIVE are built, the reference of all errors is the
+ * nearer hit of the two: they have the same triangles, but tens of rays in 100,000 slip between two of NAIVE's, because
+ * without RTC_SCENE_FLAG_ROBUST Embree's triangle test is not watertight. */
 
 #include "comparison.h"
 #include "memory_plan.h"
