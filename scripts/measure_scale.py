@@ -35,7 +35,7 @@ LEVELS = ("auto", "6", "7")
 FILE_BYTES_PER_QUAD = 3  # estimated size of the file, to check the free disk space
 # Peak bytes per quad during the build, for the largest herd of each representation; cVERT traces as many copies as
 # GRID.
-PEAK_BYTES_PER_QUAD = {"cvert": 40, "grid": 40, "naive": 260}
+PEAK_BYTES_PER_QUAD = {"cvert": 40, "grid": 40, "naive": 260, "naive-compact": 200}
 
 
 class Run:

@@ -22,7 +22,7 @@ BuildSettings atLevel(int level)
   return settings;
 }
 
-/* Rays that hit an edge may report either of its triangles, so faces and (u,v) are compared away from borders. */
+/* Compares hits to the bit. A ray at an edge could report either triangle; none of these rays is at one. */
 void expectSameHits(const BuiltScene& expected, const BuiltScene& actual, const std::vector<Ray>& rays)
 {
   const std::vector<SurfaceHit> a = traceClosest(expected, rays, 1), b = traceClosest(actual, rays, 1);
