@@ -8,9 +8,10 @@
     scripts/measure_scale.py PATH/TO/cbvh_render FOLDER --only levels
 
 The herd is built copy by copy into FOLDER/herd.cbvh. The build is interrupted after a third, killed after two thirds,
-and resumed each time. The file is then opened cold and warm, rendered, and traced for speed. GRID and NAIVE trace as
-many copies as fit into --memory, cVERT as many as GRID. The file is removed unless --keep is given. Records and
-pictures go to FOLDER, tables to standard output. scripts/report.py --scale FOLDER includes them in the report.
+and resumed each time. The file is then opened cold and warm, rendered, and traced for speed. GRID, NAIVE and
+NAIVE-compact trace as many copies as fit into --memory, cVERT as many as GRID. The file is removed unless --keep is
+given. Records and pictures go to FOLDER, tables to standard output. scripts/report.py --scale FOLDER includes them in
+the report.
 """
 
 import argparse
@@ -34,7 +35,7 @@ LEVELS = ("auto", "6", "7")
 FILE_BYTES_PER_QUAD = 3  # estimated size of the file, to check the free disk space
 # Peak bytes per quad during the build, for the largest herd of each representation; cVERT traces as many copies as
 # GRID.
-PEAK_BYTES_PER_QUAD = {"cvert": 40, "grid": 40, "naive": 260}
+PEAK_BYTES_PER_QUAD = {"cvert": 40, "grid": 40, "naive": 260, "naive-compact": 200}
 
 
 class Run:
@@ -209,7 +210,7 @@ def main():
         "--memory",
         type=float,
         default=0.8 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB,
-        help="GiB that the builds of GRID and NAIVE may use (default: 0.8 of the machine's memory)",
+        help="GiB that the builds of representations may use (default: 0.8 of the machine's memory)",
     )
     parser.add_argument("--scenes", default="trex,frog,knee", help="scenes for the comparison of levels")
     parser.add_argument("--keep", action="store_true", help="do not remove the herd's file")

@@ -120,15 +120,16 @@ BuiltScene::BuiltScene(const Model& model, const Representation& representation,
     own.maxError = model.spacing; // lattice vertices stay exact
   device = std::make_unique<EmbreeDevice>(deviceConfig(representation, own));
   scene.reset(rtcNewScene(device->handle()));
-  if (settings.filters)
-    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneFlags(scene.get(),
+                   RTCSceneFlags(representation.sceneFlags() |
+                                 (settings.filters ? RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_NONE)));
   device->check("creating a scene");
   if (model.isMesh)
     buildMesh(model, settings);
-  else if (representation.kind == RepresentationKind::Naive && rates)
-    throw Error("naive supports only one " + settingName("level") +
+  else if (representation.isTriangulated() && rates)
+    throw Error(wordOf(what.kind) + " supports only one " + settingName("level") +
                 " for all edges: expected another representation, or no rates by the view");
-  else if (representation.kind == RepresentationKind::Naive)
+  else if (representation.isTriangulated())
     buildTriangles(model, settings);
   else
     buildSubdivision(model, settings);
@@ -174,12 +175,14 @@ void BuiltScene::readStatistics()
 }
 
 /* Uses a triangle geometry if all faces are triangles, otherwise a quad geometry whose triangles repeat their last
- * vertex. */
+ * vertex. GRID and NAIVE-compact differ by the scene's flags. */
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
-  if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::CVert)
+  if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::NaiveCompact &&
+      what.kind != RepresentationKind::CVert)
     throw Error(settingName("mesh") + ": meshes have no " + what.label() +
-                ": expected grid (Embree's own quads or triangles) or cvert");
+                ": expected grid (Embree's own quads or triangles), naive-compact (these in Embree's compact mode) or "
+                "cvert");
   const Cage& mesh = model.cage;
   bool ofTriangles = true;
   for (size_t face = 0; face < mesh.numFaces(); face++)
@@ -231,6 +234,7 @@ void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
  * Every patch has its own vertices; every copy is a geometry. */
 void BuiltScene::buildTriangles(const Model& model, const BuildSettings& settings)
 {
+  splitsQuads = true;
   const PatchLayout layout(model.cage, settings.level);
   if (!model.poses.empty())
     throw Error("the triangles of NAIVE do not move: expected a model without motion, or another representation");
@@ -298,7 +302,7 @@ SurfaceHit BuiltScene::surfaceHit(const RTCRayHit& ray) const
   result.v = ray.hit.v;
   result.face = unsigned(ray.hit.geomID * facesOfCopy + ray.hit.primID);
   result.normal = {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z};
-  if (what.kind != RepresentationKind::Naive)
+  if (!splitsQuads)
     return result;
 
   const size_t quad = ray.hit.geomID * quadsOfCopy + ray.hit.primID / 2;

@@ -41,7 +41,7 @@ struct PixelBound
 struct BuildSettings
 {
   int level = 6;
-  std::shared_ptr<const EdgeRates> rates; // replaces `level` if set; not for NAIVE or meshes
+  std::shared_ptr<const EdgeRates> rates; // replaces `level` if set; not for triangles or meshes
   int threads = 0;     // 0 for all
 
   /* cVERT: the coarsest lattice spacing, 0 for lossless. cLEAF and cVOXEL with an automatic frame level: the largest
@@ -137,6 +137,7 @@ private:
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
   std::unique_ptr<VulkanTracer> vulkanTracer; // released before its scene
+  bool splitsQuads = false; // true if hits are on NAIVE's triangles, two per quad
   BuildReport built;
 };
 

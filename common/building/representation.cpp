@@ -27,6 +27,7 @@ std::vector<Names> makeNames()
   /* Explicit, because EMBREE_CBVH may select another representation. */
   std::vector<Names> names = {
     {RepresentationKind::Naive, "naive", "NAIVE", "", false, RTC_COMPRESSION_NONE},
+    {RepresentationKind::NaiveCompact, "naive-compact", "NAIVE-compact", "", false, RTC_COMPRESSION_NONE},
     {RepresentationKind::Grid, "grid", "GRID", "subdiv_accel=bvh4.grid.eager", false, RTC_COMPRESSION_NONE}};
   for (const embree::cbvh::KindDescription& kind : embree::cbvh::kindDescriptions)
   {
@@ -118,6 +119,12 @@ std::string defaultRepresentations()
   return list;
 }
 
+std::string meshRepresentations()
+{
+  return wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::NaiveCompact) + "," +
+         wordOf(RepresentationKind::CVert);
+}
+
 std::string levelRange()
 {
   return "0 to " + std::to_string(maxLevel);
@@ -126,6 +133,11 @@ std::string levelRange()
 bool Representation::hasFrames() const
 {
   return namesOf(kind).hasFrames;
+}
+
+bool Representation::isTriangulated() const
+{
+  return kind == RepresentationKind::Naive || kind == RepresentationKind::NaiveCompact;
 }
 
 std::string Representation::label() const
@@ -149,6 +161,11 @@ std::string Representation::deviceConfig() const
   if (hasFrames())
     config += ",cbvh_frame_level=" + (frameLevel == autoFrameLevel ? "auto" : std::to_string(frameLevel));
   return config;
+}
+
+RTCSceneFlags Representation::sceneFlags() const
+{
+  return kind == RepresentationKind::NaiveCompact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE;
 }
 
 int parseFrameLevel(const std::string& text)

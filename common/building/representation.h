@@ -5,6 +5,7 @@
 
 /* Representations that the programs compare, and their names. */
 
+#include <embree3/rtcore.h>
 #include <embree3/rtcore_compression.h>
 
 #include <string>
@@ -23,6 +24,7 @@ enum class RepresentationKind
   CVert = RTC_COMPRESSION_VERT,
   /* cLEAF as in the paper: no faces stored exactly (cbvh_exact_faces=0). */
   CLeafOnly = 1000,
+  NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT
 };
 
 /* All kinds, in the order of lists. */
@@ -39,6 +41,9 @@ inline std::string listOfRepresentations(const std::string& between) { return li
 /* The programs' default list: all but cLEAF-only, which is close to cLEAF. */
 std::string defaultRepresentations();
 
+/* The representations that meshes support: Embree's own kernel, the same in its compact mode, and cVERT. */
+std::string meshRepresentations();
+
 constexpr int autoFrameLevel = -1;
 extern const int maxLevel; // the library's limit for tessellation and frames
 
@@ -51,6 +56,9 @@ struct Representation
   int frameLevel = autoFrameLevel; // or 0 to maxLevel; ignored if hasFrames() is false
 
   bool isCompressed() const { return compression() != RTC_COMPRESSION_NONE; }
+
+  /* True if every quad becomes two triangles of a triangle geometry. */
+  bool isTriangulated() const;
 
   /* True if frameLevel applies. */
   bool hasFrames() const;
@@ -68,6 +76,9 @@ struct Representation
 
   /* Configuration string of an Embree device. */
   std::string deviceConfig() const;
+
+  /* Flags that the Embree scene needs. */
+  RTCSceneFlags sceneFlags() const;
 };
 
 /* Parses a comma-separated list such as "grid,cvoxel^3,cleaf:2,cgrid". Names are case-insensitive; a frame level may

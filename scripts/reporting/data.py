@@ -8,7 +8,7 @@ from pathlib import Path
 
 from . import records
 
-KINDS = ("NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
+KINDS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT")
 ISAS = ("sse2", "sse4.2", "avx", "avx2", "avx512")
 RAY_SETS = ("coherent", "incoherent")
 SAME = ["scene", "level", "representation"]

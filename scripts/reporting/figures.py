@@ -17,8 +17,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 
 # Marks, and the colors of Okabe and Ito, which are distinguishable for color-blind readers.
 KINDS = {
-    "NAIVE": ("#999999", "P"), "GRID": ("#56B4E9", "X"), "cGRID": ("#0072B2", "s"), "cVOXEL": ("#D55E00", "^"),
-    "cLEAF": ("#E69F00", "v"), "cLEAF-only": ("#009E73", "o"), "cVERT": ("#CC79A7", "D"),
+    "NAIVE": ("#999999", "P"), "NAIVE-compact": ("#000000", "p"), "GRID": ("#56B4E9", "X"), "cGRID": ("#0072B2", "s"),
+    "cVOXEL": ("#D55E00", "^"), "cLEAF": ("#E69F00", "v"), "cLEAF-only": ("#009E73", "o"), "cVERT": ("#CC79A7", "D"),
 }  # fmt: skip
 BLUE, ORANGE, INK, LINES = "#0072B2", "#E69F00", "#1c2733", "#d9dee4"
 STYLE = {

@@ -10,7 +10,7 @@ from .data import ISAS, RAY_SETS
 from .formats import percent, pivoted
 
 EXACT = "quads stored exactly"
-GROWING = ("NAIVE", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cLEAF-only^2", "cVERT")
+GROWING = ("NAIVE", "NAIVE-compact", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cLEAF-only^2", "cVERT")
 STYLES = {"solid": "-", "dashed": "--", "dotted": ":", "dash-dot": "-."}
 CHARTS = {  # unit, column, whether its axis is logarithmic
     "Memory": ("MiB", "mib", True), "Build": ("seconds, all threads", "build_seconds", True),

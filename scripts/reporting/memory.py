@@ -6,7 +6,8 @@
 from . import figures as f
 from .formats import digits, is_known, percent
 
-LABELS = ("NAIVE", "GRID", "cGRID^2", "cGRID^3", "cVOXEL^2", "cVOXEL^3", "cLEAF-only^2", "cLEAF-only^3", "cVERT")
+LABELS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID^2", "cGRID^3", "cVOXEL^2", "cVOXEL^3", "cLEAF-only^2")
+LABELS += ("cLEAF-only^3", "cVERT")
 LEVELS = (4, 5, 6)
 COLUMNS = {"leaves": "leaf_bytes", "nodes of blocks": "compression_node_bytes", "frames": "compression_frame_bytes"}
 COLORS = {"leaves": "#9ec9e2", "nodes of blocks": f.BLUE, "frames": f.ORANGE, "tree above": "#5b6875"}
@@ -39,7 +40,8 @@ def section(data):
     levels, commands = [], []
     for level in LEVELS:
         rows, charts = [data.pick(data.main_scene(), level, label) for label in LABELS], []
-        rows, grid = [row for row in rows if row is not None], getattr(rows[1], "memory_live_bytes", None)
+        grid = getattr(rows[LABELS.index("GRID")], "memory_live_bytes", None)
+        rows = [row for row in rows if row is not None]
         small = [row for row in rows if grid and 4 * row.memory_live_bytes <= grid]
         for title, found in ((f"Level {level}", rows), (f"Level {level}, up to a quarter of GRID", small)):
             shares = [f", {percent(row.memory_live_bytes / grid)}" if grid else "" for row in found]

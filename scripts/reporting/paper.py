@@ -98,7 +98,7 @@ def figure_16(data):
     speeds = here[single & (here["view"] == "full") & here.result.isin(views.result)]
     found = [(rays, speeds[speeds["set"] == rays]) for rays in RAY_SETS if (speeds["set"] == rays).any()]
     charts = [f.chart(f"Speed, {rays} rays", 3.6, bars, f"{main}, {rays}", of_set) for rays, of_set in found]
-    for kind in ("NAIVE", "cGRID", "cVOXEL", "cLEAF-only", "cVERT"):
+    for kind in ("NAIVE", "NAIVE-compact", "cGRID", "cVOXEL", "cLEAF-only", "cVERT"):
         found, paper = ratios(data, kind, main), [f"{value}%" for value in PAPER_SPEEDS.get(kind, ())] or ["-"] * 3
         if len(found):
             rows.append([kind, *(f"{value:.0f}%" for value in (found.min(), found.mean(), found.max())), *paper])

@@ -35,7 +35,8 @@ def gib(count):
 
 
 def herd_table(herd):
-    """The herd from a file, and the memory that GRID and NAIVE would require, computed from the copies that fitted."""
+    """The herd from a file, and the memory that representations of Embree would require, computed from the copies that
+    fitted."""
     some, memory, rows = herd["some"], herd["memory"], []
     own = f"{gib(herd['renderOwnBytes'])}, and {gib(herd['fileBytes'])} on disk"
     found = [("cVERT, from a file", herd, own, "whatever the disk holds", herd["warm"]["speed"])]
@@ -64,8 +65,9 @@ def herd_text(herd):
         f"with at most {herd['ownBytes'] / mib:,.0f} MiB of the program's memory, {herd['deviceBytes'] / mib:,.0f} of "
         f"them the kernels'; {stops}, and resumed each time. Opened in {cold:.0f} ms with nothing of it in memory, and "
         f"in {warm:.0f} ms again. A picture of {herd['size']} with {herd['samples']} samples per pixel then takes "
-        f"{herd['cold']['pictureSeconds']:.1f} s; rays meet {gib(herd['coldMapped'])} of the file. GRID and NAIVE have "
-        f"as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single rays."
+        f"{herd['cold']['pictureSeconds']:.1f} s; rays meet {gib(herd['coldMapped'])} of the file. Other "
+        f"representations have as many copies as they can build in {gib(herd['memory'])}. Speeds: one thread, single "
+        "rays."
     )
 
 

@@ -18,7 +18,7 @@ def points(data, scene, column):
     are if all rows of the scene, or of one job of it, have such errors. Otherwise levels cannot be compared, and the
     rows are of a single level."""
     frames = [data.views("full", scene, job) for job in [None, *sorted(set(data.here.job))]]
-    frames = [frame[frame.kind != "NAIVE"] for frame in frames]
+    frames = [frame[~frame.kind.isin(("NAIVE", "NAIVE-compact"))] for frame in frames]
     frame = next((frame for frame in frames if len(frame) and frame[FINER].notna().all()), None)
     to_reference = frame is not None
     if not to_reference:

@@ -60,9 +60,13 @@ TEST_P(BuildProgress, BuildStopsOnRequestAndCanBeRepeated)
 }
 
 INSTANTIATE_TEST_SUITE_P(, BuildProgress,
-                         testing::Values(RepresentationKind::Naive, RepresentationKind::Grid,
-                                         RepresentationKind::CVert),
-                         [](const auto& info) { return Representation{info.param}.fileStem(); });
+                         testing::Values(RepresentationKind::Naive, RepresentationKind::NaiveCompact,
+                                         RepresentationKind::Grid, RepresentationKind::CVert),
+                         [](const auto& info) {
+                           std::string name = Representation{info.param}.fileStem();
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 } // namespace
 } // namespace cbvh::test

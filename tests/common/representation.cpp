@@ -61,24 +61,40 @@ TEST(Representation, NamesOfTheLibraryAreAccepted)
 
 TEST(Representation, ListsContainTheLibrarysKinds)
 {
-  EXPECT_EQ(listOfRepresentations(",", " or "), "naive,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
-  EXPECT_EQ(defaultRepresentations(), "naive,grid,cgrid,cvoxel,cleaf,cvert");
+  EXPECT_EQ(listOfRepresentations(",", " or "), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only or cvert");
+  EXPECT_EQ(defaultRepresentations(), "naive,naive-compact,grid,cgrid,cvoxel,cleaf,cvert");
   const auto list = parseRepresentations(listOfRepresentations(","), autoFrameLevel);
-  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE, RTC_COMPRESSION_GRID,
-                                                    RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF, RTC_COMPRESSION_LEAF,
-                                                    RTC_COMPRESSION_VERT};
-  const std::vector<std::string> labels = {"NAIVE", "GRID", "cGRID", "cVOXEL", "cLEAF", "cLEAF-only", "cVERT"};
+  const std::vector<RTCCompression> compressions = {RTC_COMPRESSION_NONE, RTC_COMPRESSION_NONE,  RTC_COMPRESSION_NONE,
+                                                    RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF,
+                                                    RTC_COMPRESSION_LEAF, RTC_COMPRESSION_VERT};
+  const std::vector<std::string> labels = {"NAIVE",  "NAIVE-compact", "GRID",       "cGRID",
+                                           "cVOXEL", "cLEAF",         "cLEAF-only", "cVERT"};
   ASSERT_EQ(list.size(), labels.size());
   for (size_t i = 0; i < list.size(); i++)
   {
     SCOPED_TRACE(labels[i]);
     EXPECT_EQ(list[i].kind, representationKinds()[i]);
     EXPECT_EQ(list[i].compression(), compressions[i]);
-    EXPECT_EQ(list[i].isCompressed(), i > 1);
-    EXPECT_EQ(list[i].hasFrames(), i > 1 && i < 6);
+    EXPECT_EQ(list[i].isCompressed(), i > 2);
+    EXPECT_EQ(list[i].isTriangulated(), i < 2);
+    EXPECT_EQ(list[i].hasFrames(), i > 2 && i < 7);
     EXPECT_EQ(list[i].label(), labels[i]);
   }
   EXPECT_EQ(list.back().deviceConfig(), "subdiv_accel=cbvh.vert");
+}
+
+/* Embree's compact mode is a flag of the scene, not of the device. */
+TEST(Representation, CompactTrianglesDifferByAFlagOfTheScene)
+{
+  const auto list = parseRepresentations("Naive,NAIVE-compact,grid", 2);
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[1].kind, RepresentationKind::NaiveCompact);
+  EXPECT_EQ(list[1].fileStem(), "naive-compact");
+  EXPECT_EQ(list[1].deviceConfig(), list[0].deviceConfig());
+  EXPECT_EQ(list[0].sceneFlags(), RTC_SCENE_FLAG_NONE);
+  EXPECT_EQ(list[1].sceneFlags(), RTC_SCENE_FLAG_COMPACT);
+  EXPECT_EQ(list[2].sceneFlags(), RTC_SCENE_FLAG_NONE);
+  EXPECT_EQ(meshRepresentations(), "grid,naive-compact,cvert");
 }
 
 TEST(Representation, FrameLevelsAreLimitedLikeTheLibrarys)
@@ -90,7 +106,8 @@ TEST(Representation, FrameLevelsAreLimitedLikeTheLibrarys)
 
 TEST(Representation, RejectsUnknownNames)
 {
-  for (const char* list : {"", "grid,", "mesh", "grid^2", "cleaf^9", "cleaf^-1", "cleaf^", "cleaf^2x", "cleaf,cleaf^2"})
+  for (const char* list : {"", "grid,", "mesh", "grid^2", "naive-compact^2", "compact", "cleaf^9", "cleaf^-1", "cleaf^",
+                           "cleaf^2x", "cleaf,cleaf^2"})
     EXPECT_THROW(parseRepresentations(list, 2), Error) << list;
   EXPECT_NO_THROW(parseRepresentations("cleaf,cleaf^3", 2));
 }

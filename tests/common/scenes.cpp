@@ -245,7 +245,8 @@ TEST(Herd, CopiesAreAtTheirPositionsInEveryRepresentation)
   BuildSettings settings;
   settings.level = 3;
   EXPECT_EQ(model.layout(3).numQuads(), 3u * 6 * 64);
-  for (const RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CLeaf})
+  for (const RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact,
+                                        RepresentationKind::Grid, RepresentationKind::CLeaf})
   {
     const BuiltScene scene(model, {kind, 1}, settings);
     EXPECT_EQ(scene.report().quads, 3u * 6 * 64);

@@ -32,8 +32,8 @@ refuses "count 0 is out of range" --scene herd --count 0
 refuses "unknown --mapping 'ptex'" --scene trex --mapping ptex
 refuses "cannot be opened" --cage "$folder/missing.obj"
 refuses "missing.exr" --cage "$folder/quad.obj" --height "$folder/missing.exr"
-refuses "representation 'mesh'.*naive, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" --scene cube \
-  --representation mesh
+refuses "representation 'mesh'.*naive, naive-compact, grid, cgrid, cvoxel, cleaf, cleaf-only [a-z]* cvert" \
+  --scene cube --representation mesh
 refuses "representation 'cbvh.leaf' is repeated" --scene cube --representation Leaf,cbvh.leaf
 refuses "leaves-only" --scene cube --leaves-only
 refuses "frame level '9'" --scene cube --frame-level 2,9
@@ -56,7 +56,8 @@ refuses "paint" --scene cube --paint red
 refuses "$folder/quad.obj/pictures: .*output folder" --scene cube --pictures "$folder/quad.obj/pictures"
 
 # A record of two levels, with pictures.
-"$program" --scene cube --level 2,3 --view full,close --representation naive,Voxel,cbvh.leaf,leaf-only --frame-level 1 \
+"$program" --scene cube --level 2,3 --view full,close --frame-level 1 \
+  --representation naive,naive-compact,Voxel,cbvh.leaf,leaf-only \
   --set coherent,incoherent --query closest,any --mode single,packet8,stream --threads 1 \
   --rays 500 --repeat 1 --size 40x32 --true-surface 200 --reference-level 4 --pictures "$folder/pictures" \
   --json "$folder/good.json" \
@@ -83,7 +84,11 @@ assert run["settings"]["seed"] == 1 and run["settings"]["repeat"] == 1 and run["
 assert [g["level"] for g in record["groups"]] == [2, 3]
 for group in record["groups"]:
     labels = [r["representation"] for r in group["results"]]
-    assert labels == ["GRID", "NAIVE", "cVOXEL^1", "cLEAF^1", "cLEAF-only^1"], labels
+    assert labels == ["GRID", "NAIVE", "NAIVE-compact", "cVOXEL^1", "cLEAF^1", "cLEAF-only^1"], labels
+    naive, compact = group["results"][1:3]
+    assert compact["kind"] == "NAIVE-compact" and compact["frame_level"] == naive["frame_level"], compact
+    assert compact["memory"]["live_bytes"] < 0.8 * naive["memory"]["live_bytes"], "Embree's compact mode is off"
+    assert [s["hits"] for s in compact["speed"]] == [s["hits"] for s in naive["speed"]], "the same triangles"
     compressed = [r for r in group["results"] if "compression" in r["memory"]]
     exact = {r["kind"]: r["memory"]["compression"]["exact_quads_share"] for r in compressed}
     assert 0 < exact["cLEAF"] <= 1 and exact["cLEAF-only"] == exact["cVOXEL"] == 0, exact

@@ -38,6 +38,7 @@ TEST(MemoryPlan, EverythingThatFitsIsBuiltGridFirst)
   const MemoryPlan all = plan("cleaf,naive,grid,cvert", SIZE_MAX);
   EXPECT_EQ(builtOf(all), "grid,naive,cleaf2,cvert");
   EXPECT_TRUE(all.leftOut.empty());
+  EXPECT_EQ(builtOf(plan("cleaf,naive-compact,naive,grid", SIZE_MAX)), "grid,naive,naive-compact,cleaf2");
   EXPECT_EQ(builtOf(plan("cleaf", SIZE_MAX)), "cleaf2") << "only requested representations are built";
 }
 
@@ -47,6 +48,10 @@ TEST(MemoryPlan, ReferencesAreLeftOutBeforeCompressedOnes)
                leaf = peak(RepresentationKind::CLeaf);
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive)), "grid,naive,cleaf2");
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + naive - 1)), "grid,cleaf2") << "NAIVE is built while GRID exists";
+  EXPECT_LT(peak(RepresentationKind::NaiveCompact), naive);
+  EXPECT_EQ(builtOf(plan("naive,naive-compact,grid,cleaf", grid + naive - 1)), "grid,naive-compact,cleaf2");
+  EXPECT_EQ(builtOf(plan("naive-compact,grid,cleaf", grid + peak(RepresentationKind::NaiveCompact) - 1)),
+            "grid,cleaf2");
   EXPECT_EQ(builtOf(plan("naive,grid,cleaf", grid + leaf)), "grid,cleaf2");
   const MemoryPlan alone = plan("naive,grid,cleaf", grid + leaf - 1);
   EXPECT_EQ(builtOf(alone), "cleaf2");
@@ -62,8 +67,9 @@ TEST(MemoryPlan, CompressedRepresentationThatDoesNotFitIsLeftOut)
 
 TEST(MemoryPlan, TimeStepsRequireMoreMemory)
 {
-  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::Grid, RepresentationKind::CGrid,
-                                  RepresentationKind::CLeaf, RepresentationKind::CVert})
+  for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact,
+                                  RepresentationKind::Grid, RepresentationKind::CGrid, RepresentationKind::CLeaf,
+                                  RepresentationKind::CVert})
     EXPECT_LT(estimatedPeakBytes(kind, {quads, 2}), estimatedPeakBytes(kind, {quads, 3})) << int(kind);
   EXPECT_EQ(estimatedPeakBytes(RepresentationKind::CGrid, {quads, 2}),
             estimatedPeakBytes(RepresentationKind::CVert, {quads, 2}))

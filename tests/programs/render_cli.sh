@@ -9,7 +9,7 @@
 
 set -u
 program=$1
-representations=${2:-naive,grid,cgrid,cvoxel,cleaf,cleaf-only}
+representations=${2:-naive,naive-compact,grid,cgrid,cvoxel,cleaf,cleaf-only}
 . "$(dirname -- "$0")/cli.sh"
 
 # refuses PATTERN ARGUMENT...: expects a failure that is not a signal, one matching line on stderr, and an empty
@@ -72,6 +72,7 @@ for wrong in 0 -1 nan inf; do
 done
 refuses "quad-size .*--level auto" --scene cube --level 3 --quad-size 2
 refuses "level auto .*naive" --scene cube --level auto --representation naive
+refuses "level auto .*naive-compact" --scene cube --level auto --representation naive-compact
 refuses "max-pixel-error nan: .*finite" --scene cube --max-pixel-error nan
 
 refuses "height-repeat 'many'" --cage "$folder/quad.obj" --height "$folder/text.png" --height-repeat many
@@ -210,7 +211,7 @@ expect_rows alone "error against the true surface" "flipped normals"
 run names --scene cube --representation cbvh.LEAF --true-surface 1000
 cmp -s "$folder/names.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" || complain "cbvh.LEAF differs from cleaf"
 run compare --scene cube --compare --true-surface 0
-head -9 "$folder/compare" | grep -q "^| *| *NAIVE | *GRID | *cGRID | *cVOXEL | *cLEAF | *cVERT |" ||
+head -9 "$folder/compare" | grep -q "^| *| *NAIVE | *NAIVE-compact | *GRID | *cGRID | *cVOXEL | *cLEAF | *cVERT |" ||
   complain "--compare has different columns: $(cat "$folder/compare")"
 expect_rows compare "quads stored exactly, %"
 run only --scene cube --representation grid,leaf-only^2 --true-surface 0
@@ -328,7 +329,7 @@ awk '$1 == "f" && NR % 2 { print "f", $2, $3, $5; print "f", $3, $4, $5; next } 
   >"$folder/both.obj"
 for mesh in triangles both; do
   run $mesh --mesh "$folder/$mesh.obj" --compare --view 3,2,4,0,0,0,35
-  grep -q "^| false hits + misses *| *- *| *0 + 0" "$folder/$mesh" ||
+  grep -q "^| false hits + misses *| *- *| *0 + 0 *| *0 + 0 *|" "$folder/$mesh" ||
     complain "$mesh: hits of a mesh: $(cat "$folder/$mesh")"
 done
 cmp -s "$folder/out_cube.out/cube_cvert.png" "$folder/triangles.out/triangles_cvert.png" ||

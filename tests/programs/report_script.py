@@ -28,7 +28,7 @@ import bench_records  # noqa: E402
 import pandas  # noqa: E402
 import report  # noqa: E402
 from reporting import (  # noqa: E402
-    checks, contents, errors, figures, formats, gpu, levels, memory, noise, pages, relations, scale,
+    checks, contents, errors, figures, formats, gpu, levels, memory, noise, pages, paper, relations, scale,
     summary, tradeoffs,
 )  # fmt: skip
 from reporting.data import KINDS, Data  # noqa: E402
@@ -89,8 +89,9 @@ def gpu_record(record, mrays, device=GPU, bytes_per_quad=30000):
     return record
 
 
-TIMES = {"NAIVE": 16, "GRID": 4, "cGRID": 3, "cVOXEL": 1, "cLEAF": 2, "cLEAF-only": 2}
-ON_GPU = {"NAIVE": 400.0, "GRID": 200.0, "cGRID": 100.0, "cVOXEL": 800.0, "cLEAF": 500.0, "cLEAF-only": 300.0}
+TIMES = {"NAIVE": 16, "NAIVE-compact": 10, "GRID": 4, "cGRID": 3, "cVOXEL": 1, "cLEAF": 2, "cLEAF-only": 2}
+ON_GPU = {"NAIVE": 400.0, "NAIVE-compact": 400.0, "GRID": 200.0, "cGRID": 100.0, "cVOXEL": 800.0, "cLEAF": 500.0}
+ON_GPU["cLEAF-only"] = 300.0
 ON_PROCESSOR = {kind: 2.0 for kind in ON_GPU}
 
 
@@ -155,7 +156,7 @@ class Report(unittest.TestCase):
                 "--view",
                 "full,close",
                 "--representation",
-                "naive,cvoxel,cleaf,cleaf-only,cgrid^2",
+                "naive,naive-compact,cvoxel,cleaf,cleaf-only,cgrid^2",
                 "--frame-level",
                 "2,3",
                 "--rays",
@@ -365,6 +366,30 @@ class Report(unittest.TestCase):
             parts = memory.parts(row)
             self.assertEqual(sum(parts.values()), row.memory_live_bytes, row.representation)
             self.assertGreaterEqual(min(parts.values()), 0, row.representation)
+
+    def test_compact_mode_stands_next_to_naive(self):
+        data, both = self.data(), ["NAIVE", "NAIVE-compact"]
+        naive, compact = (data.pick("cube", 6, label) for label in both)
+        self.assertLess(compact.memory_live_bytes, 0.8 * naive.memory_live_bytes)
+        drawn = {}
+        keep = lambda text, height, draw, *rest: drawn.update({text: rest}) or figures.Picture(text, "svg+xml", b"")
+        with unittest.mock.patch.object(figures, "chart", keep):
+            memory.section(data)
+            bars, table = paper.figure_16(data)[0]
+            levels.growth(data)
+            tradeoffs.section(data)
+        (rows, *_) = drawn["Memory, Level 6"]
+        self.assertEqual([row.representation for row in rows][:3], [*both, "GRID"])
+        self.assertEqual([row[0] for row in table.rows][:2], both)
+        self.assertLessEqual(set(both), set(drawn["Speed, coherent rays"][1].representation))
+        self.assertLessEqual(set(both), set(drawn["Memory over the number of quads"][-1].representation))
+        for table in levels.section(data)[0]:
+            if table.title != f"cube: {levels.EXACT}":
+                self.assertEqual([row[0] for row in table.rows][:3], [*both, "GRID"], table.title)
+        fronts = [rest[0] for text, rest in drawn.items() if "against error" in text]
+        self.assertTrue(fronts)
+        for frame in fronts:
+            self.assertFalse(set(both) & set(frame.kind), "GRID's triangles have no error of their own")
 
     def test_numbers_and_axes_are_readable(self):
         self.assertEqual(formats.signed(-0.00001), "0.0000")

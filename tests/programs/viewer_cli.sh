@@ -62,7 +62,7 @@ status=$?
 grep -q "^cbvh_viewer: cannot open a window" "$folder/stderr" || complain "without a display: $(cat "$folder/stderr")"
 
 for mode in shading normals error cells blocks; do
-  for representation in naive grid cgrid,cvoxel cleaf^auto,cvoxel^8; do
+  for representation in naive naive-compact grid cgrid,cvoxel cleaf^auto,cvoxel^8; do
     "$program" --scene cube --level 3 --size 65x47 --mode $mode --representation $representation \
       --screenshot "$folder/$mode-${representation//,/-}.ppm" 2>"$folder/stderr" ||
       complain "$mode, $representation: $(cat "$folder/stderr")"

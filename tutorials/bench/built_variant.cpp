@@ -9,14 +9,17 @@ namespace cbvh {
 namespace {
 
 /* Sizes in Embree 3.13. */
-constexpr size_t gridQuads = 8;           // per side
-constexpr size_t gridVertexBytes = 16;    // x, y, z and (u,v)
-constexpr size_t vertexBytes = 12;        // of a triangle mesh
-constexpr size_t triangleBytes = 12 + 44; // three indices, and the share of a full Triangle4
+constexpr size_t gridQuads = 8;            // per side
+constexpr size_t gridVertexBytes = 16;     // x, y, z and (u,v)
+constexpr size_t vertexBytes = 12;         // of a triangle mesh
+constexpr size_t indexBytes = 12;          // three per triangle
+constexpr size_t triangle4Bytes = 4 * 44;  // four triangles with their vertices
+constexpr size_t triangle4iBytes = 4 * 20; // four triangles with indices, in compact mode
 
-size_t leafBytesOfTriangles(const PatchLayout& layout)
+/* `leafBytes` are the bytes of a full leaf of four triangles. */
+size_t leafBytesOfTriangles(const PatchLayout& layout, size_t leafBytes)
 {
-  return layout.numVertices() * vertexBytes + layout.numQuads() * 2 * triangleBytes;
+  return layout.numVertices() * vertexBytes + layout.numQuads() * 2 * (indexBytes + leafBytes / 4);
 }
 
 /* Each grid stores its own borders. */
@@ -31,13 +34,15 @@ size_t leafBytesOfGrids(const PatchLayout& layout)
   return vertices * gridVertexBytes;
 }
 
-/* Bytes of everything that holds vertices, including NAIVE's buffers. */
+/* Bytes of everything that holds vertices, including the buffers of triangles. */
 size_t leafBytes(const BuiltScene& scene)
 {
   switch (scene.representation().kind)
   {
   case RepresentationKind::Naive:
-    return leafBytesOfTriangles(scene.layout());
+    return leafBytesOfTriangles(scene.layout(), triangle4Bytes);
+  case RepresentationKind::NaiveCompact:
+    return leafBytesOfTriangles(scene.layout(), triangle4iBytes);
   case RepresentationKind::Grid:
     return leafBytesOfGrids(scene.layout());
   default:

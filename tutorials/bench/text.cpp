@@ -107,7 +107,7 @@ std::string speedLine(const Speed& s, bool onDevice)
 std::string resultLines(const VariantResult& r)
 {
   char head[160];
-  std::snprintf(head, sizeof(head), "  %-10s %-7s", r.variant.representation.label().c_str(), r.variant.isa.c_str());
+  std::snprintf(head, sizeof(head), "  %-13s %-7s", r.variant.representation.label().c_str(), r.variant.isa.c_str());
   std::string out = head;
   if (!r.library.empty())
     out += r.library + " ";

@@ -27,6 +27,7 @@ struct Options
   ComparedScenes compared;
   std::vector<std::string> inputs{"grids:4", "grids:8", "grids:16", "grids:64", "quads", "quads:rows",
                                   "quads:shuffled", "triangles"};
+  bool compact = false;
 };
 
 class Built
@@ -34,7 +35,7 @@ class Built
 public:
   using MakeGeometry = std::function<GeometryHandle(EmbreeDevice&)>;
 
-  Built(const MakeGeometry& makeGeometry, const ComparedScenes& compared, bool compressed)
+  Built(const MakeGeometry& makeGeometry, const ComparedScenes& compared, bool compressed, RTCSceneFlags flags)
     : device(compared.deviceConfig())
   {
     for (unsigned i = 0; i < compared.repeat; i++)
@@ -52,6 +53,7 @@ public:
       seconds.push_back(secondsOf([&] {
         rtcCommitGeometry(geometry.get());
         scene.reset(rtcNewScene(device.handle()));
+        rtcSetSceneFlags(scene.get(), flags);
         rtcAttachGeometry(scene.get(), geometry.get());
         rtcCommitScene(scene.get());
       }));
@@ -91,7 +93,9 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
     return isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles)
                      : surface.makeGrids(device, input.gridQuads);
   };
-  const Built embree(makeGeometry, options.compared, false), ours(makeGeometry, options.compared, true);
+  const Built embree(makeGeometry, options.compared, false,
+                     options.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
+  const Built ours(makeGeometry, options.compared, true, RTC_SCENE_FLAG_NONE);
   const PictureRays picture(model, embree.handle(), options.compared.side, false);
   const std::vector<RTCRayHit>* const sets[3] = {&picture.primary, &picture.tiles, &picture.bounces};
   std::vector<RTCRayHit> hits[2];
@@ -131,6 +135,8 @@ int run(int argc, char** argv)
                  "comma-separated list of inputs: grids (one per patch), grids:N (N x N quads), quads and triangles in "
                  "the order of OpenSubdiv's refinement, the last two also with :rows or :shuffled")
     ->delimiter(',')->capture_default_str();
+  app.add_flag("--compact", options.compact,
+               "compare with Embree's compact mode (RTC_SCENE_FLAG_COMPACT): less memory, slower rays");
   if (!parseCommandLine(app, argc, argv))
     return 0;
   std::vector<DicedInput> inputs;

@@ -92,10 +92,11 @@ std::optional<PathTracerOptions> parsePathTracerOptions(int argc, char** argv)
   if (representations.size() != 1)
     throw Error("--representation '" + representation + "' names more than one: expected one");
   o.representation = representations[0];
-  if (!o.scene.meshPath.empty() || (o.representation.kind == RepresentationKind::Naive && app.count("--level") == 0))
-    o.autoLevel = false; // unsupported for meshes and NAIVE
-  if (o.autoLevel && o.representation.kind == RepresentationKind::Naive)
-    throw Error("--level auto does not support naive, which has one level for all edges: expected " + levelRange());
+  if (!o.scene.meshPath.empty() || (o.representation.isTriangulated() && app.count("--level") == 0))
+    o.autoLevel = false; // unsupported for meshes and triangles
+  if (o.autoLevel && o.representation.isTriangulated())
+    throw Error("--level auto does not support " + wordOf(o.representation.kind) +
+                ", which has one level for all edges: expected " + levelRange());
   o.quadSize = levels.quadSize;
   o.maxPixelError = levels.maxPixelError.value_or(o.autoLevel ? autoPixelError : 0.0f);
   if (o.view != "full" && o.view != "close")

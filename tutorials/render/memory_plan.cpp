@@ -31,9 +31,12 @@ public:
       grid = peak(gridRequest->kind);
       result.built.push_back(*gridRequest);
     }
-    const Representation* const naiveRequest = find(RepresentationKind::Naive);
-    if (naiveRequest && fits(*naiveRequest, grid, "next to GRID"))
-      result.built.push_back(*naiveRequest);
+    for (RepresentationKind kind : {RepresentationKind::Naive, RepresentationKind::NaiveCompact})
+    {
+      const Representation* const request = find(kind);
+      if (request && fits(*request, grid, "next to GRID"))
+        result.built.push_back(*request);
+    }
     result.built.insert(result.built.end(), compressed.begin(), compressed.end());
     if (result.built.empty())
       throw Error("not enough memory: " + result.leftOut.front() + "; expected a lower --level");

@@ -15,14 +15,13 @@ namespace cbvh {
 
 struct MemoryPlan
 {
-  /* In the order of building: GRID, which stays in memory, then NAIVE, then the compressed ones in the requested
-   * order. */
+  /* In the order of building: GRID, which stays in memory, then NAIVE and NAIVE-compact, then the compressed ones. */
   std::vector<Representation> built;
   std::vector<std::string> leftOut; // one line per other representation
 };
 
-/* GRID and NAIVE are left out if they do not fit next to the compressed representations. `available` is in bytes.
- * Throws Error if nothing fits. */
+/* GRID is left out if it does not fit next to the compressed representations, and NAIVE and NAIVE-compact if they do
+ * not fit next to GRID. `available` is in bytes. Throws Error if nothing fits. */
 MemoryPlan planMemory(const std::vector<Representation>& requested, const BuildSize& size, size_t available);
 
 } // namespace cbvh

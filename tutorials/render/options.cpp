@@ -38,7 +38,7 @@ void declarePictures(CLI::App& app, Options& o, Words& words)
                    ":. Several representations are compared; errors are measured against grid and naive, if listed")
       ->type_name("LIST")->capture_default_str();
   app.add_flag("--compare", words.compare,
-               "compare " + defaultRepresentations() + ", or grid,cvert for --mesh")->excludes(list);
+               "compare " + defaultRepresentations() + ", or " + meshRepresentations() + " for --mesh")->excludes(list);
   addViewLevelOptions(app, words.levels);
   app.add_option("--view", o.view, "full, close, or ex,ey,ez,lx,ly,lz,fov")->type_name("VIEW")->capture_default_str();
   app.add_option("--size", words.size, "picture size")->type_name("WxH")->capture_default_str();
@@ -99,11 +99,13 @@ void declareMeasurement(CLI::App& app, Options& o, Words& words)
 void chooseLevel(const CLI::App& app, const Words& words, Options& o)
 {
   const bool isGiven = app.count("--level") != 0;
-  const auto isNaive = [](const Representation& r) { return r.kind == RepresentationKind::Naive; };
-  const bool hasNaive = std::any_of(o.representations.begin(), o.representations.end(), isNaive);
-  if (o.autoLevel && isGiven && hasNaive)
-    throw Error("--level auto does not support naive, which has one level for all edges: expected " + levelRange());
-  if (!isGiven && (o.compares() || hasNaive || o.speed))
+  const auto triangulated = std::find_if(o.representations.begin(), o.representations.end(),
+                                         [](const Representation& r) { return r.isTriangulated(); });
+  const bool isTriangulated = triangulated != o.representations.end();
+  if (o.autoLevel && isGiven && isTriangulated)
+    throw Error("--level auto does not support " + wordOf(triangulated->kind) +
+                ", which has one level for all edges: expected " + levelRange());
+  if (!isGiven && (o.compares() || isTriangulated || o.speed))
     o.autoLevel = false;
   if (!o.scene.meshPath.empty())
     o.autoLevel = false;
@@ -145,8 +147,7 @@ void read(const CLI::App& app, const Words& words, Options& o)
   o.crop = parseCrop(words.crop, o.size);
   o.shutter = parseShutter(words.shutter);
   const bool isMesh = !o.scene.meshPath.empty();
-  const std::string compared = isMesh ? wordOf(RepresentationKind::Grid) + "," + wordOf(RepresentationKind::CVert)
-                                      : defaultRepresentations();
+  const std::string compared = isMesh ? meshRepresentations() : defaultRepresentations();
   o.representations =
     parseRepresentationOptions(words.compare ? compared : words.representations, words.levels.frameLevel);
   chooseLevel(app, words, o);
@@ -160,7 +161,8 @@ void read(const CLI::App& app, const Words& words, Options& o)
     throw Error("--crop renders a part of a single picture: expected no comparison, --speed, --ambient or "
                 "--true-surface");
   if (!o.savePath.empty() && (o.compares() || !o.representations[0].isCompressed()))
-    throw Error("--save supports a single compressed representation: expected one, neither grid nor naive");
+    throw Error("--save supports a single compressed representation: expected one, neither grid, naive nor "
+                "naive-compact");
   if (o.view != "full" && o.view != "close")
     parseView(o.view, {0, 1, 0}, o.size);
   SceneSettings inputs = o.scene;

@@ -7,7 +7,7 @@ namespace cbvh {
 
 SceneKey ViewState::key(const Representation& r) const
 {
-  return {r, level, level == autoLevel && r.kind != RepresentationKind::Naive ? camera : std::nullopt};
+  return {r, level, level == autoLevel && !r.isTriangulated() ? camera : std::nullopt};
 }
 
 std::vector<SceneKey> ViewState::scenes() const
