@@ -24,8 +24,8 @@ MAX_COLUMNS = 120
 SKIPPED = 77
 C_LIKE = (".h", ".cpp", ".c", ".glsl", ".comp", ".rint")
 HASH_LIKE = (".py", ".sh", ".cmake", "CMakeLists.txt", ".h.in", "scripts/packages", ".ci/run")
-# text of others, and data: patches with lines of Embree, an ABI that abidw wrote, licenses, pictures
-NOT_OURS = ("*.patch", "*.abi", "LICENSE", "kernels/upstream/patches/series", "*.jpg")
+# text of others, and data: patches with lines of Embree, an ABI that abidw wrote, licenses, pictures, compressed files
+NOT_OURS = ("*.patch", "*.abi", "LICENSE", "kernels/upstream/patches/series", "*.jpg", "*.cbvh")
 # the rejected phrases, accepted words that codespell does not know, and examples of both
 LISTS = ("tests/docs/dialect.txt", "tests/docs/spelling.txt", "tests/docs/prose_parser.py")
 

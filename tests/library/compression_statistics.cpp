@@ -3,6 +3,7 @@
 
 /* Counters of rtcGetSceneCompressionStatistics, and the times at which they are valid. */
 
+#include "support/irregular_mesh.h"
 #include "support/scene.h"
 
 #include <algorithm>
@@ -214,6 +215,35 @@ TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
   EXPECT_GT(still, 0);
   for (unsigned large : {0u, 1u, 2u, 3u})
     EXPECT_EQ(spacing(4, [&](unsigned step) { return step == large ? 64.0f : 1.0f; }), 64*still) << large;
+}
+
+// The time steps of a mesh in mesh blocks share one lattice. Its spacing follows the median edge of all steps together:
+// the edges of one step in four do not change it, and those of three do.
+TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
+{
+  Device device;
+  Random random(12);
+  Diced sheet;
+  sheet.add(17, 17, [](unsigned x, unsigned y) { return Vec{float(x), float(y), 0}; });
+  const DicedMesh triangles = irregularTriangles(meshOf(sheet, QuadOrder::Rows, random), random);
+  const auto spacing = [&](unsigned timeSteps, const std::function<float(unsigned)>& scale) {
+    DicedMesh mesh = triangles;
+    mesh.motion = [&](const Vec& p, unsigned step) { return Vec{scale(step)*p[0], scale(step)*p[1], float(step)}; };
+    Scene scene(device);
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT, 0, timeSteps));
+    rtcCommitScene(scene);
+    EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    const RTCCompressionStatistics stats = cbvh::test::statisticsOf(scene);
+    EXPECT_EQ(stats.numIrregularQuads, 256u);
+    EXPECT_EQ(stats.numMovingQuads, timeSteps > 1 ? 256u : 0u);
+    return stats.maxVertexSpacing;
+  };
+  const float still = spacing(1, [](unsigned) { return 1.0f; });
+  EXPECT_GT(still, 0);
+  for (unsigned other : {0u, 1u, 2u, 3u}) {
+    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == other ? 64.0f : 1.0f; }), still) << other;
+    EXPECT_EQ(spacing(4, [&](unsigned step) { return step == other ? 1.0f : 64.0f; }), 64*still) << other;
+  }
 }
 
 // Faces that Embree's subdivision does not evaluate are counted.
