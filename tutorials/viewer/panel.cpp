@@ -167,9 +167,9 @@ void Panel::drawKeys()
     ImGui::TextUnformatted(effect.c_str());
   };
   std::string kinds;
-  for (RepresentationKind kind : representationKinds())
+  for (RepresentationKind kind : kindsOfKeys())
     kinds += (kinds.empty() ? "" : ", ") + labelOf(kind);
-  line(("1 to " + std::to_string(representationKinds().size())).c_str(), kinds + "; right half: Shift");
+  line(("1 to " + std::to_string(kindsOfKeys().size())).c_str(), kinds + "; right half: Shift");
   for (const auto& [keys, effect] : keyHelp)
     line(keys, effect);
   ImGui::TextUnformatted("Drop a cage (OBJ), a height map, both, or compressed surfaces (.cbvh) here to open them.");

@@ -3,6 +3,8 @@
 
 #include "view_state.h"
 
+#include <algorithm>
+
 namespace cbvh {
 
 SceneKey ViewState::key(const Representation& r) const
@@ -44,6 +46,14 @@ bool operator==(const ViewState& a, const ViewState& b)
     if (a.key(a.representations[i]) != b.key(b.representations[i]))
       return false;
   return true;
+}
+
+std::vector<RepresentationKind> kindsOfKeys()
+{
+  std::vector<RepresentationKind> kinds = representationKinds();
+  std::stable_partition(kinds.begin(), kinds.end(),
+                        [](RepresentationKind kind) { return kind != RepresentationKind::NaiveCompact; });
+  return kinds;
 }
 
 } // namespace cbvh

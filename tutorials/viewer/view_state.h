@@ -31,4 +31,7 @@ std::vector<Pane> findPanes(const ViewState& state, const Document& document);
 bool operator==(const ViewState& a, const ViewState& b);
 inline bool operator!=(const ViewState& a, const ViewState& b) { return !(a == b); }
 
+/* The representations that the number keys select, from 1 on. NAIVE-compact is the last. */
+std::vector<RepresentationKind> kindsOfKeys();
+
 } // namespace cbvh

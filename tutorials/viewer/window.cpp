@@ -252,7 +252,7 @@ private:
   {
     const int step = shift ? -1 : 1;
     ViewState state = viewer.state();
-    const std::vector<RepresentationKind>& kinds = representationKinds();
+    const std::vector<RepresentationKind> kinds = kindsOfKeys();
     if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + int(kinds.size()))
       (shift ? state.representations.back() : state.representations[0]).kind = kinds[size_t(key - GLFW_KEY_1)];
     else if (key == GLFW_KEY_L)
