@@ -19,8 +19,8 @@ class Entry:
     explained: dict = field(default_factory=dict)
 
 
-BLOCK = ("vert_block",)
-MOTION = ("motion_block",)
+BLOCK = ("vert_block", "vert_bytes")
+MOTION = ("motion_block", "vert_bytes")
 CLUSTERS = ("cluster_codec",)
 MOTION_DECODING = tuple(f"motion_decoding_{isa}" for isa in ("avx512", "avx2", "sse2"))
 DECODING = tuple(f"vert_decoding_{isa} VertDecoding.*" for isa in ("avx512", "avx2", "sse2"))
