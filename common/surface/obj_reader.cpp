@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <string_view>
@@ -409,6 +410,10 @@ Cage readObj(const std::string& path, std::string& warnings)
     std::istream stream(&pipe);
     return readObj(stream, path, warnings);
   }
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) // may have no end
+    throw Error(path + ": this is a device: expected a file or a pipe");
   std::ifstream stream(path);
   if (!stream)
     throw Error(path + ": cannot be opened: expected a readable file");

@@ -162,6 +162,21 @@ TEST(ObjReader, CancellationEndsTheWaitForAWriter)
   clearCancel();
 }
 
+TEST(ObjReader, DevicesAreRejected)
+{
+  std::string warnings;
+  for (const char* path : {"/dev/zero", "/dev/null"})
+    try
+    {
+      readObj(std::string(path), warnings);
+      ADD_FAILURE() << path;
+    }
+    catch (const Error& error)
+    {
+      EXPECT_EQ(error.what(), std::string(path) + ": this is a device: expected a file or a pipe");
+    }
+}
+
 TEST(ObjReader, ReadsTags)
 {
   const Cage cage = read(
