@@ -202,7 +202,7 @@ namespace embree
                 "unknown key, did you mean " + nearestDeviceKey(stray.first) + "?");
 
     if (verbose)
-      std::cerr << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl
+      std::cout << std::endl << "Embree CBVH " << RTC_COMPRESSION_VERSION_STRING << std::endl
                 << "  Subdivision surfaces: " << nameOf(compression)
                 << ", unless a geometry has another setting" << std::endl;
   }
