@@ -19,11 +19,13 @@ namespace embree
       MovingMeshWriter (const IrregularTriangles& from, const CompressionPlan& plan, BlockStore& store,
                         cbvh::BuildStatistics& statistics)
         : from(from), plan(plan), store(store), statistics(statistics),
+          boxes(plan.numTimeSteps,emptyBox()),
           words(cbvh::MeshMotionEncoder::maxBytes(plan.numTimeSteps)/sizeof(uint32_t)+1) {}
 
       /*! Writes a cluster of MeshClusters. The caller must flush the store after the last one. */
       void write (const cbvh::MeshCenter* cluster, uint32_t count)
       {
+        double moved = 0;
         uint32_t n = 0;
         for (uint32_t i=0; i<count; i++)
           for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
@@ -31,41 +33,42 @@ namespace embree
             if (from.haveEqualCorners(number)) continue; // half of a quad
             triangles[n].number = number;
             from.identify(number,ids[n]);
-            for (int c=0; c<3; c++) from.storeVertex(0,ids[n][c],triangles[n].corners[c]);
+            for (int c=0; c<3; c++) moved = max(moved,from.storeVertex(0,ids[n][c],triangles[n].corners[c]));
             n++;
           }
         if (n == 0) return;
         const cbvh::MovingCluster moving = { triangles,ids,n,MeshWriter::groupTriangles,from.mesh.areHalvesOfQuads(),
           plan.surface,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
         cbvh::MeshStatistics ofBlocks;
-        double moved = 0;
         encoder.encodeCluster(moving,(uint8_t*)words.data(),ofBlocks,
-          [&](uint32_t step, uint32_t id, float out[3]) { moved = max(moved,from.storeVertex(step,id,out)); },
+          [&](uint32_t step, uint32_t id, float out[3]) {
+            moved = max(moved,from.storeVertex(step,id,out));
+            extend(boxes[step],out);
+          },
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,first,stored); });
         statistics.sums.motionBytes += size_t(ofBlocks.stepBytes);
-        for (uint32_t i=0; i<n; i++)
-          for (uint32_t id : ids[i]) { float p[3]; moved = max(moved,from.storeVertex(0,id,p)); }
         statistics.addDeviation(moved);
         store.flushIfFull();
       }
 
     private:
-      /*! first, count: triangles of the encoded block. */
+      static cbvh::StepBox emptyBox () { return { { pos_inf,pos_inf,pos_inf },{ neg_inf,neg_inf,neg_inf } }; }
+
+      static void extend (cbvh::StepBox& box, const float p[3]) {
+        for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
+      }
+
+      /*! first, count: triangles of the encoded block. The boxes of later steps must contain its vertices. */
       void add (size_t bytes, uint32_t first, uint32_t count)
       {
+        for (uint32_t i=first; i<first+count; i++)
+          for (const float (&corner)[3] : triangles[i].corners) extend(boxes[0],corner);
         cbvh::WorldBounds bounds;
-        for (unsigned step=0; step<plan.numTimeSteps; step++)
-        {
-          cbvh::StepBox box = { { pos_inf,pos_inf,pos_inf },{ neg_inf,neg_inf,neg_inf } };
-          for (uint32_t i=first; i<first+count; i++)
-            for (uint32_t id : ids[i]) {
-              float p[3];
-              from.storeVertex(step,id,p);
-              for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
-            }
+        for (cbvh::StepBox& box : boxes) {
           bounds.extend(box.lower[0],box.lower[1],box.lower[2]);
           bounds.extend(box.upper[0],box.upper[1],box.upper[2]);
           store.boxes.push_back(box);
+          box = emptyBox();
         }
         cbvh::MeshHeader* const header = (cbvh::MeshHeader*)words.data();
         if (from.mesh.areHalvesOfQuads()) header->form |= cbvh::meshHasQuads;
@@ -82,7 +85,8 @@ namespace embree
       cbvh::MeshMotionEncoder encoder;
       cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles];
       uint32_t ids[cbvh::maxMeshTriangles][3];
-      std::vector<uint32_t> words; //!< the encoded block
+      std::vector<cbvh::StepBox> boxes; //!< of the next block, by step
+      std::vector<uint32_t> words;      //!< the encoded block
     };
   }
 }

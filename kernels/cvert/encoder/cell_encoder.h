@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
-    /*! Computes the weights unless they are those of the previous call: most cells of a block have the same. */
+    /*! Computes the weights, unless the previous call computed the same: most cells of a block have equal weights. */
     void setWeights (const uint32_t quads[2], uint32_t step)
     {
       const uint32_t key[3] = { quads[0],quads[1],step };

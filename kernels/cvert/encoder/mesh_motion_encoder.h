@@ -19,7 +19,7 @@ namespace cvert { inline namespace CVERT_ISA
     const uint32_t (*ids)[3];      //!< IDs of the corners of each triangle, three different ones
     uint32_t count;
     uint32_t groupTriangles;       //!< as for MeshEncoder::encodeCluster
-    bool areHalvesOfQuads;               //!< the same
+    bool areHalvesOfQuads;         //!< the same
     uint32_t surface;
     float begin, end;              //!< times of the first and the last step
     uint32_t numSteps;             //!< 2 to maxTimeSteps
@@ -33,9 +33,9 @@ namespace cvert { inline namespace CVERT_ISA
       return MeshEncoder::maxBytes + sizeof(VertMotion) + (numSteps-1)*(sizeof(uint32_t) + maxStepBytes);
     }
 
-    /*! Encodes a cluster. locate(step,id,out): sets the position of a vertex at a step; must be finite, and at the
-     *  first step equal to the corners of triangles. Calls onBlock as MeshEncoder::encodeCluster does. block: maxBytes,
-     *  aligned to 4. */
+    /*! Encodes a cluster. locate(step,id,out): sets the position of a vertex at a later step, which must be finite.
+     *  Called once for each step and vertex of a block, before onBlock, which is called as by
+     *  MeshEncoder::encodeCluster. block: maxBytes, aligned to 4. */
     template<typename Locate, typename OnBlock>
     void encodeCluster (const MovingCluster& cluster, uint8_t* block, MeshStatistics& statistics,
       const Locate& locate, const OnBlock& onBlock)
