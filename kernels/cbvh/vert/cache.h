@@ -115,30 +115,32 @@ namespace embree
       CellVertices ends[2];
     };
 
-    class MotionEntries
+    /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and for one of its groups, with a
+     *  SegmentKey. blockBytes, groupBytes: as for slotOfBlock. */
+    template<typename Boxes, typename Group, size_t blockBytes, size_t groupBytes, size_t numBlocks, size_t numGroups>
+    class SegmentEntries
     {
     public:
       /*! If the slot's key differs, the caller must fill the slot and set the key. */
-      __forceinline SegmentBoxes& slot (const void* block, uint32_t segment) {
-        return blocks[(slotOfBlock(block,512) + segment) % numBlocks];
+      __forceinline Boxes& slot (const void* block, uint32_t segment) {
+        return blocks[(slotOfBlock(block,blockBytes) + segment) % numBlocks];
       }
-      __forceinline SegmentVertices& slot (const void* block, uint32_t segment, uint32_t lane) {
-        return groups[(slotOfBlock(block,32) + lane + 7*segment) % numGroups];
+      __forceinline Group& slot (const void* block, uint32_t segment, uint32_t lane) {
+        return groups[(slotOfBlock(block,groupBytes) + lane + 7*segment) % numGroups];
       }
 
       void clear ()
       {
-        for (SegmentBoxes& block : blocks) block.key.block = nullptr;
-        for (SegmentVertices& group : groups) group.key.block = nullptr;
+        for (Boxes& block : blocks) block.key.block = nullptr;
+        for (Group& group : groups) group.key.block = nullptr;
       }
 
     private:
-      static const size_t numBlocks = 160, numGroups = 240; // less than 512 KiB
-
-      SegmentBoxes blocks[numBlocks];
-      SegmentVertices groups[numGroups];
+      Boxes blocks[numBlocks];
+      Group groups[numGroups];
     };
 
+    typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,240> MotionEntries; // less than 512 KiB
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;
   }

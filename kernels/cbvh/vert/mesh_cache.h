@@ -94,30 +94,7 @@ namespace embree
       alignas(64) float end[3][3][16]; //!< see MeshTriangles::at
     };
 
-    class MeshMotionEntries
-    {
-    public:
-      /*! If the slot's key differs, the caller must fill the slot and set the key. */
-      __forceinline SegmentMeshBoxes& slot (const void* block, uint32_t segment) {
-        return blocks[(slotOfBlock(block,2048) + segment) % numBlocks];
-      }
-      __forceinline SegmentTriangles& slot (const void* block, uint32_t segment, uint32_t lane) {
-        return groups[(slotOfBlock(block,128) + lane + 7*segment) % numGroups];
-      }
-
-      void clear ()
-      {
-        for (SegmentMeshBoxes& block : blocks) block.key.block = nullptr;
-        for (SegmentTriangles& group : groups) group.key.block = nullptr;
-      }
-
-    private:
-      static const size_t numBlocks = 112, numGroups = 184; // less than 512 KiB
-
-      SegmentMeshBoxes blocks[numBlocks];
-      SegmentTriangles groups[numGroups];
-    };
-
+    typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,184> MeshMotionEntries; // less than 512 KiB
     typedef ThreadCache<MeshEntries> MeshCache;
     typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
   }
