@@ -381,6 +381,18 @@ TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
   }
 }
 
+// Their quotient is less than all floats.
+TEST(VertBlock, TinyCoordinatesNextToLargeOnesRoundTrip)
+{
+  auto encoder = std::make_unique<VertEncoder>();
+  for (int v = 0; v < 4*4; v++)
+    for (int k = 0; k < 3; k++) encoder->vertices[v][k] = v == 5 ? 0x1p-120f : std::ldexp(float(v), 56);
+  const Encoded encoded(*encoder, whole(3, 3));
+  const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
+  for (int v = 0; v < 4*4; v++)
+    for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertices[v][k], v == 5 ? 0x1p-120f : std::ldexp(float(v), 56));
+}
+
 TEST(VertBlock, EncoderWritesAnnotatedBlock)
 {
   const std::vector<int> annotated = annotatedBytes(FORMATS "/block_example.md");

@@ -177,13 +177,14 @@ namespace cvert { inline namespace CVERT_ISA
 
     void findSteps ()
     {
-      Float4 scale[3];
+      Float4 scale[3], unit[3];
       Int4 first[3], any[3] = { 0,0,0 };
       int exponents[3];
       for (int k=0; k<3; k++) {
         exponents[k] = std::max(exponentOf(std::max(std::fabs(lower[k]),std::fabs(upper[k])))-integerBits,
                                 minSpacingExponent);
         scale[k] = std::ldexp(1.0f,-exponents[k]);
+        unit[k] = std::ldexp(1.0f,exponents[k]);
         first[k] = truncated(Float4(vertices[0][k])*scale[k]);
       }
       uint32_t integral[3] = { 15,15,15 };
@@ -191,9 +192,8 @@ namespace cvert { inline namespace CVERT_ISA
       {
         const Vertices4 p(vertices+i);
         auto add = [&](int k, Float4 x) {
-          const Float4 scaled = x*scale[k];
-          const Int4 n = truncated(scaled);
-          integral[k] &= lanesEqual(toFloat(n),scaled);
+          const Int4 n = truncated(x*scale[k]); // 0 if the product underflows
+          integral[k] &= lanesEqual(toFloat(n)*unit[k],x);
           any[k] = any[k] | (n-first[k]);
         };
         add(0,p.x); add(1,p.y); add(2,p.z);
