@@ -258,6 +258,25 @@ TEST(MeshMotion, FlatMeshesRoundTrip)
   }
 }
 
+// Distances from a line that are as small as rounding errors do not determine the map.
+TEST(MeshMotion, NearlyStraightMeshesDetermineOneAxis)
+{
+  for (int axis = 0; axis < 3; axis++) {
+    float first[4][3], later[4][3], map[3][4];
+    for (int v = 0; v < 4; v++)
+      for (int k = 0; k < 3; k++) {
+        first[v][k] = k == axis ? float(v) : v == k ? 1e-6f : 0.0f;
+        later[v][k] = k == axis ? float(2*v + 1) : 1.0f;
+      }
+    AffineFit fit;
+    fit.setFirst(first, 4);
+    fit.fit(later, map);
+    for (int k = 0; k < 3; k++)
+      for (int i = 0; i < 4; i++)
+        EXPECT_EQ(map[k][i], i == 3 ? 1.0f : k == axis && i == axis ? 2.0f : 0.0f) << "axis " << axis;
+  }
+}
+
 TEST(MeshMotion, VerticesThatCoincideAtOneStepStaySeparate)
 {
   auto encoder = std::make_unique<MeshMotionEncoder>();

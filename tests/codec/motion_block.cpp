@@ -105,6 +105,25 @@ TEST(MotionBlock, VerticesRoundTripAtEveryStep)
   EXPECT_GT(alone, 500u);
 }
 
+TEST(MotionBlock, RawStepsStoreFloats)
+{
+  Random random(seed + 3);
+  auto encoder = std::make_unique<MotionEncoder>();
+  MovingSheet sheet(random, 3, 2, SheetMotion::turn, 1, 4);
+  for (int s : {0, 1, 2}) sheet.steps[s][5][s] = -INFINITY;
+  for (auto& p : sheet.steps[3]) p[2] = NAN;
+  const EncodedMotion encoded(*encoder, sheet);
+  const size_t vertices = 12*12, boxes = 6*4, offsets = 3*4;
+  EXPECT_EQ(encoded.size, 64 + 16 + vertices + boxes + offsets + 3*(64 + vertices));
+  for (uint32_t s : {1, 2, 3})
+    for (int k = 0; k < 3; k++) {
+      float least = s == 3 ? 0 : INFINITY;
+      for (size_t v = 0; v < 12 && s < 3; v++)
+        if (v != 5) least = std::min(least, sheet.steps[s][v][k]);
+      EXPECT_EQ(stepOf(encoded.block(), s)->origin[k], least) << "step " << s << ", axis " << k;
+    }
+}
+
 // Bytes of the later steps per 16 x 16 quads.
 double bytesOfLaterSteps(MotionEncoder& encoder, const MovingSheet& sheet) {
   const EncodedMotion encoded(encoder, sheet);

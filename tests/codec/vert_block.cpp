@@ -117,6 +117,7 @@ TEST(VertBlock, VerticesRoundTrip)
     ASSERT_EQ(encoded.statistics.raw, isRaw(encoded.block()->boxForm));
     (encoded.statistics.raw ? raw : packed)++;
     byAxis += !encoded.statistics.raw && isByAxis(encoded.block()->word);
+    ASSERT_EQ((vertBytes(encoded.block()) + 3) & ~3u, encoded.size);
     if (!encoded.statistics.raw) {
       ASSERT_EQ((size_t(decoded->end - encoded.bytes) + 3) & ~size_t(3), encoded.size) << "unused bytes";
     }
@@ -231,16 +232,23 @@ TEST(VertBlock, NonFiniteVerticesAreRawAndNaN)
   Random random(seed + 2);
   auto encoder = std::make_unique<VertEncoder>();
   const Sheet sheet(random, 16, 16, 0.5);
-  for (float bad : {NAN, INFINITY, -INFINITY, 3e18f}) {
-    sheet.fill(*encoder);
-    encoder->vertices[17*5 + 5][1] = bad;
-    const Encoded encoded(*encoder, whole(16, 16));
-    EXPECT_TRUE(encoded.statistics.raw);
-    EXPECT_EQ(encoded.statistics.invalidQuads, 4u);
-    const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
-    for (int k = 0; k < 3; k++) EXPECT_TRUE(std::isnan(decoded->vertex(5, 5)[k]));
-    for (int k = 0; k < 3; k++) EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
-  }
+  for (float bad : {NAN, INFINITY, -INFINITY, 3e18f})
+    for (int axis = 0; axis < 3; axis++) {
+      sheet.fill(*encoder);
+      encoder->vertices[17*5 + 5][axis] = bad;
+      const Encoded encoded(*encoder, whole(16, 16));
+      EXPECT_TRUE(encoded.statistics.raw);
+      EXPECT_EQ(encoded.statistics.invalidQuads, 4u);
+      const auto decoded = std::make_unique<DecodedBlock>(encoded.block());
+      for (int k = 0; k < 3; k++) {
+        EXPECT_TRUE(std::isnan(decoded->vertex(5, 5)[k]));
+        EXPECT_EQ(decoded->vertex(6, 5)[k], sheet.vertices[17*5 + 6][k]);
+        float least = INFINITY;
+        for (size_t v = 0; v < 17*17; v++)
+          if (v != 17*5 + 5) least = std::min(least, sheet.vertices[v][k]);
+        EXPECT_EQ(encoded.block()->origin[k], least) << bad << " on axis " << axis;
+      }
+    }
   for (auto& v : encoder->vertices) v[0] = NAN;
   EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without valid vertices";
 }
@@ -378,6 +386,26 @@ TEST(VertBlock, CoordinatesBeyond14BitsHaveRemainders)
     const Encoded encoded(*encoder, whole(8, 8));
     EXPECT_FALSE(encoded.statistics.raw);
     EXPECT_TRUE(hasRemainders(encoded.block()->boxForm)) << width; // eighths: 17 bits
+  }
+}
+
+TEST(VertBlock, SpacingsAreTheFinestOfExactBoxes)
+{
+  const struct { float x[3], spacing; } columns[] = {
+    // planes of boxes are up to 2^15 spacings outside the vertices, and floats are exact up to 2^24
+    {{16744440, 16744441, 16744448}, 1}, {{-16744448, -16744441, -16744440}, 1},
+    {{16744440, 16744441, 16744449}, 2}, {{-16744449, -16744441, -16744440}, 2},
+    // stored as floats: boxes have at least 64 spacings
+    {{-1, 1e-20f, 1}, 1/32.0f}, {{-3, 1e-20f, 0.99f}, 1/32.0f}, {{0x1p-20f, 1e-20f, 0.99f}, 1/128.0f},
+  };
+  auto encoder = std::make_unique<VertEncoder>();
+  for (const auto& of : columns) {
+    for (int v = 0; v < 3*9; v++) {
+      encoder->vertices[v][0] = of.x[v % 3]; encoder->vertices[v][1] = float(v/3); encoder->vertices[v][2] = 0;
+    }
+    const Encoded encoded(*encoder, whole(2, 8));
+    EXPECT_FALSE(encoded.statistics.raw);
+    EXPECT_EQ(spacingOf(encoded.block(), 0), of.spacing) << of.x[0] << " to " << of.x[2];
   }
 }
 

@@ -78,6 +78,10 @@ const Sheet sheets[] = {
    {16, 0, 4},   {0, 16, 2},    {0, 0, 2},  {1, 1, 1},         17, 0x8bc8153960f9bd6d},
   {"with remainders",        16,  4,  -8, {0, 0, 0},
    {1100, 0, 0}, {0, 40, 9},    {0, 0, 1},  {5, 5, 5},         -1, 0x6ffcf07f9683d796},
+  {"remainders and slopes",   8,  8,  -8, {0, 0, 0},
+   {1100, 0, 0}, {0, 400, 9},   {1000, 900, 1000}, {0, 0, 0},  -1, 0x43e8e853773623fc},
+  {"equal normals",           8,  8,   0, {0, 0, 0},
+   {16, 0, -16}, {0, 16, 0},    {0, 0, 0},  {0, 0, 0},         -1, 0x802180a51c0813f9},
 };
 
 void fill(VertEncoder& encoder, const Sheet& sheet, uint64_t seed)
