@@ -99,7 +99,7 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
           double sheared = 0;
           for (int k = 0; k < 3; k++) {
             const float x = expected.corners[c][k][t];
-            ASSERT_EQ(halves[t/16].at[k][c][t%16], x) << "triangle " << t << ", corner " << c << ", axis " << k;
+            ASSERT_EQ(halves[t/16].vertices.at[k][halves[t/16].corners[c][t%16]], x) << "triangle " << t << ", corner " << c << ", axis " << k;
             ASSERT_LE(std::fabs(double(x) - boxes->origin[k]), boxes->extent[k]*(1 + 1e-6));
             sheared += (double(x) - boxes->origin[k])*boxes->shear[k];
             if (k == boxes->axis) continue;
@@ -132,12 +132,16 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
     float vertices[32][3];
     const uint32_t numVertices = 3 + random.below(29), count = 1 + random.below(16);
     group.lanes = 0xFFFFu >> (16 - count);
+    group.numVertices = uint8_t(numVertices);
+    for (auto& corners : group.corners)
+      for (uint8_t& v : corners) v &= 31;
     for (uint32_t v = 0; v < numVertices; v++)
       for (float& x : vertices[v]) x = float(random.below(i % 2 ? 9 : 4096))/128;
     for (uint32_t t = 0; t < count; t++)
       for (int c = 0; c < 3; c++) {
         const uint32_t v = random.below(numVertices);
-        for (int k = 0; k < 3; k++) group.at[k][c][t] = vertices[v][k];
+        group.corners[c][t] = uint8_t(v);
+        for (int k = 0; k < 3; k++) group.vertices.at[k][v] = vertices[v][k];
       }
     const uint32_t a = random.below(numVertices), b = random.below(numVertices);
     float org[3], dir[3];

@@ -77,7 +77,7 @@ namespace embree
         {
           const MeshBoxes& boxes = this->boxes();
           at.block = block;
-          at.lane = 16*half+g;
+          at.lane = uint8_t(16*half+g);
           MeshDecoder(block).triangles(boxes,g,half,at);
         }
 

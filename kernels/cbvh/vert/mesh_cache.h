@@ -20,25 +20,36 @@ namespace embree
       uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections in the block
       /* first bits in the sections, by group */
       alignas(16) uint16_t topology[16];
-      alignas(16) uint16_t vertices[16];
       alignas(16) uint16_t numbers[16];
-      alignas(16) uint16_t firstVertex[16]; //!< first vertex of each group; above 0x7000 in lanes without a group
-      /*! Bits of an own vertex: x in bits 0..7, y in 8..15, z in 16..23, sum in 24..31. */
-      alignas(16) uint32_t fieldBits[16];
+      alignas(16) uint16_t firstVertex[16]; //!< first vertex of each group; 0x7FFF in lanes without a group
+      alignas(32) uint16_t fieldsOfZero[16]; //!< see fieldsOfVertex
+      alignas(16) uint8_t fieldBits[4][16]; //!< bits of a vertex of the group: x, y, z and all of them
       alignas(64) uint32_t lower[3][16];    //!< coordinates to which fields are relative, by axis
+
+      /*! First bit of the fields of vertex v of the block, which belongs to group g. */
+      __forceinline uint32_t fieldsOfVertex (uint32_t v, uint32_t g) const {
+        return verticesBegin + uint16_t(fieldsOfZero[g] + v*fieldBits[3][g]);
+      }
     };
 
-    /*! Up to 16 triangles of a group, one per lane. Half h of a group contains its triangles from 16 h on. */
+    /*! Vertices of a group by axis. Lanes after the last vertex are undefined. */
+    struct alignas(64) MeshVertices { float at[3][32]; };
+
+    /*! Up to 16 triangles of a group, one per lane, and the vertices of the group. Half h of a group contains its
+     *  triangles from 16 h on. */
     struct MeshTriangles
     {
       const void* block;                //!< that the group belongs to, or null
-      uint32_t lane;                    //!< of the group, plus 16 for the second half
-      uint32_t lanes;                   //!< mask of lanes with a triangle
+      uint8_t lane;                     //!< of the group, plus 16 for the second half
       bool isFirstOfTwo;                //!< the group has a second half
-      alignas(64) float at[3][3][16];   //!< vertices, by axis and by corner in the application's order
+      uint16_t lanes;                   //!< mask of lanes with a triangle
+      uint8_t numVertices;
+      alignas(16) uint8_t corners[3][16]; //!< vertices by corner in the application's order; below 32 in all lanes
+      MeshVertices vertices;
 
       static const uint32_t width = 16;
     };
+    static_assert(sizeof(MeshTriangles) == 7*64,"MeshTriangles must occupy exactly 7 cache lines");
 
     class MeshEntries
     {
@@ -57,7 +68,7 @@ namespace embree
 
     private:
       /* Together less than 512 KiB, the second-level cache of a core: a larger cache would evict the scene from it. */
-      static const size_t numBlocks = 256, numGroups = 440;
+      static const size_t numBlocks = 192, numGroups = 704;
 
       MeshBoxes blocks[numBlocks];
       MeshTriangles groups[numGroups];
@@ -91,10 +102,10 @@ namespace embree
     {
       SegmentKey key;            //!< key of the half; see MeshTriangles::lane
       MeshTriangles begin;
-      alignas(64) float end[3][3][16]; //!< see MeshTriangles::at
+      MeshVertices end;
     };
 
-    typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,184> MeshMotionEntries; // less than 512 KiB
+    typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,256> MeshMotionEntries; // less than 512 KiB
     typedef ThreadCache<MeshEntries> MeshCache;
     typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
   }

@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Corners of a group's triangles, sheared for a ray. */
+/* Triangles of a group that a ray's line passes through. Vertices are sheared once, and then permuted into the corners
+ * of triangles, because a cache of vertices holds more groups than a cache of corners. */
 
 #include "mesh_cache.h"
 #include "ray.h"
@@ -14,24 +15,115 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Returns the lanes of the triangles that the ray's line passes through, or may pass through. */
-      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles)
+      /*! Sheared vertices of a group, and the corners of its triangles. capacity: at least the number of vertices. */
+      template<int capacity>
+      class ShearedMesh
       {
-        const vfloatV orgX(ray.org[ray.kx]), orgY(ray.org[ray.ky]), orgZ(ray.org[ray.kz]), sx(ray.sx), sy(ray.sy);
+      public:
+        __forceinline ShearedMesh (const VertRay& ray, const MeshTriangles& triangles) : corners(triangles.corners)
+        {
+          const float (&at)[3][32] = triangles.vertices.at;
+          const vfloatV orgX(ray.org[ray.kx]), orgY(ray.org[ray.ky]), orgZ(ray.org[ray.kz]), sx(ray.sx), sy(ray.sy);
+          for (int j=0; j<vectors; j++)
+          {
+            const int n = vectorWidth*j;
+            const vfloatV z = vfloatV::load(at[ray.kz]+n) - orgZ;
+            put(j,nmadd(sx,z,vfloatV::load(at[ray.kx]+n) - orgX),nmadd(sy,z,vfloatV::load(at[ray.ky]+n) - orgY));
+          }
+        }
+
+        /*! Corner c of triangles n to n+vectorWidth-1. */
+        __forceinline void get (uint32_t n, int c, vfloatV& cornerX, vfloatV& cornerY) const
+        {
+          const uint8_t* const lanes = corners[c]+n;
+#if defined(__AVX512F__)
+          const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)lanes));
+          cornerX = vfloatV(_mm512_permutex2var_ps(x[0],vertex,x[1]));
+          cornerY = vfloatV(_mm512_permutex2var_ps(y[0],vertex,y[1]));
+#elif defined(__AVX2__)
+          const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)lanes));
+          const __m256 bit3 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,28)),
+            bit4 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,27));
+          auto select = [&](const vfloatV* from) {
+            auto permute = [&](int j) { return _mm256_permutevar8x32_ps(from[min(j,vectors-1)],vertex); };
+            const __m256 lower = _mm256_blendv_ps(permute(0),permute(1),bit3);
+            if (vectors == 2) return vfloatV(lower);
+            const __m256 upper = vectors == 3 ? permute(2) : _mm256_blendv_ps(permute(2),permute(vectors-1),bit3);
+            return vfloatV(_mm256_blendv_ps(lower,upper,bit4));
+          };
+          cornerX = select(x);
+          cornerY = select(y);
+#elif defined(__AVX__)
+          vfloat4 x[2], y[2];
+          for (int h=0; h<2; h++) getFour(lanes+4*h,x[h],y[h]);
+          cornerX = vfloatV(x[0],x[1]);
+          cornerY = vfloatV(y[0],y[1]);
+#else
+          getFour(lanes,cornerX,cornerY);
+#endif
+        }
+
+      private:
+        static const int vectors = (capacity+vectorWidth-1)/vectorWidth;
+
+        const uint8_t (&corners)[3][16];
+#if defined(__AVX2__)
+        vfloatV x[vectors], y[vectors];
+
+        __forceinline void put (int j, const vfloatV& shearedX, const vfloatV& shearedY) {
+          x[j] = shearedX;
+          y[j] = shearedY;
+        }
+#else
+        alignas(64) float xy[capacity][2]; // pairs halve the number of loads
+
+        __forceinline void put (int j, const vfloatV& shearedX, const vfloatV& shearedY)
+        {
+          alignas(64) float at[2][vectorWidth];
+          vfloatV::store(at[0],shearedX);
+          vfloatV::store(at[1],shearedY);
+          for (int i=0; i<vectorWidth; i+=4) {
+            const vfloat4 a = vfloat4::load(at[0]+i), b = vfloat4::load(at[1]+i);
+            vfloat4::store(xy[vectorWidth*j+i],unpacklo(a,b));
+            vfloat4::store(xy[vectorWidth*j+i+2],unpackhi(a,b));
+          }
+        }
+
+        __forceinline void getFour (const uint8_t* lanes, vfloat4& x, vfloat4& y) const
+        {
+          auto two = [&](int i) {
+            return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(),(const __m64*)xy[lanes[i]]),(const __m64*)xy[lanes[i+1]]);
+          };
+          const __m128 a = two(0), b = two(2);
+          x = vfloat4(_mm_shuffle_ps(a,b,_MM_SHUFFLE(2,0,2,0)));
+          y = vfloat4(_mm_shuffle_ps(a,b,_MM_SHUFFLE(3,1,3,1)));
+        }
+#endif
+      };
+
+      /*! capacity: at least the number of vertices */
+      template<int capacity>
+      __forceinline uint32_t trianglesOfMeshHitByLine (const VertRay& ray, const MeshTriangles& triangles)
+      {
+        const ShearedMesh<capacity> mesh(ray,triangles);
         uint32_t mask = 0;
         for (uint32_t n=0; n<MeshTriangles::width; n+=vectorWidth)
         {
           vfloatV x[3], y[3];
-          for (int c=0; c<3; c++) {
-            const vfloatV z = vfloatV::load(triangles.at[ray.kz][c]+n) - orgZ;
-            x[c] = nmadd(sx,z,vfloatV::load(triangles.at[ray.kx][c]+n) - orgX);
-            y[c] = nmadd(sy,z,vfloatV::load(triangles.at[ray.ky][c]+n) - orgY);
-          }
+          for (int c=0; c<3; c++) mesh.get(n,c,x[c],y[c]);
           const vboolV inside = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
             edgeSide(x[0],y[0],x[1],y[1]));
           mask |= uint32_t(movemask(inside)) << n;
         }
         return mask & triangles.lanes;
+      }
+
+      /*! Returns the lanes of the triangles that the ray's line passes through, or may pass through. */
+      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles)
+      {
+        if (triangles.numVertices <= 16) return trianglesOfMeshHitByLine<16>(ray,triangles);
+        if (likely(triangles.numVertices <= 24)) return trianglesOfMeshHitByLine<24>(ray,triangles);
+        return trianglesOfMeshHitByLine<32>(ray,triangles);
       }
     }
   }

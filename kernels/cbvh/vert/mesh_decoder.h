@@ -35,13 +35,34 @@ namespace embree
           findGroups(groups,out);
         }
 
-        /*! Decodes half of a group. */
+        /*! Decodes half of a group, except for out.block and out.lane. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
-          MeshGroup group;
-          decode(boxes,g,group);
-          setLanes(group,half,out);
-          gather(group,half,group.positions,out.at);
+          const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
+            locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
+            repeatBits = bitsFor(locals);
+          const uint32_t lanes = 0xFFFFFFFFu >> (32-count);
+          out.lanes = uint16_t(half ? lanes >> 16 : lanes);
+          out.isFirstOfTwo = half == 0 && count > 16;
+          out.numVertices = uint8_t(locals);
+          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
+          const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
+          uint64_t turns = at.take(min(2*count,32u));
+          if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
+          uint64_t news = at.take(min(stream-3,32u));
+          if (unlikely(stream-3 > 32)) news |= uint64_t(at.take(stream-3-32)) << 32;
+          const uint32_t owns = at.take(locals);
+          Bits repeats = at;
+          at.skip((stream-locals)*repeatBits);
+          decodeVertices(boxes,g,locals,owns,at,out.vertices);
+#if defined(__AVX2__)
+          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
+            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
+              out.corners);
+            return;
+          }
+#endif
+          followStrips(count,16*half,restarts,fans,turns,news,repeats,repeatBits,out.corners);
         }
 
         /*! See primitiveOfMesh. */
@@ -55,46 +76,6 @@ namespace embree
         }
 
       protected:
-        struct MeshGroup
-        {
-          uint32_t numTriangles, numVertices;
-          alignas(64) float positions[3][32];
-          alignas(32) uint8_t corners[3][maxGroupTriangles] = {}; //!< lanes without a triangle refer to a vertex, too
-        };
-
-        __forceinline void decode (const MeshBoxes& boxes, uint32_t g, MeshGroup& out) const
-        {
-          const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
-            locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
-            repeatBits = bitsFor(locals);
-          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
-          const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
-          uint64_t turns = at.take(min(2*count,32u));
-          if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
-          uint64_t news = at.take(min(stream-3,32u));
-          if (unlikely(stream-3 > 32)) news |= uint64_t(at.take(stream-3-32)) << 32;
-          const uint32_t owns = at.take(locals);
-          Bits repeats = at;
-          at.skip((stream-locals)*repeatBits);
-          out.numTriangles = count;
-          out.numVertices = locals;
-          decodeVertices(boxes,g,locals,owns,at,out.positions);
-#if defined(__AVX2__)
-          if (likely(count <= 16 && stream <= 32 && stream-locals <= 8))
-            decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
-              out.corners);
-          else
-#endif
-          followStrips(count,restarts,fans,turns,news,repeats,repeatBits,out.corners);
-        }
-
-        static __forceinline void setLanes (const MeshGroup& group, uint32_t half, MeshTriangles& out)
-        {
-          const uint32_t lanes = 0xFFFFFFFFu >> (32-group.numTriangles);
-          out.lanes = (half ? lanes >> 16 : lanes) & 0xFFFFu;
-          out.isFirstOfTwo = half == 0 && group.numTriangles > 16;
-        }
-
         struct Bits
         {
           const uint8_t* data;
@@ -141,10 +122,11 @@ namespace embree
           }
         };
 
-        /*! Sets corners one triangle after the other. */
-        static void followStrips (uint32_t count, uint32_t restarts, uint32_t fans, uint64_t turns, uint64_t news,
-                                  Bits repeats, uint32_t repeatBits, uint8_t (*corners)[maxGroupTriangles])
+        /*! Sets the corners of up to 16 triangles, one triangle after the other. */
+        static void followStrips (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans, uint64_t turns,
+                                  uint64_t news, Bits repeats, uint32_t repeatBits, uint8_t (*corners)[16])
         {
+          memset(corners,0,sizeof(corners[0])*3);
           Strip strip;
           uint32_t fresh = 3;
           auto next = [&]() {
@@ -161,8 +143,9 @@ namespace embree
               strip.isFlipped = false;
             }
             else if (t > 0) strip.add(next(),(fans >> t) & 1);
+            if (t < first || t-first >= 16) continue;
             const uint32_t v = strip.corners(uint32_t(turns) & 3);
-            for (int c=0; c<3; c++) corners[c][t] = uint8_t(v >> (8*c));
+            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // of damaged blocks, too
           }
         }
 
@@ -198,8 +181,7 @@ namespace embree
          *  of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: of all entries. repeats: numbers of the
          *  entries that are not new. */
         static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
-                                                uint64_t repeats, uint32_t repeatBits,
-                                                uint8_t (*corners)[maxGroupTriangles])
+                                                uint64_t repeats, uint32_t repeatBits, uint8_t (*corners)[16])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
@@ -245,48 +227,14 @@ namespace embree
           const __m128i low = _mm_setr_epi8(1,4,16,64,1,4,16,64,1,4,16,64,1,4,16,64), high = _mm_add_epi8(low,low);
           const __m128i is1 = _mm_cmpeq_epi8(_mm_and_si128(spread,low),low),
             is2 = _mm_cmpeq_epi8(_mm_and_si128(spread,high),high);
-          auto turn = [&](__m128i x, __m128i y, __m128i z) { return _mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2); };
+          auto turn = [&](__m128i x, __m128i y, __m128i z) { // below 32 in damaged blocks, too
+            return _mm_and_si128(_mm_blendv_epi8(_mm_blendv_epi8(x,y,is1),z,is2),_mm_set1_epi8(31));
+          };
           _mm_store_si128((__m128i*)corners[0],turn(p,q,r));
           _mm_store_si128((__m128i*)corners[1],turn(q,r,p));
           _mm_store_si128((__m128i*)corners[2],turn(r,p,q));
         }
 #endif
-
-        /*! Sets the vertices of half a group. positions: of its vertices, by axis; aligned to 64 bytes. */
-        static __forceinline void gather (const MeshGroup& group, uint32_t half, const float (*positions)[32],
-                                          float (*out)[3][16])
-        {
-          const uint32_t begin = 16*half;
-#if defined(__AVX512F__)
-          for (int c=0; c<3; c++) {
-            const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)(group.corners[c]+begin)));
-            for (int k=0; k<3; k++)
-              _mm512_store_ps(out[k][c],
-                _mm512_permutex2var_ps(_mm512_load_ps(positions[k]),vertex,_mm512_load_ps(positions[k]+16)));
-          }
-#else
-#if defined(__AVX2__)
-          if (likely(group.numVertices <= 16)) {
-            for (int c=0; c<3; c++)
-              for (int i=0; i<16; i+=8) {
-                const uint8_t* const corners = group.corners[c]+begin+i;
-                const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)corners));
-                const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,28)); // bit 3
-                for (int k=0; k<3; k++)
-                  _mm256_store_ps(out[k][c]+i,
-                    _mm256_blendv_ps(_mm256_permutevar8x32_ps(_mm256_load_ps(positions[k]),vertex),
-                      _mm256_permutevar8x32_ps(_mm256_load_ps(positions[k]+8),vertex),isUpper));
-              }
-            return;
-          }
-#endif
-          for (int c=0; c<3; c++)
-            for (int i=0; i<16; i++) {
-              const uint32_t vertex = group.corners[c][begin+i] & 31u; // of damaged blocks, too
-              for (int k=0; k<3; k++) out[k][c][i] = positions[k][vertex];
-            }
-#endif
-        }
 
         /*! bitsForBelow */
         static __forceinline uint32_t bitsFor (uint32_t count) {
@@ -429,12 +377,8 @@ namespace embree
             bits[k] = _mm_add_epi8(lengthsOf(extents),_mm_set1_epi8(char(meshBoxShift(block->spacings,block->form,k))));
             all = _mm_add_epi8(all,bits[k]);
           }
-          const __m128i xy[2] = { _mm_unpacklo_epi8(bits[0],bits[1]),_mm_unpackhi_epi8(bits[0],bits[1]) },
-            zs[2] = { _mm_unpacklo_epi8(bits[2],all),_mm_unpackhi_epi8(bits[2],all) };
-          for (int half=0; half<2; half++) {
-            _mm_store_si128((__m128i*)(out.fieldBits+8*half),_mm_unpacklo_epi16(xy[half],zs[half]));
-            _mm_store_si128((__m128i*)(out.fieldBits+8*half+4),_mm_unpackhi_epi16(xy[half],zs[half]));
-          }
+          for (int k=0; k<3; k++) _mm_store_si128((__m128i*)out.fieldBits[k],bits[k]);
+          _mm_store_si128((__m128i*)out.fieldBits[3],all);
 
           const uint8_t* const records = bytes + layout.records;
           const __m128i record[2] = { _mm_loadu_si128((const __m128i*)records),
@@ -469,9 +413,15 @@ namespace embree
           }
           out.topologyBegin = 8*layout.topology;
           out.verticesBegin = out.topologyBegin + ((storeSums(topology,out.topology)+7) & ~7u);
-          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.vertices)+7) & ~7u);
+          out.numbersBegin = out.verticesBegin + ((storeSums(vertices,out.fieldsOfZero)+7) & ~7u);
           storeSums(numbers,out.numbers);
           storeSums(own,out.firstVertex);
+          for (int half=0; half<2; half++) {
+            __m128i* const zero = (__m128i*)out.fieldsOfZero + half;
+            const __m128i first = _mm_load_si128((const __m128i*)out.firstVertex + half),
+              size = half ? _mm_unpackhi_epi8(all,none) : _mm_unpacklo_epi8(all,none);
+            _mm_store_si128(zero,_mm_sub_epi16(_mm_load_si128(zero),_mm_mullo_epi16(first,size)));
+          }
           for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;
         }
 
@@ -483,66 +433,189 @@ namespace embree
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
-        /*! Reads vertices that belong to group g. bits: MeshBoxes::fieldBits. */
-        struct VertexFields
+        /*! Reads coordinates of a vertex, of group g. bit: of its fields. */
+        __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
+                                       uint32_t i) const
         {
-          const MeshBoxes& boxes;
-          const uint32_t g, bits;
-          const uint64_t masks[3];
-
-          static __forceinline uint64_t maskOf (uint32_t bits) { return (uint64_t(1) << bits)-1; }
-
-          __forceinline VertexFields (const MeshBoxes& boxes, uint32_t g)
-            : boxes(boxes), g(g), bits(boxes.fieldBits[g]),
-              masks{ maskOf(bits & 255),maskOf((bits >> 8) & 255),maskOf((bits >> 16) & 255) } {}
-
-          __forceinline uint32_t all () const { return bits >> 24; }
-
-          __forceinline void read (Bits at, uint32_t (*coordinates)[32], uint32_t i) const
-          {
-            uint64_t fields = at.wide();
-            if (likely(all() <= 57)) {
-              coordinates[0][i] = boxes.lower[0][g] + uint32_t(fields & masks[0]);
-              fields >>= bits & 255;
-              coordinates[1][i] = boxes.lower[1][g] + uint32_t(fields & masks[1]);
-              fields >>= (bits >> 8) & 255;
-              coordinates[2][i] = boxes.lower[2][g] + uint32_t(fields & masks[2]);
-            }
-            else for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.take((bits >> (8*k)) & 255);
+          Bits at(block,bit);
+          if (unlikely(boxes.fieldBits[3][g] > 57)) {
+            for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.take(boxes.fieldBits[k][g]);
+            return;
           }
-        };
+          uint64_t fields = at.wide();
+          for (int k=0; k<3; k++) {
+            const uint32_t bits = boxes.fieldBits[k][g];
+            coordinates[k][i] = boxes.lower[k][g] + uint32_t(fields & ((uint64_t(1) << bits)-1));
+            fields >>= bits;
+          }
+        }
 
         /*! owns: mask of vertices that belong to the group. others: numbers of the other vertices. */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
-                                           Bits others, float (*positions)[32]) const
+                                           Bits others, MeshVertices& out) const
         {
           alignas(64) uint32_t coordinates[3][32];
-          const uint32_t otherBits = bitsFor(meshVertices(block->counts));
-          const VertexFields own(boxes,g);
-          uint32_t bit = boxes.verticesBegin+boxes.vertices[g];
-          for (uint32_t rest=owns; rest; rest&=rest-1, bit+=own.all())
-            own.read(Bits(block,bit),coordinates,uint32_t(__builtin_ctz(rest)));
-          for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1)
-          {
-            const uint32_t v = others.take(otherBits);
-            const VertexFields fields(boxes,groupOfVertex(boxes,v));
-            const uint32_t begin = boxes.verticesBegin + boxes.vertices[fields.g];
-            fields.read(Bits(block,begin + (v-boxes.firstVertex[fields.g])*fields.all()),coordinates,
-                        uint32_t(__builtin_ctz(rest)));
-          }
+          readCoordinates(boxes,g,locals,owns,others,coordinates);
           if (isSheared()) unshear(locals,coordinates);
           for (uint32_t k=0; k<3; k++)
           {
             if (unlikely(hasRanks(block->spacings,k))) {
               const uint32_t origin = rankOfFloat(block->origin[k]);
-              for (uint32_t i=0; i<locals; i++) positions[k][i] = floatOfRank(origin + coordinates[k][i]);
+              for (uint32_t i=0; i<locals; i++) out.at[k][i] = floatOfRank(origin + coordinates[k][i]);
               continue;
             }
             const vfloatV origin(block->origin[k]), spacing(meshSpacing(block->spacings,k));
             for (uint32_t n=0; n<locals; n+=vectorWidth)
-              vfloatV::store(positions[k]+n,origin + vfloatV(vintV::load((const int*)coordinates[k]+n))*spacing);
+              vfloatV::store(out.at[k]+n,origin + vfloatV(vintV::load((const int*)coordinates[k]+n))*spacing);
           }
         }
+
+        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
+                                            Bits others, uint32_t (*coordinates)[32]) const
+        {
+          const uint32_t otherBits = bitsFor(meshVertices(block->counts));
+          uint32_t first = boxes.firstVertex[g];
+#if defined(__AVX2__)
+          const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)boxes.fieldBits[3]),_mm_set1_epi8(57));
+          if (likely((uint32_t(_mm_movemask_epi8(isWide)) & boxes.lanes) == 0)) {
+            readSixteen(boxes,first,locals,owns,others,otherBits,coordinates,0);
+            if (likely(locals <= 16)) return;
+            const uint32_t owned = uint32_t(__builtin_popcount(owns & 0xFFFF));
+            others.skip((16-owned)*otherBits);
+            readSixteen(boxes,first+owned,locals-16,owns >> 16,others,otherBits,coordinates,16);
+            return;
+          }
+#endif
+          for (uint32_t rest=owns; rest; rest&=rest-1, first++)
+            readVertex(boxes,g,boxes.fieldsOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
+          for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1) {
+            const uint32_t v = others.take(otherBits), of = groupOfVertex(boxes,v);
+            readVertex(boxes,of,boxes.fieldsOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
+          }
+        }
+
+#if defined(__AVX2__)
+        /*! Sixteen values, one per group. */
+        struct PerGroup
+        {
+          const __m256i lower, upper;
+
+          __forceinline explicit PerGroup (const uint32_t* values)
+            : lower(_mm256_load_si256((const __m256i*)values)), upper(_mm256_load_si256((const __m256i*)values+1)) {}
+
+          /*! Values of groups, 0 to 15. */
+          __forceinline __m256i at (__m256i groups) const
+          {
+#if defined(__AVX512VL__)
+            return _mm256_permutex2var_epi32(lower,groups,upper);
+#else
+            const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(groups,28)); // bit 3
+            return _mm256_castps_si256(_mm256_blendv_ps(
+              _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(lower,groups)),
+              _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(upper,groups)),isUpper));
+#endif
+          }
+        };
+
+        static __forceinline __m256i wordsOfBytes (__m128i lower, __m128i upper) {
+          return _mm256_set_m128i(_mm_unpackhi_epi8(lower,upper),_mm_unpacklo_epi8(lower,upper));
+        }
+
+        static __forceinline __m128i bytesOfWords (__m256i words) {
+          return _mm_packus_epi16(_mm256_castsi256_si128(words),_mm256_extracti128_si256(words,1));
+        }
+
+        /*! Numbers of vertices from fields of otherBits each. rank: number of the field, per vertex. */
+        static __forceinline __m256i othersAt (Bits others, uint32_t otherBits, uint32_t count, __m128i rank)
+        {
+          // field k is word 4 (k mod 4) + k/4
+          const __m256i mask = _mm256_set1_epi64x((1 << otherBits)-1),
+            shifts = _mm256_mul_epu32(_mm256_set1_epi64x(otherBits),_mm256_setr_epi64x(0,1,2,3));
+          __m256i words = _mm256_setzero_si256();
+          for (uint32_t k=0; k<count; k+=4, others.skip(4*otherBits))
+            words = _mm256_or_si256(words,_mm256_sllv_epi64(_mm256_and_si256(mask,
+              _mm256_srlv_epi64(_mm256_set1_epi64x((long long)others.wide()),shifts)),_mm256_set1_epi64x(4*k)));
+          const __m128i one = _mm_set1_epi8(1),
+            inLower = _mm_shuffle_epi8(_mm_setr_epi8(0,8,-2,-2,2,10,-2,-2,4,12,-2,-2,6,14,-2,-2),rank),
+            inUpper = _mm_shuffle_epi8(_mm_setr_epi8(-2,-2,0,8,-2,-2,2,10,-2,-2,4,12,-2,-2,6,14),rank);
+          const __m256i lower = wordsOfBytes(inLower,_mm_or_si128(inLower,one)),
+            upper = wordsOfBytes(inUpper,_mm_or_si128(inUpper,one));
+          return _mm256_or_si256(_mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0x44),lower),
+            _mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0xEE),upper));
+        }
+
+        /*! Reads up to 16 vertices of a group whose fields have up to 57 bits. first: the first own vertex. owns: mask
+         *  of vertices that belong to the group. others: numbers of the other vertices. Stores to lanes from n on. */
+        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t locals, uint32_t owns,
+                                        Bits others, uint32_t otherBits, uint32_t (*coordinates)[32], uint32_t n) const
+        {
+          const uint32_t numOthers = uint32_t(__builtin_popcount(~owns & (0xFFFFu >> (16-min(locals,16u)))));
+          const __m128i isOwn = bytesOfBits(owns),
+            ownRank = _mm_add_epi8(sumsOfBytes(_mm_and_si128(isOwn,_mm_set1_epi8(1))),isOwn),
+            otherRank = _mm_sub_epi8(_mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15),ownRank);
+          const __m256i isPresent = _mm256_cmpgt_epi16(_mm256_set1_epi16(short(locals)),
+            _mm256_setr_epi16(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15));
+          const __m256i vertex = _mm256_and_si256(isPresent,_mm256_blendv_epi8(
+            othersAt(others,otherBits,numOthers,otherRank),
+            _mm256_add_epi16(_mm256_cvtepu8_epi16(ownRank),_mm256_set1_epi16(short(first))),
+            _mm256_cvtepi8_epi16(isOwn)));
+
+          __m256i groups = _mm256_set1_epi16(15);
+          for (int g=1; g<16; g++)
+            groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(boxes.firstVertex[g])),vertex));
+          const __m128i group = bytesOfWords(groups);
+          auto ofGroup = [&](const void* bytes) {
+            return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
+          };
+
+          // first bits of fields, see fieldsOfVertex
+          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldsOfZero), byte = _mm256_set1_epi16(255);
+          const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),
+            zerosUpper = bytesOfWords(_mm256_srli_epi16(zeros,8));
+          const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(zerosLower,group),
+            _mm_shuffle_epi8(zerosUpper,group)),
+            _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(boxes.fieldBits[3]))));
+          alignas(32) uint16_t at[16];
+          _mm256_store_si256((__m256i*)at,_mm256_srli_epi16(bit,3));
+          alignas(16) uint8_t sizes[4][16]; // bits before the fields, and bits of each of them
+          _mm_store_si128((__m128i*)sizes[0],bytesOfWords(_mm256_and_si256(bit,_mm256_set1_epi16(7))));
+          for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(boxes.fieldBits[k]));
+
+          const uint8_t* const data = (const uint8_t*)block + boxes.verticesBegin/8;
+          for (uint32_t i=0; i<locals && i<16; i+=8)
+          {
+            __m256i halves[2][3];
+            for (uint32_t h=0; h<2; h++)
+            {
+              const uint32_t j = i+4*h;
+              auto four = [&](int k) {
+                return _mm256_cvtepu8_epi64(_mm_cvtsi32_si128(*(const int*)(sizes[k]+j)));
+              };
+              auto load = [&](uint32_t lane) {
+                long long fields;
+                memcpy(&fields,data+at[lane],sizeof(fields));
+                return fields;
+              };
+              __m256i fields = _mm256_srlv_epi64(_mm256_set_epi64x(load(j+3),load(j+2),load(j+1),load(j)),four(0));
+              for (int k=0; k<3; k++) {
+                const __m256i size = four(k+1);
+                halves[h][k] = _mm256_andnot_si256(_mm256_sllv_epi64(_mm256_set1_epi64x(-1),size),fields);
+                fields = _mm256_srlv_epi64(fields,size);
+              }
+            }
+            const __m256i of = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(i == 0 ? _mm_cvtsi128_si64(group)
+              : _mm_extract_epi64(group,1)));
+            for (int k=0; k<3; k++)
+            {
+              const __m256i packed = _mm256_permute4x64_epi64(_mm256_castps_si256(_mm256_shuffle_ps(
+                _mm256_castsi256_ps(halves[0][k]),_mm256_castsi256_ps(halves[1][k]),_MM_SHUFFLE(2,0,2,0))),
+                _MM_SHUFFLE(3,1,2,0));
+              _mm256_store_si256((__m256i*)(coordinates[k]+n+i),
+                _mm256_add_epi32(packed,PerGroup(boxes.lower[k]).at(of)));
+            }
+          }
+        }
+#endif
 
         __forceinline void unshear (uint32_t locals, uint32_t (*coordinates)[32]) const
         {

@@ -43,20 +43,13 @@ namespace embree
         /*! Decodes half of a group at both ends, except for out.key. boxes: of the segment. */
         void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
         {
-          MeshGroup group;
-          MeshDecoder::decode(boxes.first,g,group);
-          setLanes(group,half,out.begin);
+          MeshDecoder::triangles(boxes.first,g,half,out.begin);
           Places places;
           find(boxes.first,g,places);
-          for (uint32_t e=0; e<2; e++)
-          {
-            const uint32_t step = boxes.key.segment+e;
-            float (&at)[3][3][16] = e == 0 ? out.begin.at : out.end;
-            if (step == 0) { gather(group,half,group.positions,at); continue; }
-            alignas(64) float moved[3][32] = {};
-            move(*meshStepOf(block,step),boxes.steps[e],group,places,moved);
-            gather(group,half,moved,at);
-          }
+          const uint32_t segment = boxes.key.segment;
+          const MeshVertices first = out.begin.vertices;
+          if (segment > 0) move(*meshStepOf(block,segment),boxes.steps[0],first,places,out.begin.vertices);
+          move(*meshStepOf(block,segment+1),boxes.steps[1],first,places,out.end);
         }
 
         /*! See primitiveOfMesh. */
@@ -146,7 +139,11 @@ namespace embree
         }
 
         /*! The group that each vertex of a group belongs to, and its index there. */
-        struct Places { uint8_t group[32], index[32]; };
+        struct Places
+        {
+          uint32_t numVertices;
+          uint8_t group[32], index[32];
+        };
 
         void find (const MeshBoxes& boxes, uint32_t g, Places& out) const
         {
@@ -155,6 +152,7 @@ namespace embree
           const MeshTopology at = meshTopology(group,record,meshVertices(block->counts));
           const uint8_t* const data = (const uint8_t*)block + boxes.topologyBegin/8;
           const uint32_t begin = boxes.topology[g], owns = meshBitsAt(data,begin+at.owns,locals);
+          out.numVertices = locals;
           for (uint32_t i=0, own=0, other=0; i<locals; i++)
           {
             if ((owns >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
@@ -168,11 +166,11 @@ namespace embree
 
         /*! Decodes the vertices of a group at a later step, as MeshStepView does. first: the group at the first
          *  step. */
-        static void move (const MeshStep& step, const MeshStepFields& fields,
-                          const MeshGroup& first, const Places& places, float (*out)[32])
+        static void move (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
+                          const Places& places, MeshVertices& out)
         {
           alignas(64) uint32_t rest[3][32]; // coordinates less their predictions
-          for (uint32_t i=0; i<first.numVertices; i++)
+          for (uint32_t i=0; i<places.numVertices; i++)
           {
             const uint32_t g = places.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };
             uint32_t at = fields.begin[g] + places.index[i]*(bits[0]+bits[1]+bits[2]);
@@ -182,12 +180,12 @@ namespace embree
           {
             const float origin = step.origin[k], spacing = meshSpacing(step.spacings,k);
             const bool ranked = hasRanks(step.spacings,k);
-            for (uint32_t i=0; i<first.numVertices; i++)
+            for (uint32_t i=0; i<places.numVertices; i++)
             {
-              const float p[3] = { first.positions[0][i],first.positions[1][i],first.positions[2][i] };
+              const float p[3] = { first.at[0][i],first.at[1][i],first.at[2][i] };
               const uint32_t coordinate =
                 predictedCoordinate(predictedPosition(step.map[k],p),origin,step.spacings,k) + rest[k][i];
-              out[k][i] = ranked ? floatOfRank(rankOfFloat(origin)+coordinate)
+              out.at[k][i] = ranked ? floatOfRank(rankOfFloat(origin)+coordinate)
                 : origin + float(int(coordinate))*spacing;
             }
           }

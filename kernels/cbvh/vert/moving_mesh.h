@@ -24,7 +24,7 @@ namespace embree
           : cache(MeshMotionCache::ofThread()), block((const MeshHeader*)block), segment(at.segment),
             fraction(at.fraction)
         {
-          atTime.lane = ~0u;
+          atTime.lane = 255;
         }
 
         /*! Null if the boxes are not decoded. */
@@ -96,16 +96,18 @@ namespace embree
 
         __forceinline void interpolate (uint32_t g, uint32_t half) const
         {
-          atTime.lane = 16*half+g;
-          SegmentTriangles& slot = cache.slot(block,segment,atTime.lane);
-          const SegmentKey key = { block,segment,atTime.lane };
+          const uint32_t lane = 16*half+g;
+          SegmentTriangles& slot = cache.slot(block,segment,lane);
+          const SegmentKey key = { block,segment,lane };
           if (unlikely(!(slot.key == key))) decode(g,half,slot);
-          atTime.lanes = slot.begin.lanes;
+          atTime.lane = uint8_t(lane);
           atTime.isFirstOfTwo = slot.begin.isFirstOfTwo;
+          atTime.lanes = slot.begin.lanes;
+          atTime.numVertices = slot.begin.numVertices;
+          memcpy(atTime.corners,slot.begin.corners,sizeof(atTime.corners));
           const Between between(fraction);
           for (int k=0; k<3; k++)
-            for (int c=0; c<3; c++)
-              between.set(slot.begin.at[k][c],slot.end[k][c],MeshTriangles::width,atTime.at[k][c]);
+            between.set(slot.begin.vertices.at[k],slot.end.at[k],32,atTime.vertices.at[k]);
         }
 
         MeshMotionCache& cache;

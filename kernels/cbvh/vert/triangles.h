@@ -31,7 +31,7 @@ namespace embree
         __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
         {
           for (int k=0; k<3; k++)
-            for (int c=0; c<3; c++) vertices[k][c] = triangles.at[k][c][h];
+            for (int c=0; c<3; c++) vertices[k][c] = triangles.vertices.at[k][triangles.corners[c][h]];
         }
 
         __forceinline Sides sides (const VertRay& ray) const
