@@ -11,6 +11,8 @@
 #   - most scene flags of update, instancing, overlapping_primitives and watertight_subdiv, which run for a minute;
 #   - rays in streams and any hits in update; intersection_filter covers them;
 #   - ray_masks, which also fails without compression;
+#   - watertight_subdiv on the sphere, whose rays start in a cube with corners outside of the smooth surface: correct
+#     rays miss it (precision_leaks and bench_cli count rays that leak);
 #   - memory_consumption and benchmarks, which measure, and get_bounds, because the lattice moves bounds of grids;
 #   - higher intensities: 0.1 gives 3 random scenes per regression test; Embree's default gives 30.
 set -euf
@@ -30,7 +32,8 @@ grep -q "^ *$isa\\." tests || { echo "this machine does not support $isa"; exit 
 tests="buffer_stride.subdivs empty_geometry build.Static build.Dynamic new_delete_geometry enable_disable_geometry
   disable_detach_geometry overlapping_primitives.StaticFast.MediumQuality
   instancing.instancing.StaticFast.MediumQuality instancing.instancing.DynamicCompactRobust.LowQuality
-  interpolate.subdiv intersection_filter.subdiv watertight_subdiv.StaticRobust ray_alignment_test.*.sphere.subdiv
+  interpolate.subdiv intersection_filter.subdiv
+  watertight_subdiv.StaticRobust.*.plane.subdiv ray_alignment_test.*.sphere.subdiv
   buffer_stride.grids interpolate.grid watertight_grids.StaticRobust regression_"
 for rays in 1 4 8 16; do
   for quality in deformable dynamic; do
@@ -41,7 +44,7 @@ for rays in 1 4 8 16; do
 done
 runs=""
 for test in $tests; do
-  case $test in update.*|*subdivs|*.grids|*.sphere.subdiv) end="" ;; *) end=".*" ;; esac
+  case $test in update.*|*subdivs|*.grids|*.sphere.subdiv|*.plane.subdiv) end="" ;; *) end=".*" ;; esac
   runs="$runs --run $isa.$test$end"
 done
 
