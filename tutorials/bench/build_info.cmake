@@ -4,6 +4,8 @@
 # Writes the current commit into a header; runs at every build.
 #   cmake -DSOURCE=... -DOUTPUT=... -P build_info.cmake
 
+cmake_policy(VERSION 3.21)
+
 set(commit "unknown")
 execute_process(COMMAND git -C "${SOURCE}" rev-parse --short=12 HEAD
   OUTPUT_VARIABLE head OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
