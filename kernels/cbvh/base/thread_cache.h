@@ -39,6 +39,24 @@ namespace embree
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
 
+    /*! 1 if caches are large, because the second-level cache of a core holds 1 MiB, otherwise 0. Caches that exceed it
+     *  would evict the scene from it. */
+    extern const size_t largeCaches;
+
+    /*! A direct-mapped array with `count` entries, or twice as many if caches are large. Memory of other entries is
+     *  never touched. */
+    template<typename Entry, size_t count>
+    struct CacheEntries
+    {
+      static __forceinline size_t slot (size_t hash) { return hash % count + (hash/count & largeCaches)*count; }
+      static __forceinline size_t size () { return count + largeCaches*count; }
+
+      __forceinline Entry& operator[] (size_t slot) { return entries[slot]; }
+
+    private:
+      Entry entries[2*count];
+    };
+
     /*! Entries: plain data with clear(), which invalidates all entries. */
     template<typename Entries>
     class ThreadCache : public Entries

@@ -10,12 +10,23 @@
 #include "../vert/mesh_cache.h"
 #include <cstdlib>
 #include <new>
+#include <unistd.h>
 
 namespace embree
 {
   namespace cbvh
   {
     std::atomic<unsigned> cacheGeneration(0);
+
+#if defined(_SC_LEVEL2_CACHE_SIZE)
+    const size_t largeCaches = sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024;
+#else
+    const size_t largeCaches = 0;
+#endif
+
+    /*! Size of a cache that consists of CacheEntries. */
+    template<typename Entries>
+    static size_t bytesOf () { return sizeof(ThreadCache<Entries>)/(2-largeCaches); }
 
     /* Set by the code that maps blocks, so that codecs do not depend on it. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
@@ -24,10 +35,10 @@ namespace embree
     size_t threadCacheBytes (unsigned caches)
     {
       size_t bytes = 0;
-      if (caches & vertCache) bytes += sizeof(ThreadCache<VertEntries>);
-      if (caches & motionCache) bytes += sizeof(ThreadCache<MotionEntries>);
-      if (caches & meshCache) bytes += sizeof(ThreadCache<MeshEntries>);
-      if (caches & meshMotionCache) bytes += sizeof(ThreadCache<MeshMotionEntries>);
+      if (caches & vertCache) bytes += bytesOf<VertEntries>();
+      if (caches & motionCache) bytes += bytesOf<MotionEntries>();
+      if (caches & meshCache) bytes += bytesOf<MeshEntries>();
+      if (caches & meshMotionCache) bytes += bytesOf<MeshMotionEntries>();
 #if !defined(EMBREE_CBVH_NO_PAPER)
       if (caches & nodeCache) bytes += sizeof(ThreadCache<NodeEntries>);
 #endif
@@ -55,9 +66,11 @@ namespace embree
       return *current;
     }
 
-    static_assert(sizeof(VertEntries) < 512*1024 && sizeof(MotionEntries) < 512*1024 && sizeof(MeshEntries) < 512*1024
-      && sizeof(MeshMotionEntries) < 512*1024,
-      "caches must be smaller than 512 KiB, the second-level cache of a core: see docs/performance.md");
+    template<typename Entries>
+    constexpr bool fits () { return sizeof(ThreadCache<Entries>) < 1024*1024; }
+
+    static_assert(fits<VertEntries>() && fits<MotionEntries>() && fits<MeshEntries>() && fits<MeshMotionEntries>(),
+      "large caches must fit into a second-level cache of 1 MiB, others into 512 KiB: see docs/performance.md");
 
 #if !defined(EMBREE_CBVH_NO_PAPER)
     template class ThreadCache<NodeEntries>;

@@ -54,28 +54,28 @@ namespace embree
     {
     public:
       /*! If the slot's `block` differs, the caller must fill the slot and set `block`. */
-      __forceinline VertBoxes& slot (const void* block) { return blocks[slotOfBlock(block,512) % numBlocks]; }
+      __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
       /*! If the slot's key differs, the caller must fill the slot and set the key. */
       static __forceinline size_t slot (const void* block, uint32_t lane) {
-        return (slotOfBlock(block,32) + lane) % numGroups;
+        return Groups::slot(slotOfBlock(block,32) + lane);
       }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
 
       void clear ()
       {
-        for (VertBoxes& block : blocks) block.block = nullptr;
-        for (size_t& key : keys) key = 0;
+        for (size_t i=0; i<blocks.size(); i++) blocks[i].block = nullptr;
+        for (size_t i=0; i<keys.size(); i++) keys[i] = 0;
       }
 
     private:
-      /* Less than 512 KiB, the second-level cache of a core: a larger cache would evict the scene from it. */
-      static const size_t numBlocks = 256, numGroups = 768;
+      static const size_t numGroups = 768;
+      typedef CacheEntries<CellVertices,numGroups> Groups;
 
-      VertBoxes blocks[numBlocks];
-      size_t keys[numGroups];
-      CellVertices groups[numGroups]; //!< in world space
+      CacheEntries<VertBoxes,256> blocks;
+      CacheEntries<size_t,numGroups> keys;
+      Groups groups; //!< in world space
     };
 
     /* --- moving blocks --- */
@@ -123,24 +123,24 @@ namespace embree
     public:
       /*! If the slot's key differs, the caller must fill the slot and set the key. */
       __forceinline Boxes& slot (const void* block, uint32_t segment) {
-        return blocks[(slotOfBlock(block,blockBytes) + segment) % numBlocks];
+        return blocks[blocks.slot(slotOfBlock(block,blockBytes) + segment)];
       }
       __forceinline Group& slot (const void* block, uint32_t segment, uint32_t lane) {
-        return groups[(slotOfBlock(block,groupBytes) + lane + 7*segment) % numGroups];
+        return groups[groups.slot(slotOfBlock(block,groupBytes) + lane + 7*segment)];
       }
 
       void clear ()
       {
-        for (Boxes& block : blocks) block.key.block = nullptr;
-        for (Group& group : groups) group.key.block = nullptr;
+        for (size_t i=0; i<blocks.size(); i++) blocks[i].key.block = nullptr;
+        for (size_t i=0; i<groups.size(); i++) groups[i].key.block = nullptr;
       }
 
     private:
-      Boxes blocks[numBlocks];
-      Group groups[numGroups];
+      CacheEntries<Boxes,numBlocks> blocks;
+      CacheEntries<Group,numGroups> groups;
     };
 
-    typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,240> MotionEntries; // less than 512 KiB
+    typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,240> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;
   }

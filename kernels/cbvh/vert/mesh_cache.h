@@ -55,23 +55,20 @@ namespace embree
     {
     public:
       /*! If the slot's `block` (or `lane`) differs, the caller must fill the slot. */
-      __forceinline MeshBoxes& slot (const void* block) { return blocks[slotOfBlock(block,1024) % numBlocks]; }
+      __forceinline MeshBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
       __forceinline MeshTriangles& slot (const void* block, uint32_t lane) {
-        return groups[(slotOfBlock(block,64) + lane) % numGroups];
+        return groups[groups.slot(slotOfBlock(block,64) + lane)];
       }
 
       void clear ()
       {
-        for (MeshBoxes& block : blocks) block.block = nullptr;
-        for (MeshTriangles& group : groups) group.block = nullptr;
+        for (size_t i=0; i<blocks.size(); i++) blocks[i].block = nullptr;
+        for (size_t i=0; i<groups.size(); i++) groups[i].block = nullptr;
       }
 
     private:
-      /* Together less than 512 KiB, the second-level cache of a core: a larger cache would evict the scene from it. */
-      static const size_t numBlocks = 192, numGroups = 704;
-
-      MeshBoxes blocks[numBlocks];
-      MeshTriangles groups[numGroups];
+      CacheEntries<MeshBoxes,192> blocks;
+      CacheEntries<MeshTriangles,704> groups;
     };
 
     /* --- moving blocks --- */
@@ -105,7 +102,7 @@ namespace embree
       MeshVertices end;
     };
 
-    typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,256> MeshMotionEntries; // less than 512 KiB
+    typedef SegmentEntries<SegmentMeshBoxes,SegmentTriangles,2048,128,112,256> MeshMotionEntries;
     typedef ThreadCache<MeshEntries> MeshCache;
     typedef ThreadCache<MeshMotionEntries> MeshMotionCache;
   }
