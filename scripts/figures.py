@@ -31,7 +31,7 @@ recorded, the commit that published the figure. `scripts/figures.py` writes this
 | machine | properties that were recorded |
 |:--|:--|
 | EPYC AVX2 | AMD, two cores, 512 KiB of L2, 8 MiB of L3 |
-| EPYC AVX-512 | AMD, two cores, 32 MiB of L3 |
+| EPYC AVX-512 | AMD, two cores, 1 MiB of L2, 32 MiB of L3 |
 | EPYC | AMD, two cores |
 | Xeon AVX-512 | Intel, two cores |
 | Xeon 2.50 GHz | Intel, AVX-512 |

@@ -99,7 +99,9 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
           double sheared = 0;
           for (int k = 0; k < 3; k++) {
             const float x = expected.corners[c][k][t];
-            ASSERT_EQ(halves[t/16].vertices.at[k][halves[t/16].corners[c][t%16]], x) << "triangle " << t << ", corner " << c << ", axis " << k;
+            const MeshTriangles& half = halves[t/16];
+            ASSERT_EQ(half.vertices.at[k][half.corners[c][t%16]], x)
+              << "triangle " << t << ", corner " << c << ", axis " << k;
             ASSERT_LE(std::fabs(double(x) - boxes->origin[k]), boxes->extent[k]*(1 + 1e-6));
             sheared += (double(x) - boxes->origin[k])*boxes->shear[k];
             if (k == boxes->axis) continue;

@@ -56,8 +56,9 @@ void expectSegment(const MeshHeader* block, uint32_t segment, float fraction)
       for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++) {
           const uint32_t v = ends[0]->triangles[i][c];
-          const float a = ends[0]->vertices[v][k], b = ends[1]->vertices[v][k], p = atTime.vertices.at[k][atTime.corners[c][lane]];
           const uint32_t local = group->begin.corners[c][lane];
+          ASSERT_EQ(atTime.corners[c][lane], local);
+          const float a = ends[0]->vertices[v][k], b = ends[1]->vertices[v][k], p = atTime.vertices.at[k][local];
           ASSERT_EQ(group->begin.vertices.at[k][local], a) << "group " << g << ", triangle " << t;
           ASSERT_EQ(group->end.at[k][local], b) << "group " << g << ", triangle " << t;
           ASSERT_NEAR(p, (1 - double(fraction))*a + double(fraction)*b, 1e-6*(std::fabs(a) + std::fabs(b)));

@@ -318,7 +318,7 @@ TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_NONE}), 0u);
   for (size_t bytes : {vert, leaf, moving}) {
     EXPECT_GT(bytes, size_t(1) << 16);
-    EXPECT_LE(bytes, size_t(512) << 10);
+    EXPECT_LE(bytes, cacheLimit());
   }
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT}), vert) << "geometries share the caches";
   EXPECT_EQ(bytesOf({RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF}), vert + leaf);

@@ -331,7 +331,7 @@ TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
       ASSERT_EQ(statisticsOf(scene).numIrregularQuads, statisticsOf(scene).numQuads);
       ASSERT_EQ(statisticsOf(scene).numMovingQuads, statisticsOf(scene).numQuads);
       EXPECT_GT(statisticsOf(scene).cacheBytesPerThread, size_t(1) << 16);
-      EXPECT_LE(statisticsOf(scene).cacheBytesPerThread, size_t(512) << 10) << "no other cache is used";
+      EXPECT_LE(statisticsOf(scene).cacheBytesPerThread, cacheLimit()) << "no other cache is used";
       size_t leaks = 0;
       for (const RTCRayHit& ray : raysAtMovingSurface(random, geometry, 12, 2000))
         leaks += !isHit(intersect(scene, ray)) || !occluded(scene, ray);

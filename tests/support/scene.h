@@ -17,6 +17,7 @@
 #include <limits>
 #include <string>
 #include <utility>
+#include <unistd.h>
 #include <vector>
 
 namespace cbvh::test {
@@ -302,6 +303,12 @@ private:
     return settings;
   }
 };
+
+// Largest size of a thread's cache: it must fit into the second-level cache of a core.
+inline size_t cacheLimit()
+{
+  return size_t(sysconf(_SC_LEVEL2_CACHE_SIZE) >= 1024*1024 ? 1024 : 512) << 10;
+}
 
 inline RTCCompressionStatistics statisticsOf(RTCScene scene)
 {
