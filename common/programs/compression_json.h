@@ -11,15 +11,15 @@ namespace cbvh {
 
 inline nlohmann::json compressionJson(const RTCCompressionStatistics& s)
 {
-  return {{"top_level_bytes", s.topLevelBytes}, {"frame_bytes", s.headerBytes},
-          {"node_bytes", s.nodeBytes},          {"leaf_bytes", s.leafBytes},
-          {"grid_bytes", s.uncompressedBytes},          {"blocks", s.numBlocks},
-          {"quads", s.numQuads},                {"grid_quads", s.numUncompressedQuads},
-          {"invalid_quads", s.numInvalidQuads}, {"affine_blocks", s.numAffineBlocks},
-          {"solid_leaves", s.numSolidLeaves},   {"max_leaf_thickness", s.maxLeafThickness},
-          {"raw_blocks", s.numRawBlocks},       {"max_vertex_spacing", s.maxVertexSpacing},
-          {"max_border_gap", s.maxBorderMismatch},   {"max_vertex_deviation", s.maxVertexDeviation},
-          {"exact_quads", s.numExactQuads},     {"exact_quads_share", exactQuadShare(s)},
+  return {{"top_level_bytes", s.topLevelBytes},         {"header_bytes", s.headerBytes},
+          {"node_bytes", s.nodeBytes},                  {"leaf_bytes", s.leafBytes},
+          {"uncompressed_bytes", s.uncompressedBytes},  {"blocks", s.numBlocks},
+          {"quads", s.numQuads},                        {"uncompressed_quads", s.numUncompressedQuads},
+          {"invalid_quads", s.numInvalidQuads},         {"affine_blocks", s.numAffineBlocks},
+          {"solid_leaves", s.numSolidLeaves},           {"max_leaf_thickness", s.maxLeafThickness},
+          {"raw_blocks", s.numRawBlocks},               {"max_vertex_spacing", s.maxVertexSpacing},
+          {"max_border_mismatch", s.maxBorderMismatch}, {"max_vertex_deviation", s.maxVertexDeviation},
+          {"exact_quads", s.numExactQuads},             {"exact_quads_share", exactQuadShare(s)},
           {"flipped_quads", s.numFlippedQuads}};
 }
 

@@ -9,7 +9,7 @@ from .formats import digits, is_known, percent
 LABELS = ("NAIVE", "NAIVE-compact", "GRID", "cGRID^2", "cGRID^3", "cVOXEL^2", "cVOXEL^3", "cLEAF-only^2")
 LABELS += ("cLEAF-only^3", "cVERT")
 LEVELS = (4, 5, 6)
-COLUMNS = {"leaves": "leaf_bytes", "nodes of blocks": "compression_node_bytes", "frames": "compression_frame_bytes"}
+COLUMNS = {"leaves": "leaf_bytes", "nodes of blocks": "compression_node_bytes", "frames": "compression_header_bytes"}
 COLORS = {"leaves": "#9ec9e2", "nodes of blocks": f.BLUE, "frames": f.ORANGE, "tree above": "#5b6875"}
 
 

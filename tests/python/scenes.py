@@ -211,8 +211,8 @@ class Building(unittest.TestCase):
             self.assertEqual("compression" in s, name not in ("naive", "naive-compact", "grid"))
             if "compression" in s:
                 c = s["compression"]
-                self.assertEqual(c["quads"] + c["grid_quads"], s["quads"])
-                self.assertLessEqual(c["node_bytes"] + c["leaf_bytes"] + c["frame_bytes"], s["live_bytes"])
+                self.assertEqual(c["quads"] + c["uncompressed_quads"], s["quads"])
+                self.assertLessEqual(c["node_bytes"] + c["leaf_bytes"] + c["header_bytes"], s["live_bytes"])
         self.assertLess(kept["cvert"]["live_bytes"], kept["cgrid"]["live_bytes"])
         self.assertLess(kept["cgrid"]["live_bytes"], kept["grid"]["live_bytes"])
         self.assertLess(kept["grid"]["live_bytes"], kept["naive-compact"]["live_bytes"])
