@@ -8,15 +8,13 @@
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
-#include "codec/annotated_block.h"
+#include "codec/format_pages.h"
 #include "support/moving_mesh.h"
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <map>
 #include <memory>
-#include <sstream>
 
 namespace cbvh::test {
 namespace {
@@ -419,34 +417,24 @@ MovingMesh annotatedMesh()
 
 TEST(MeshMotion, EncoderWritesAnnotatedBlock)
 {
-  const std::vector<int> annotated = annotatedBytes(FORMATS "/mesh_motion.md");
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   const MovingMesh mesh = annotatedMesh();
   const auto blocks = encode(*encoder, mesh, 16, statistics);
   expectMesh(mesh, blocks);
   ASSERT_EQ(blocks.size(), 1u);
-  const uint8_t* const bytes = (const uint8_t*)blocks[0].words.data();
-  EXPECT_EQ(std::vector<int>(bytes, bytes + blocks[0].size()), annotated);
+  expectAnnotatedBytes(blocks[0].block(), blocks[0].size(), "mesh_motion.md");
 }
 
-TEST(MeshMotion, ConstantsMatchPage)
+TEST(MeshMotion, ConstantsAndFieldsMatchPage)
 {
-  std::ifstream file(FORMATS "/mesh_motion.md");
-  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  std::ostringstream table;
-  table << "| constant | value |\n|:--|--:|\n";
-  const std::pair<const char*, size_t> constants[] = {
+  expectConstants("mesh_motion.md", {
     {"format version, `movingMeshFormatVersion`", movingMeshFormatVersion},
     {"bytes of the motion section", sizeof(VertMotion)}, {"bytes of the header of a step", meshStepBytes},
-    {"bytes of a record of a step", meshStepRecordBytes}, {"time steps, at most", maxTimeSteps}};
-  for (const auto& constant : constants) table << "| " << constant.first << " | " << constant.second << " |\n";
-  EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"),
-    std::string::npos) << "mesh_motion.md must contain\n" << table.str();
-  const std::pair<const char*, size_t> fields[] = {{"origin", offsetof(MeshStep, origin)},
-    {"spacings", offsetof(MeshStep, spacings)}, {"map", offsetof(MeshStep, map)}, {"form", offsetof(MeshStep, form)}};
-  for (const auto& field : fields)
-    EXPECT_NE(page.find("\n| " + std::to_string(field.second) + " | "), std::string::npos) << field.first;
+    {"bytes of a record of a step", meshStepRecordBytes}, {"time steps, at most", maxTimeSteps}});
+  expectRows("mesh_motion.md", "A later step", {
+    {"origin", offsetof(MeshStep, origin)}, {"spacings", offsetof(MeshStep, spacings)},
+    {"map", offsetof(MeshStep, map)}, {"form", offsetof(MeshStep, form)}}, 0, meshStepBytes);
 }
 
 } // namespace
