@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damaged mesh blocks, still and moving, are rejected with a reason, or decoded without reading other bytes. Each block is an allocation
- * of exactly its size, so that a sanitizer detects reads beyond its end. */
+/* Damaged mesh blocks, still and moving, are rejected with a reason, or decoded without reading other bytes. Each block
+ * is an allocation of exactly its size, so that a sanitizer detects reads beyond its end. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"

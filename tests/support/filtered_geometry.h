@@ -32,7 +32,7 @@ inline void filterByValues(const RTCFilterFunctionNArguments* args)
 }
 
 // Expects the same hits with and without compression from a geometry with a mask and filters, in its own scene and in
-// an instance of it, which moves if the geometry does. newGeometry(compression) returns a geometry that is not attached.
+// an instance of it, which moves if the geometry does. newGeometry(compression) returns a geometry without a scene.
 template<typename NewGeometry>
 void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool moves,
                             std::vector<RTCRayHit> rays, double slack, size_t maxOthers = 0)

@@ -39,8 +39,8 @@ inline double cosine(const RTCRayHit& r)
   return std::fabs(dot(d, n))/std::sqrt(dot(d, d)*dot(n, n));
 }
 
-// slack: tolerance of parameters for rays that do not graze. maxOthers: number of rays that may hit another primitive or
-// none, because they graze an edge, where floats differ.
+// slack: tolerance of parameters for rays that do not graze. maxOthers: number of rays that may hit another primitive
+// or none, because they graze an edge, where floats differ.
 inline void expectSameHits(const std::vector<RTCRayHit>& expected, const std::vector<RTCRayHit>& found,
                            double slack = 1e-4, size_t maxOthers = 0)
 {
