@@ -6,7 +6,7 @@
 #ifndef CBVH_RAY_ORDER_H
 #define CBVH_RAY_ORDER_H
 
-#include "../cbvh/base/language.h"
+#include "../cbvh/base/codec.h"
 
 CBVH_BEGIN
 

@@ -4,6 +4,7 @@
 /* Layout of blocks: compares sizes, offsets and annotated blocks with framed_block.md. The test reads the page's
  * tables, so that code and page cannot diverge. */
 
+#include "codec/format_pages.h"
 #include "support/encoded_block.h"
 
 #include "kernels/cbvh/base/primitive_type.h"
@@ -12,7 +13,6 @@
 
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -125,39 +125,21 @@ TEST(BlockFormat, CGridStoresVerticesExactlyAndNonFiniteOnesAsNaN)
   }
 }
 
-// Returns the lines of a section of a page, up to the next heading. FORMATS is the folder of the pages.
-std::vector<std::string> section(const std::string& page, const std::string& heading)
-{
-  std::ifstream file(FORMATS "/" + page);
-  std::vector<std::string> lines;
-  bool inside = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.compare(0, 1, "#") == 0) inside = line == heading;
-    else if (inside) lines.push_back(line);
-  }
-  EXPECT_FALSE(lines.empty()) << page << " has no section " << heading;
-  return lines;
-}
-
-// The table of constants, generated from the code.
 TEST(BlockFormat, ConstantsMatchPage)
 {
-  std::ostringstream table;
-  table << "| format version, `formatVersion` | " << formatVersion << " |\n| alignment of a block, bytes | "
-        << blockAlignment << " |\n| type of a block in the tree | " << FRAMED_BLOCK << " |\n| bytes of the header | "
-        << blockHeaderBytes << " |\n| height of a block, at most | " << maxLevel << " |\n";
-  std::string text;
-  for (const std::string& line : section("framed_block.md", "# Format of a block with a frame")) text += line + "\n";
-  EXPECT_NE(text.find("| constant | value |\n|:--|--:|\n" + table.str() + "\n"), std::string::npos)
-    << "the page must contain\n"
-    << table.str();
+  expectConstants("framed_block.md", {{"format version, `formatVersion`", formatVersion},
+                                      {"alignment of a block, bytes", blockAlignment},
+                                      {"type of a block in the tree", FRAMED_BLOCK},
+                                      {"bytes of the header", blockHeaderBytes},
+                                      {"height of a block, at most", maxLevel}});
 }
 
 // Rows "| h | cGRID | cVOXEL | cLEAF |".
 TEST(BlockFormat, SizesMatchPage)
 {
   uint32_t rows = 0;
-  for (const std::string& line : section("framed_block.md", "## Sizes")) {
+  std::istringstream lines(section("framed_block.md", "Sizes"));
+  for (std::string line; std::getline(lines, line);) {
     unsigned height, bytes[3];
     if (std::sscanf(line.c_str(), "| %u | %u | %u | %u |", &height, bytes, bytes + 1, bytes + 2) != 4) continue;
     EXPECT_EQ(height, rows++);
@@ -165,34 +147,6 @@ TEST(BlockFormat, SizesMatchPage)
       EXPECT_EQ(bytes[kind], blockLayout(kind, height).bytes) << line;
   }
   EXPECT_EQ(rows, maxLevel + 1);
-}
-
-// Rows "| offset | `bytes` | meaning |" of a section.
-std::vector<uint8_t> annotatedBytes(const std::string& heading)
-{
-  std::vector<uint8_t> bytes;
-  for (const std::string& line : section("framed_example.md", heading)) {
-    unsigned offset;
-    if (std::sscanf(line.c_str(), "| %u | `", &offset) != 1) continue;
-    EXPECT_EQ(offset, bytes.size()) << line;
-    const size_t begin = line.find('`') + 1;
-    std::istringstream row(line.substr(begin, line.find('`', begin) - begin));
-    for (unsigned byte; row >> std::hex >> byte;) bytes.push_back(uint8_t(byte));
-  }
-  return bytes;
-}
-
-// Formats words as in the tables of the page.
-std::string wordsOf(const std::vector<uint8_t>& bytes)
-{
-  std::ostringstream text;
-  for (size_t i = 0; i < bytes.size(); i++) {
-    char byte[4];
-    std::snprintf(byte, sizeof(byte), "%02x ", bytes[i]);
-    if (i % 4 == 0) text << (i ? "\n" : "") << i << ": ";
-    text << byte;
-  }
-  return text.str();
 }
 
 // Vertices (i, j, z), row by row, of a block in framed_example.md.
@@ -209,19 +163,17 @@ void expectAnnotated(const std::string& heading, uint32_t height, const std::vec
   block->surface = 3;
   block->primID = 5;
   block->tiling = blockTiling(2, 1, 0, 0);
-  const std::vector<uint8_t> written((const uint8_t*)block,
-                                     (const uint8_t*)block + blockLayout(kindLeaf, height).bytes);
-  EXPECT_EQ(wordsOf(written), wordsOf(annotatedBytes(heading)));
+  expectAnnotatedBytes(block, blockLayout(kindLeaf, height).bytes, "framed_example.md", heading);
 }
 
 TEST(BlockFormat, EncoderWritesAnnotatedLattice)
 {
-  expectAnnotated("## A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
+  expectAnnotated("A lattice", 1, {0, 0, 0,  0, 1, 2,  0, 2, 4});
 }
 
 TEST(BlockFormat, EncoderWritesAnnotatedLooseGroup)
 {
-  expectAnnotated("## A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
+  expectAnnotated("A loose group", 1, {0, 0.25f, 1.5f,  0.5f, 1, 0,  1, 1.75f, NAN});
 }
 
 TEST(BlockFormat, EncoderWritesAnnotatedBlockOfTwoLevels)
@@ -229,7 +181,7 @@ TEST(BlockFormat, EncoderWritesAnnotatedBlockOfTwoLevels)
   std::vector<float> z;
   for (int j = 0; j <= 4; j++)
     for (int i = 0; i <= 4; i++) z.push_back(float(i*i + 2*j)/4);
-  expectAnnotated("## Two levels of words", 2, z);
+  expectAnnotated("Two levels of words", 2, z);
 }
 
 } // namespace

@@ -8,7 +8,7 @@
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
-#include "codec/annotated_block.h"
+#include "codec/format_pages.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <vector>
 
 namespace cbvh::test {
@@ -515,47 +513,32 @@ Mesh annotatedMesh()
 
 TEST(MeshBlock, EncoderWritesAnnotatedBlock)
 {
-  const std::vector<int> annotated = annotatedBytes(FORMATS "/mesh_block.md");
   auto encoder = std::make_unique<MeshEncoder>();
   MeshStatistics statistics;
   const Mesh mesh = annotatedMesh();
   const auto blocks = encode(*encoder, mesh, 4, statistics);
   expectMesh(mesh, blocks);
   ASSERT_EQ(blocks.size(), 1u);
-  EXPECT_EQ(std::vector<int>(blocks[0]->bytes, blocks[0]->bytes + blocks[0]->size), annotated);
+  expectAnnotatedBytes(blocks[0]->bytes, blocks[0]->size, "mesh_block.md");
 }
 
-TEST(MeshBlock, ConstantsMatchPage)
+TEST(MeshBlock, ConstantsAndFieldsMatchPage)
 {
-  std::ifstream file(FORMATS "/mesh_block.md");
-  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  std::ostringstream table;
-  table << "| constant | value |\n|:--|--:|\n";
-  const std::pair<const char*, uint32_t> constants[] = {
+  expectConstants("mesh_block.md", {
     {"format version, `meshFormatVersion`", meshFormatVersion}, {"kind of a block, `kindOfMesh`", kindOfMesh},
-      {"bytes of the header", meshHeaderBytes},
-    {"bytes of a record", meshRecordBytes}, {"bytes of a box", meshBoxBytes},
-      {"triangles of a block, at most", maxMeshTriangles},
+    {"bytes of the header", meshHeaderBytes}, {"bytes of a record", meshRecordBytes},
+    {"bytes of a box", meshBoxBytes}, {"triangles of a block, at most", maxMeshTriangles},
     {"groups of a block, at most", maxMeshGroups}, {"vertices of a block, at most", maxMeshVertices},
-      {"triangles of a group, at most", maxGroupTriangles},
-    {"vertices of a group, at most", maxGroupVertices}, {"restarts of a group, at most", maxGroupRestarts},
+    {"triangles of a group, at most", maxGroupTriangles}, {"vertices of a group, at most", maxGroupVertices},
+    {"restarts of a group, at most", maxGroupRestarts},
     {"shift of boxes on an axis of ranks, at least", leastRankShift},
-      {"bytes after a block that decoders may read", readPastVert}};
-  for (const auto& constant : constants) table << "| " << constant.first << " | " << constant.second << " |\n";
-  EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"),
-    std::string::npos) << "mesh_block.md must contain\n" << table.str();
-  const std::pair<const char*, size_t> fields[] = {
+    {"bytes after a block that decoders may read", readPastVert}});
+  expectRows("mesh_block.md", "Header", {
     {"origin", offsetof(MeshHeader, origin)}, {"spacings", offsetof(MeshHeader, spacings)},
-      {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},
+    {"surface", offsetof(MeshHeader, surface)}, {"primID", offsetof(MeshHeader, primID)},
     {"bytes", offsetof(MeshHeader, bytes)}, {"motion", offsetof(MeshHeader, motion)},
-      {"groups", offsetof(MeshHeader, groups)}, {"counts", offsetof(MeshHeader, counts)},
-    {"form", offsetof(MeshHeader, form)}};
-  for (const auto& field : fields) {
-    const std::string row = "\n| " + std::to_string(field.second) + " | ";
-    const size_t at = page.find(row);
-    ASSERT_NE(at, std::string::npos) << field.first;
-    EXPECT_NE(page.substr(at, 80).find(std::string("`") + field.first + "`"), std::string::npos) << field.first;
-  }
+    {"groups", offsetof(MeshHeader, groups)}, {"counts", offsetof(MeshHeader, counts)},
+    {"form", offsetof(MeshHeader, form)}}, 0, meshHeaderBytes);
 }
 
 } // namespace

@@ -1,15 +1,14 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Damaged mesh blocks are rejected with a reason, or decoded without reading other bytes. Each block is an allocation
- * of exactly its size, so that a sanitizer detects reads beyond its end. */
+/* Damaged mesh blocks, still and moving, are rejected with a reason, or decoded without reading other bytes. Each block
+ * is an allocation of exactly its size, so that a sanitizer detects reads beyond its end. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
-#include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
-#include "support/random.h"
+#include "support/moving_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -23,10 +22,8 @@ using namespace cvert;
 
 constexpr uint32_t seed = 815;
 
-typedef std::vector<uint32_t> Words; // aligned to 4 bytes, exactly as large as the block
-
-// Blocks of several kinds: sheets and soups, on and off lattices.
-std::vector<Words> someBlocks(Random& random)
+// Still blocks of several kinds: sheets and soups, on and off lattices.
+std::vector<Words> stillBlocks(Random& random)
 {
   std::vector<Words> blocks;
   auto encoder = std::make_unique<MeshEncoder>();
@@ -60,15 +57,35 @@ std::vector<Words> someBlocks(Random& random)
   return blocks;
 }
 
+std::vector<Words> movingBlocks(Random& random)
+{
+  std::vector<Words> blocks;
+  auto encoder = std::make_unique<MeshMotionEncoder>();
+  MeshStatistics statistics;
+  for (int i = 0; i < 16; i++)
+    for (const EncodedBlock& block : encode(*encoder, sheet(random, 1 + random.below(10), 2 + uint32_t(i % 3),
+           i % 2 ? -1000 : -10, i % 4 < 2 ? turned : bent), i % 3 ? 16 : 32, statistics))
+      blocks.push_back(block.words);
+  return blocks;
+}
+
+std::vector<Words> blocksOf(Random& random, bool isMoving)
+{
+  return isMoving ? movingBlocks(random) : stillBlocks(random);
+}
+
 TEST(MeshDamage, GridReadersRejectMeshBlocksByVersion)
 {
   Random random(seed);
-  for (const Words& block : someBlocks(random)) {
-    const Reason reason = validateVert(block.data(), 4*block.size());
-    EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << reason.message();
-    EXPECT_NE(reason.message().find("version 6"), std::string::npos) << reason.message();
-    EXPECT_TRUE(isMeshBlock(block.data()));
-  }
+  for (bool isMoving : {false, true})
+    for (const Words& block : blocksOf(random, isMoving)) {
+      const MeshHeader& header = *(const MeshHeader*)block.data();
+      EXPECT_EQ(versionOfBlock(header.counts, header.form), isMoving ? movingMeshFormatVersion : meshFormatVersion);
+      const Reason reason = validateVert(block.data(), 4*block.size());
+      EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << reason.message();
+      EXPECT_NE(reason.message().find(isMoving ? "version 7" : "version 6"), std::string::npos) << reason.message();
+      EXPECT_TRUE(isMeshBlock(block.data()));
+    }
 }
 
 TEST(MeshDamage, MeshReadersRejectGridBlocks)
@@ -85,65 +102,87 @@ TEST(MeshDamage, MeshReadersRejectGridBlocks)
   EXPECT_FALSE(isMeshBlock(bytes));
 }
 
+void expectUnsupported(Words block, size_t word, uint32_t bit)
+{
+  block[word] ^= 1u << bit;
+  const Reason reason = validateMesh(block.data(), 4*block.size());
+  EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << "word " << word << ", bit " << bit << ": " << reason.message();
+}
+
 TEST(MeshDamage, NewerFeaturesAreUnsupported)
 {
   Random random(seed + 1);
-  const Words block = someBlocks(random)[20];
-  const auto expectUnsupported = [&](size_t word, uint32_t bit) {
-    Words changed = block;
-    changed[word] ^= 1u << bit;
-    const Reason reason = validateMesh(changed.data(), 4*changed.size());
-    EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << "word " << word << ", bit " << bit << ": " << reason.message();
-  };
+  const Words still = stillBlocks(random)[20], moving = movingBlocks(random)[4];
   // kind and version
-  for (uint32_t bit : {14u, 15u, 30u, 31u}) { expectUnsupported(12, bit); expectUnsupported(13, bit); }
-  for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(3, bit);
-  for (uint32_t bit = 27; bit < 30; bit++) expectUnsupported(13, bit);
-  for (uint32_t bit = 0; bit < 32; bit++) expectUnsupported(7, bit); // motion
+  for (uint32_t bit : {14u, 15u, 30u, 31u}) { expectUnsupported(still, 12, bit); expectUnsupported(still, 13, bit); }
+  for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(still, 3, bit);
+  for (uint32_t bit = 27; bit < 30; bit++) expectUnsupported(still, 13, bit);
+  for (uint32_t bit = 0; bit < 32; bit++) expectUnsupported(still, 7, bit); // motion
+  expectUnsupported(moving, 12, 15); // version 6 with motion
+  const MeshHeader* const header = (const MeshHeader*)moving.data();
+  const size_t step = size_t((const uint32_t*)meshStepOf(header, 1) - moving.data());
+  for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(moving, step + 3, bit);
+  for (uint32_t bit = 30; bit < 32; bit++) expectUnsupported(moving, step + 16, bit);
+  expectUnsupported(moving, step + 17, 15);
 }
 
 TEST(MeshDamage, TruncatedBlocksAreRejected)
 {
   Random random(seed + 2);
-  for (const Words& block : someBlocks(random))
-    for (size_t bytes = 0; bytes < 4*block.size(); bytes += bytes < 400 ? 1 : 37) {
-      const Words part(block.begin(), block.begin() + (bytes + 3)/4);
-      ASSERT_TRUE(validateMesh(part.data(), bytes)) << bytes << " of " << 4*block.size() << " bytes";
-    }
+  for (bool isMoving : {false, true})
+    for (const Words& block : blocksOf(random, isMoving))
+      for (size_t bytes = 0; bytes < 4*block.size(); bytes += bytes >= 400 ? 37 : isMoving ? 5 : 1) {
+        const Words part(block.begin(), block.begin() + (bytes + 3)/4);
+        ASSERT_TRUE(validateMesh(part.data(), bytes)) << bytes << " of " << 4*block.size() << " bytes";
+      }
+}
+
+// Decodes a valid block at all steps.
+void decode(const MeshHeader* block)
+{
+  const MeshView view(block);
+  volatile float sum = 0; // reads all vertices
+  float lower[3], upper[3];
+  for (uint32_t g = 0; g < view.groups; g++) view.groupBox(g, lower, upper);
+  for (uint32_t step = 0; step < (isMovingMesh(block) ? motionOfMesh(block).numSteps : 1); step++) {
+    const auto mesh = std::make_unique<DecodedMesh>(block, step);
+    for (uint32_t t = 0; t < mesh->numTriangles; t++)
+      for (uint32_t v : mesh->triangles[t]) {
+        ASSERT_LT(v, mesh->numVertices);
+        sum = sum + mesh->vertices[v][0];
+      }
+    if (step == 0) continue;
+    const MeshStepView later(view, step);
+    for (uint32_t g = 0; g < view.groups; g++) later.groupBox(g, lower, upper);
+  }
 }
 
 TEST(MeshDamage, DamagedBlocksAreRejectedOrDecodedWithinBounds)
 {
   Random random(seed + 3);
-  const std::vector<Words> blocks = someBlocks(random);
-  size_t refused = 0, decoded = 0;
-  float sum = 0;
-  for (int i = 0; i < 60000; i++) {
-    Words words = blocks[random.below(uint32_t(blocks.size()))];
-    uint8_t* const bytes = (uint8_t*)words.data();
-    const uint32_t size = uint32_t(4*words.size());
-    // prefer changes to the header and to records, which have the largest effect
-    for (uint32_t n = 1 + random.below(4); n > 0; n--) {
-      const uint32_t end = std::vector<uint32_t>{meshHeaderBytes, 200, size}[random.below(3)],
-        at = random.below(std::min(end, size));
-      if (random.chance(0.5)) bytes[at] ^= uint8_t(1 << random.below(8));
-      else bytes[at] = uint8_t(random.bits());
-    }
-    if (validateMesh(words.data(), size)) { refused++; continue; }
-    decoded++;
-    const auto mesh = std::make_unique<DecodedMesh>((const MeshHeader*)words.data());
-    for (uint32_t t = 0; t < mesh->numTriangles; t++)
-      for (uint32_t v : mesh->triangles[t]) {
-        ASSERT_LT(v, mesh->numVertices);
-        sum += mesh->vertices[v][0];
+  for (bool isMoving : {false, true}) {
+    const std::vector<Words> blocks = blocksOf(random, isMoving);
+    size_t refused = 0, decoded = 0;
+    for (int i = 0; i < (isMoving ? 30000 : 60000); i++) {
+      Words words = blocks[random.below(uint32_t(blocks.size()))];
+      uint8_t* const bytes = (uint8_t*)words.data();
+      const uint32_t size = uint32_t(4*words.size()), motion = ((const MeshHeader*)bytes)->motion;
+      // prefer changes to headers and records, which have the largest effect
+      const uint32_t ranges[][2] = {{0, meshHeaderBytes}, {motion, motion + (isMoving ? 180 : 200)}, {motion, size},
+        {0, size}};
+      for (uint32_t n = 1 + random.below(4); n > 0; n--) {
+        const uint32_t* const range = ranges[random.below(4)];
+        const uint32_t at = range[0] + random.below(std::min(range[1], size) - range[0]);
+        if (random.chance(0.5)) bytes[at] ^= uint8_t(1 << random.below(8));
+        else bytes[at] = uint8_t(random.bits());
       }
-    const MeshView view((const MeshHeader*)words.data());
-    float lower[3], upper[3];
-    for (uint32_t g = 0; g < view.groups; g++) view.groupBox(g, lower, upper);
+      if (validateMesh(words.data(), size)) { refused++; continue; }
+      decoded++;
+      ASSERT_NO_FATAL_FAILURE(decode((const MeshHeader*)words.data()));
+    }
+    EXPECT_GT(refused, isMoving ? 5000u : 15000u);
+    EXPECT_GT(decoded, 3000u);
   }
-  EXPECT_GT(refused, 15000u);
-  EXPECT_GT(decoded, 3000u);
-  (void)sum;
 }
 
 // Random bytes after a valid header.
@@ -173,9 +212,7 @@ TEST(MeshDamage, RandomBytesAreRejectedOrDecoded)
     if (header.bytes > 4*words.size()) continue;
     if (validateMesh(words.data(), 4*words.size())) continue;
     decoded++;
-    const auto mesh = std::make_unique<DecodedMesh>(&header);
-    for (uint32_t t = 0; t < mesh->numTriangles; t++)
-      for (uint32_t v : mesh->triangles[t]) ASSERT_LT(v, mesh->numVertices);
+    ASSERT_NO_FATAL_FAILURE(decode(&header));
   }
   EXPECT_GT(decoded, 20u);
 }

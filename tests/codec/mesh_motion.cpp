@@ -2,21 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Moving mesh blocks are lossless: vertices have the same floats at every time step, and boxes contain their groups. A
- * second decoder, written from docs/formats/mesh_motion.md, must agree with the first. Rigid motion needs few bytes.
- * Damaged blocks are rejected with a reason, or decoded without reading other bytes. */
+ * second decoder, written from docs/formats/mesh_motion.md, must agree with the first. Rigid motion needs few
+ * bytes. */
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
-#include "kernels/cvert/decoder/validate.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
-#include "codec/annotated_block.h"
+#include "codec/format_pages.h"
 #include "support/moving_mesh.h"
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <map>
 #include <memory>
-#include <sstream>
 
 namespace cbvh::test {
 namespace {
@@ -196,18 +192,8 @@ TEST(MeshMotion, SheetsRoundTripAtEveryStep)
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   for (int i = 0; i < 200; i++) {
-    const double far = std::vector<double>{0, 10, 1e4, 1e6}[i/4 % 4];
-    const Motion motions[4] = {still, turned, bent,
-      [&](const Real& p, double) { return Real{p[0] + random.normal(), p[1], p[2] + random.normal()}; }};
-    const Motion moved = [&](const Real& p, double time) {
-      Real q = motions[i % 4](p, time);
-      for (double& x : q) x += far;
-      return q;
-    };
-    const int exponent = i % 3 == 0 ? -1000 : -int(random.below(16));
-    const MovingMesh mesh = sheet(random, 1 + random.below(14), 2 + random.below(4), exponent, moved);
-    const uint32_t group = std::vector<uint32_t>{1, 3, 16, 32}[random.below(4)];
-    expectMesh(mesh, encode(*encoder, mesh, group, statistics));
+    const MovingMesh mesh = sheetOfSeries(random, i);
+    expectMesh(mesh, encode(*encoder, mesh, anyGroupTriangles(random), statistics));
     if (HasFatalFailure()) FAIL() << "sheet " << i;
   }
   EXPECT_GT(statistics.rankAxes, 30u);
@@ -341,100 +327,6 @@ TEST(MeshMotion, RigidMotionAndBendingNeedFewBytes)
   }
 }
 
-/* --- damage ------------------------------------------------------------------------------ */
-
-std::vector<Words> someBlocks(Random& random)
-{
-  std::vector<Words> blocks;
-  auto encoder = std::make_unique<MeshMotionEncoder>();
-  MeshStatistics statistics;
-  for (int i = 0; i < 16; i++)
-    for (const EncodedBlock& block : encode(*encoder, sheet(random, 1 + random.below(10), 2 + uint32_t(i % 3),
-           i % 2 ? -1000 : -10, i % 4 < 2 ? turned : bent), i % 3 ? 16 : 32, statistics))
-      blocks.push_back(block.words);
-  return blocks;
-}
-
-TEST(MeshMotionDamage, OlderReadersRejectByVersion)
-{
-  Random random(seed + 5);
-  for (const Words& block : someBlocks(random)) {
-    const MeshHeader& header = *(const MeshHeader*)block.data();
-    EXPECT_EQ(versionOfBlock(header.counts, header.form), movingMeshFormatVersion);
-    const Reason reason = validateVert(block.data(), 4*block.size());
-    EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << reason.message();
-    EXPECT_NE(reason.message().find("version 7"), std::string::npos) << reason.message();
-  }
-}
-
-TEST(MeshMotionDamage, ReservedBitsAreUnsupported)
-{
-  Random random(seed + 6);
-  const Words block = someBlocks(random)[4];
-  const MeshHeader& header = *(const MeshHeader*)block.data();
-  const size_t step = (size_t((const uint8_t*)meshStepOf(&header, 1) - (const uint8_t*)&header))/4;
-  const auto expectUnsupported = [&](size_t word, uint32_t bit) {
-    Words changed = block;
-    changed[word] ^= 1u << bit;
-    const Reason reason = validateMesh(changed.data(), 4*changed.size());
-    EXPECT_EQ(reason.code, ErrorCode::UNSUPPORTED) << "word " << word << ", bit " << bit << ": " << reason.message();
-  };
-  expectUnsupported(12, 15); // version 6 with motion
-  for (uint32_t bit = 24; bit < 32; bit++) expectUnsupported(step + 3, bit);
-  for (uint32_t bit = 30; bit < 32; bit++) expectUnsupported(step + 16, bit);
-  expectUnsupported(step + 17, 15);
-}
-
-TEST(MeshMotionDamage, TruncatedBlocksAreRejected)
-{
-  Random random(seed + 7);
-  for (const Words& block : someBlocks(random))
-    for (size_t bytes = 0; bytes < 4*block.size(); bytes += bytes < 300 ? 5 : 23) {
-      const Words part(block.begin(), block.begin() + (bytes + 3)/4);
-      ASSERT_TRUE(validateMesh(part.data(), bytes)) << bytes << " of " << 4*block.size() << " bytes";
-    }
-}
-
-TEST(MeshMotionDamage, DamagedBlocksAreRejectedOrDecodedWithinBounds)
-{
-  Random random(seed + 8);
-  const std::vector<Words> blocks = someBlocks(random);
-  size_t refused = 0, decoded = 0;
-  float sum = 0;
-  for (int i = 0; i < 30000; i++) {
-    Words words = blocks[random.below(uint32_t(blocks.size()))];
-    uint8_t* const bytes = (uint8_t*)words.data();
-    const uint32_t size = uint32_t(4*words.size()), motion = ((const MeshHeader*)bytes)->motion;
-    // prefer changes to the headers, which have the largest effect
-    for (uint32_t n = 1 + random.below(4); n > 0; n--) {
-      const uint32_t kind = random.below(4), at = kind == 0 ? random.below(meshHeaderBytes) : kind == 1
-        ? std::min(motion + random.below(180), size - 1) : kind == 2 ? motion + random.below(size - motion)
-        : random.below(size);
-      if (random.chance(0.5)) bytes[at] ^= uint8_t(1 << random.below(8));
-      else bytes[at] = uint8_t(random.bits());
-    }
-    if (validateMesh(words.data(), size)) { refused++; continue; }
-    decoded++;
-    const MeshView view((const MeshHeader*)words.data());
-    const uint32_t numSteps = isMovingMesh(view.block) ? motionOfMesh(view.block).numSteps : 1;
-    for (uint32_t step = 0; step < numSteps; step++) {
-      const auto mesh = std::make_unique<DecodedMesh>(view.block, step);
-      for (uint32_t t = 0; t < mesh->numTriangles; t++)
-        for (uint32_t v : mesh->triangles[t]) {
-          ASSERT_LT(v, mesh->numVertices);
-          sum += mesh->vertices[v][0];
-        }
-      if (step == 0) continue;
-      const MeshStepView later(view, step);
-      float lower[3], upper[3];
-      for (uint32_t g = 0; g < view.groups; g++) later.groupBox(g, lower, upper);
-    }
-  }
-  EXPECT_GT(refused, 5000u);
-  EXPECT_GT(decoded, 3000u);
-  (void)sum;
-}
-
 /* --- the page ----------------------------------------------------------------------------- */
 
 // Two triangles that turn by a right angle, except for one corner.
@@ -448,34 +340,24 @@ MovingMesh annotatedMesh()
 
 TEST(MeshMotion, EncoderWritesAnnotatedBlock)
 {
-  const std::vector<int> annotated = annotatedBytes(FORMATS "/mesh_motion.md");
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   const MovingMesh mesh = annotatedMesh();
   const auto blocks = encode(*encoder, mesh, 16, statistics);
   expectMesh(mesh, blocks);
   ASSERT_EQ(blocks.size(), 1u);
-  const uint8_t* const bytes = (const uint8_t*)blocks[0].words.data();
-  EXPECT_EQ(std::vector<int>(bytes, bytes + blocks[0].size()), annotated);
+  expectAnnotatedBytes(blocks[0].block(), blocks[0].size(), "mesh_motion.md");
 }
 
-TEST(MeshMotion, ConstantsMatchPage)
+TEST(MeshMotion, ConstantsAndFieldsMatchPage)
 {
-  std::ifstream file(FORMATS "/mesh_motion.md");
-  const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  std::ostringstream table;
-  table << "| constant | value |\n|:--|--:|\n";
-  const std::pair<const char*, size_t> constants[] = {
+  expectConstants("mesh_motion.md", {
     {"format version, `movingMeshFormatVersion`", movingMeshFormatVersion},
     {"bytes of the motion section", sizeof(VertMotion)}, {"bytes of the header of a step", meshStepBytes},
-    {"bytes of a record of a step", meshStepRecordBytes}, {"time steps, at most", maxTimeSteps}};
-  for (const auto& constant : constants) table << "| " << constant.first << " | " << constant.second << " |\n";
-  EXPECT_NE(page.find("-->\n\n" + table.str() + "\n"),
-    std::string::npos) << "mesh_motion.md must contain\n" << table.str();
-  const std::pair<const char*, size_t> fields[] = {{"origin", offsetof(MeshStep, origin)},
-    {"spacings", offsetof(MeshStep, spacings)}, {"map", offsetof(MeshStep, map)}, {"form", offsetof(MeshStep, form)}};
-  for (const auto& field : fields)
-    EXPECT_NE(page.find("\n| " + std::to_string(field.second) + " | "), std::string::npos) << field.first;
+    {"bytes of a record of a step", meshStepRecordBytes}, {"time steps, at most", maxTimeSteps}});
+  expectRows("mesh_motion.md", "A later step", {
+    {"origin", offsetof(MeshStep, origin)}, {"spacings", offsetof(MeshStep, spacings)},
+    {"map", offsetof(MeshStep, map)}, {"form", offsetof(MeshStep, form)}}, 0, meshStepBytes);
 }
 
 } // namespace

@@ -8,7 +8,7 @@
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_block.h"
 #include "kernels/cvert/decoder/validate.h"
-#include "codec/annotated_block.h"
+#include "codec/format_pages.h"
 #include "support/random.h"
 
 #include <gtest/gtest.h>
@@ -423,7 +423,6 @@ TEST(VertBlock, TinyCoordinatesNextToLargeOnesRoundTrip)
 
 TEST(VertBlock, EncoderWritesAnnotatedBlock)
 {
-  const std::vector<int> annotated = annotatedBytes(FORMATS "/block_example.md");
   auto encoder = std::make_unique<VertEncoder>();
   for (int j = 0; j <= 2; j++)
     for (int i = 0; i <= 5; i++) {
@@ -434,7 +433,7 @@ TEST(VertBlock, EncoderWritesAnnotatedBlock)
   VertHeader* block = (VertHeader*)encoded.bytes;
   block->surface = 3;
   block->primID = 5;
-  EXPECT_EQ(std::vector<int>(encoded.bytes, encoded.bytes + encoded.size), annotated);
+  expectAnnotatedBytes(block, encoded.size, "block_example.md");
 }
 
 TEST(VertCell, AllVerticesExceptForCornersHaveFields)

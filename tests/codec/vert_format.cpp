@@ -12,17 +12,14 @@
 #include "kernels/cvert/encoder/numbers_encoder.h"
 #include "kernels/cvert/rule/rule.h"
 #include "kernels/cvert/decoder/validate.h"
+#include "codec/format_pages.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
-#include <fstream>
 #include <functional>
-#include <iterator>
-#include <map>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -33,31 +30,6 @@ namespace {
 using namespace embree::cbvh;
 
 using namespace cvert;
-
-// FORMATS is the folder of the pages.
-std::string page(const std::string& name)
-{
-  std::ifstream file(FORMATS "/" + name);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  EXPECT_FALSE(text.empty()) << name;
-  return text;
-}
-
-struct Constant
-{
-  const char* name;
-  double value;
-};
-
-// Expects that the page has a table of exactly these constants.
-void expectConstants(const std::string& name, const std::vector<Constant>& constants)
-{
-  std::ostringstream table;
-  table << "| constant | value |\n|:--|--:|\n";
-  for (const Constant& constant : constants) table << "| " << constant.name << " | " << constant.value << " |\n";
-  EXPECT_NE(page(name).find("-->\n\n" + table.str() + "\n"), std::string::npos) << name << " must contain\n"
-                                                                                << table.str();
-}
 
 TEST(VertFormat, ConstantsMatchPages)
 {
@@ -114,43 +86,6 @@ TEST(VertFormat, DefaultSpacingMatchesPage)
   }
 }
 
-struct Row
-{
-  size_t offset, bytes;
-  std::string field;
-};
-
-// Rows "| offset | type | `field` | meaning |" of a section.
-std::vector<Row> rowsOf(const std::string& name, const std::string& heading)
-{
-  const std::map<std::string, size_t> bytesOf = {{"float", 4}, {"float[3]", 12}, {"uint32", 4},
-                                                 {"uint16[4][3]", 24}, {"uint16[4]", 8}, {"int8[8]", 8},
-                                                 {"uint32[2]", 8}};
-  const std::string all = page(name);
-  const size_t begin = all.find("\n## " + heading + "\n"), end = all.find("\n## ", begin + 1);
-  EXPECT_NE(begin, std::string::npos) << heading;
-  const std::string part = all.substr(begin, end - begin);
-  const std::regex row("\\| ([0-9]+) \\| ([a-z0-9\\[\\]]+) \\| `([A-Za-z]+)` \\|");
-  std::vector<Row> rows;
-  for (std::sregex_iterator i(part.begin(), part.end(), row), last; i != last; ++i)
-    rows.push_back({size_t(std::stoul((*i)[1])), bytesOf.at((*i)[2]), (*i)[3]});
-  return rows;
-}
-
-// Expects that rows have the fields at these offsets, consecutively, up to the end.
-void expectRows(const std::vector<Row>& rows, const std::map<std::string, size_t>& offsetOf, size_t begin, size_t size)
-{
-  size_t end = begin;
-  for (const Row& row : rows) {
-    EXPECT_EQ(row.offset, end) << row.field;
-    ASSERT_EQ(offsetOf.count(row.field), 1u) << row.field;
-    EXPECT_EQ(row.offset, offsetOf.at(row.field)) << row.field;
-    end = row.offset + row.bytes;
-  }
-  EXPECT_EQ(rows.size(), offsetOf.size());
-  EXPECT_EQ(end, size);
-}
-
 // Bits "| first-last | meaning |" of the table whose head is "| bits of WORD | meaning |", in order.
 struct Bits
 {
@@ -193,7 +128,7 @@ void expectFlag(const Bits& bits, bool (*isSet)(uint32_t))
 
 TEST(VertFormat, HeaderMatchesPage)
 {
-  expectRows(rowsOf("block.md", "Header"),
+  expectRows("block.md", "Header",
              {{"origin", offsetof(VertHeader, origin)},
               {"reach", offsetof(VertHeader, reach)},
               {"surface", offsetof(VertHeader, surface)},
@@ -204,9 +139,9 @@ TEST(VertFormat, HeaderMatchesPage)
               {"boxForm", offsetof(VertHeader, boxForm)},
               {"word", offsetof(VertHeader, word)}},
              0, vertHeaderBytes);
-  expectRows(rowsOf("block.md", "Edges"), {{"edges", vertHeaderBytes}}, vertHeaderBytes,
+  expectRows("block.md", "Edges", {{"edges", vertHeaderBytes}}, vertHeaderBytes,
              vertHeaderBytes + vertEdgesBytes);
-  expectRows(rowsOf("mesh_numbers.md", "When does a block have numbers?"), {{"numbers", vertHeaderBytes}},
+  expectRows("mesh_numbers.md", "When does a block have numbers?", {{"numbers", vertHeaderBytes}},
              vertHeaderBytes, vertHeaderBytes + vertEdgesBytes);
 }
 
@@ -275,13 +210,13 @@ TEST(VertFormat, FieldsMatchPages)
 
 TEST(VertFormat, MotionMatchesPage)
 {
-  expectRows(rowsOf("motion.md", "The motion section"),
+  expectRows("motion.md", "The motion section",
              {{"begin", offsetof(VertMotion, begin)},
               {"end", offsetof(VertMotion, end)},
               {"numSteps", offsetof(VertMotion, numSteps)},
               {"steps", offsetof(VertMotion, steps)}},
              0, vertMotionBytes);
-  expectRows(rowsOf("motion.md", "A later step"),
+  expectRows("motion.md", "A later step",
              {{"origin", offsetof(VertStep, origin)},
               {"boxForm", offsetof(VertStep, boxForm)},
               {"word", offsetof(VertStep, word)},

@@ -153,6 +153,8 @@ std::vector<float> sheet(Surface surface, uint32_t n)
   return vertices;
 }
 
+} // namespace
+
 void writeSeeds(const std::string& directory)
 {
   for (Kind kind : {Kind::GRID, Kind::VOXEL, Kind::LEAF})
@@ -172,31 +174,20 @@ void writeSeeds(const std::string& directory)
         encoder.encode(block, 1, 0, statistics);
         block->surface = block->primID = 0;
         block->tiling = blockTiling(3, 3, 0, 0);
-        for (const RayBytes& ray : seedRays) {
-          const std::string name = directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" +
-                                   std::to_string(surface) + "-" + std::to_string(&ray - seedRays);
-          writeSeed(name, ray, block, block->layout().bytes);
-        }
+        writeSeedsWithRays(directory + "/" + std::to_string(int(kind)) + "-" + std::to_string(height) + "-" +
+                             std::to_string(surface),
+                           block, block->layout().bytes);
       }
 }
 
-} // namespace
 } // namespace cbvh::test
-
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
-{
-  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
   using namespace ::cbvh::test;
   static const World world;
   RayBytes ray;
-  if (size < sizeof(ray) + sizeof(Block)) return 0;
-  memcpy(&ray, data, sizeof(ray));
-  data += sizeof(ray);
-  size -= sizeof(ray);
+  if (!ray.read(data, size, sizeof(Block))) return 0;
 
   Block header;
   memcpy(&header, data, sizeof(header));

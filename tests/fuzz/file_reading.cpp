@@ -142,17 +142,6 @@ std::string withTree(std::string file)
   return file;
 }
 
-void writeSeeds(const std::string& folder)
-{
-  int n = 0;
-  for (uint32_t quads : {1u, 5u, 16u})
-    for (uint32_t numSteps : {1u, 3u}) {
-      const std::string file = fileOf(quads, numSteps);
-      writeSeed(folder + "/" + std::to_string(n++), file);
-      if (numSteps == 1) writeSeed(folder + "/" + std::to_string(n++), withTree(file));
-    }
-}
-
 // --- reading -----------------------------------------------------------------------------------
 
 void decode(const VertHeader* block)
@@ -196,11 +185,19 @@ void read(const std::string& bytes)
 }
 
 } // namespace
-} // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
+void writeSeeds(const std::string& folder)
+{
+  int n = 0;
+  for (uint32_t quads : {1u, 5u, 16u})
+    for (uint32_t numSteps : {1u, 3u}) {
+      const std::string file = fileOf(quads, numSteps);
+      writeSeed(folder + "/" + std::to_string(n++), file);
+      if (numSteps == 1) writeSeed(folder + "/" + std::to_string(n++), withTree(file));
+    }
 }
+
+} // namespace cbvh::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -20,15 +20,8 @@
 
 namespace cbvh::test {
 
-// Calls writeSeeds(folder) for --seeds=FOLDER.
-template<typename WriteSeeds>
-int readArguments(int argc, char** argv, const WriteSeeds& writeSeeds)
-{
-  const std::string option = "--seeds=";
-  for (int i = 1; i < argc; i++)
-    if (option.compare(0, option.size(), argv[i], option.size()) == 0) writeSeeds(argv[i] + option.size());
-  return 0;
-}
+// Writes the initial corpus of a target for --seeds=FOLDER. Each target defines it.
+void writeSeeds(const std::string& folder);
 
 // Writes a file of the corpus.
 inline void writeSeed(const std::string& path, const std::string& bytes)
@@ -55,3 +48,12 @@ private:
 };
 
 } // namespace cbvh::test
+
+extern "C" inline __attribute__((used)) int LLVMFuzzerInitialize(int* argc, char*** argv)
+{
+  const std::string option = "--seeds=";
+  for (int i = 1; i < *argc; i++)
+    if (option.compare(0, option.size(), (*argv)[i], option.size()) == 0)
+      ::cbvh::test::writeSeeds((*argv)[i] + option.size());
+  return 0;
+}

@@ -63,23 +63,15 @@ bool isPrintable(const std::string& lines)
   return std::all_of(lines.begin(), lines.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); });
 }
 
+} // namespace
+
 void writeSeeds(const std::string& folder)
 {
   size_t n = 0;
-  for (const ObjDialect& dialect : objDialects()) {
-    FILE* file = std::fopen((folder + "/" + std::to_string(n++)).c_str(), "wb");
-    REQUIRE(file && std::fwrite(dialect.text.data(), dialect.text.size(), 1, file) == 1);
-    std::fclose(file);
-  }
+  for (const ObjDialect& dialect : objDialects()) writeSeed(folder + "/" + std::to_string(n++), dialect.text);
 }
 
-} // namespace
 } // namespace cbvh::test
-
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
-{
-  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -37,20 +37,6 @@ bool sameVertex(float decoded, float given)
   return std::memcmp(&decoded, &given, sizeof(float)) == 0 || (decoded == 0 && given == 0);
 }
 
-void writeSeeds(const std::string& folder)
-{
-  for (int n = 0; n < 12; n++) {
-    std::vector<uint8_t> bytes(sizeof(Input) + 6*17*17*(n < 3 ? 1 : 2 + (n & 3)));
-    bytes[0] = uint8_t(n % 2 ? 15 : 6);
-    bytes[1] = uint8_t(n % 3 ? 15 : 3);
-    bytes[3] = uint8_t(5 | (n & 2) | (n < 3 ? 0 : 8 | (n & 3) << 4));
-    for (size_t i = sizeof(Input); i < bytes.size(); i++) bytes[i] = uint8_t((i*i >> n) % (n < 4 ? 3 : 200));
-    FILE* file = std::fopen((folder + "/" + std::to_string(n)).c_str(), "wb");
-    REQUIRE(file && std::fwrite(bytes.data(), bytes.size(), 1, file) == 1);
-    std::fclose(file);
-  }
-}
-
 typedef std::vector<std::vector<std::array<float, 3>>> Steps; // vertices row by row
 
 std::vector<uint8_t> bytesOf(const Steps& steps, const VertPlacement& at, float spacing)
@@ -124,12 +110,20 @@ void encode(const uint8_t* data, size_t size)
 }
 
 } // namespace
-} // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
+void writeSeeds(const std::string& folder)
 {
-  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
+  for (int n = 0; n < 12; n++) {
+    std::vector<uint8_t> bytes(sizeof(Input) + 6*17*17*(n < 3 ? 1 : 2 + (n & 3)));
+    bytes[0] = uint8_t(n % 2 ? 15 : 6);
+    bytes[1] = uint8_t(n % 3 ? 15 : 3);
+    bytes[3] = uint8_t(5 | (n & 2) | (n < 3 ? 0 : 8 | (n & 3) << 4));
+    for (size_t i = sizeof(Input); i < bytes.size(); i++) bytes[i] = uint8_t((i*i >> n) % (n < 4 ? 3 : 200));
+    writeSeed(folder + "/" + std::to_string(n), std::string(bytes.begin(), bytes.end()));
+  }
 }
+
+} // namespace cbvh::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -173,7 +173,7 @@ void writeMovingSeeds(const std::string& name, const VertEncoder& still, uint32_
   const size_t bytes = encoder->finish(statistics);
   VertHeader* block = (VertHeader*)memory.data();
   block->surface = block->primID = 0;
-  for (const RayBytes& ray : seedRays) writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, bytes);
+  writeSeedsWithRays(name, block, bytes);
 }
 
 // The vertices of an encoder in a block that numbers its quads by a table, which is stored after its other bytes and
@@ -193,9 +193,10 @@ void writeNumberedSeeds(const std::string& name, VertEncoder& encoder, float spa
   const VertNumbers numbers = {uint32_t(bytes) + gap, bits};
   memcpy(block + 1, &numbers, sizeof(numbers));
   for (uint32_t i = 0; i < table; i++) data[numbers.x + i] = uint8_t(37*i);
-  for (const RayBytes& ray : seedRays)
-    writeSeed(name + "-" + std::to_string(&ray - seedRays), ray, block, numbers.x + table);
+  writeSeedsWithRays(name, block, numbers.x + table);
 }
+
+} // namespace
 
 void writeSeeds(const std::string& directory)
 {
@@ -220,36 +221,21 @@ void writeSeeds(const std::string& directory)
         if (bytes == 0) continue;
         VertHeader* block = (VertHeader*)memory.data();
         block->surface = block->primID = 0;
-        writeMovingSeeds(directory + "/moving-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
-                           std::to_string(surface),
-                         *encoder, block->region, spacing);
-        writeNumberedSeeds(directory + "/numbers-" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
-                             std::to_string(surface),
-                           *encoder, spacing, quadsX, quadsY);
-        for (const RayBytes& ray : seedRays)
-          writeSeed(directory + "/" + std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" +
-                      std::to_string(surface) + "-" + std::to_string(&ray - seedRays),
-                    ray, block, bytes);
+        const std::string name = std::to_string(quadsX) + "-" + std::to_string(quadsY) + "-" + std::to_string(surface);
+        writeMovingSeeds(directory + "/moving-" + name, *encoder, block->region, spacing);
+        writeNumberedSeeds(directory + "/numbers-" + name, *encoder, spacing, quadsX, quadsY);
+        writeSeedsWithRays(directory + "/" + name, block, bytes);
       }
 }
 
-} // namespace
 } // namespace cbvh::test
-
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv)
-{
-  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeSeeds);
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
   using namespace ::cbvh::test;
   static const World world;
   RayBytes ray;
-  if (size < sizeof(ray) + sizeof(VertHeader)) return 0;
-  memcpy(&ray, data, sizeof(ray));
-  data += sizeof(ray);
-  size -= sizeof(ray);
+  if (!ray.read(data, size, sizeof(VertHeader))) return 0;
   const size_t bytes = blockBytes(data, size);
   if (bytes == 0) return 0;
   std::vector<uint8_t> padded(data, data + bytes);

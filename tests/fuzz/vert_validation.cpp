@@ -38,11 +38,10 @@ void decode(const VertHeader* block)
 }
 
 } // namespace
-} // namespace cbvh::test
 
-extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  return ::cbvh::test::readArguments(*argc, *argv, ::cbvh::test::writeBlockSeeds);
-}
+void writeSeeds(const std::string& folder) { writeBlockSeeds(folder); }
+
+} // namespace cbvh::test
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

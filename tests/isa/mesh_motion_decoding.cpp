@@ -79,23 +79,13 @@ TEST(MeshMotionDecoding, SegmentsMatchScalarDecoder)
   auto encoder = std::make_unique<MeshMotionEncoder>();
   MeshStatistics statistics;
   for (int i = 0; i < 120; i++) {
-    const double far = std::vector<double>{0, 10, 1e4, 1e6}[i/4 % 4];
-    const Motion motions[4] = {still, turned, bent,
-      [&](const Real& p, double) { return Real{p[0] + random.normal(), p[1], p[2] + random.normal()}; }};
-    const Motion moved = [&](const Real& p, double time) {
-      Real q = motions[i % 4](p, time);
-      for (double& x : q) x += far;
-      return q;
-    };
-    const uint32_t numSteps = 2 + random.below(4), group = std::vector<uint32_t>{1, 3, 16, 32}[random.below(4)];
-    const MovingMesh mesh =
-      sheet(random, 1 + random.below(14), numSteps, i % 3 == 0 ? -1000 : -int(random.below(16)), moved);
-    for (const EncodedBlock& encoded : encode(*encoder, mesh, group, statistics)) {
+    const MovingMesh mesh = sheetOfSeries(random, i);
+    for (const EncodedBlock& encoded : encode(*encoder, mesh, anyGroupTriangles(random), statistics)) {
       // decoders may read bytes after the block
       Words words = encoded.words;
       words.resize(words.size() + 16);
       embree::cbvh::invalidateThreadCaches();
-      for (uint32_t segment = 0; segment + 1 < numSteps; segment++)
+      for (uint32_t segment = 0; segment + 1 < mesh.steps.size(); segment++)
         for (float fraction : {0.0f, 1.0f, float(random.uniform())}) {
           expectSegment((const MeshHeader*)words.data(), segment, fraction);
           if (HasFatalFailure()) FAIL() << "sheet " << i << ", segment " << segment << ", at " << fraction;

@@ -4,7 +4,7 @@
 /* Coherent packets in cases where they could differ from single rays: inactive lanes, rays that start on the surface,
  * filters, and faces that GRID traces. scene_features.cpp tests simple cases. */
 
-#include "support/filtered_surface.h"
+#include "support/filtered_geometry.h"
 #include "support/random.h"
 #include "support/scene.h"
 

@@ -26,15 +26,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   ASSERT_GE(stats.numQuads, mesh.isTriangleForm() ? mesh.size()/2 : mesh.size());
   ASSERT_GE(stats.numIrregularQuads, stats.numQuads/8);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
-  const std::vector<RTCRayHit> rays = raysAt(random, mesh, 1003);
-  for (QueryForm form : allQueryForms) {
-    SCOPED_TRACE(nameOf(form));
-    const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
-    expectSameHits(expected, closestHits(scene, rays, form), slack);
-    const std::vector<RTCRayHit> any = anyHits(scene, rays, form);
-    for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(expected[i])) << "ray " << i;
-    if (testing::Test::HasFatalFailure()) return;
-  }
+  expectSameQueries(embree, scene, raysAt(random, mesh, 1003), slack);
 }
 
 TEST_P(LooseMeshes, HitsMatchEmbree)
@@ -60,25 +52,9 @@ TEST_P(LooseMeshes, MasksFiltersAndInstances)
   for (const NamedMesh& shape : irregularMeshes(random, lattice)) {
     SCOPED_TRACE(shape.name);
     const DicedMesh& mesh = shape.mesh;
-    Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
-    for (int i = 0; i < 2; i++) {
-      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE);
-      rtcSetGeometryMask(geometry, 2);
-      attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}});
-    }
-    std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
-    for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = i % 5 ? 3 : 1;
-    for (QueryForm form : allQueryForms) {
-      SCOPED_TRACE(nameOf(form));
-      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form),
-        anyOfEmbree = anyHits(scenes[0], rays, form);
-      expectSameHits(expected, closestHits(scenes[1], rays, form), slack);
-      expectSameHits(closestHits(tops[0], rays, form), closestHits(tops[1], rays, form), slack);
-      for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar, anyOfEmbree[i].ray.tfar) << "ray " << i;
-      if (HasFatalFailure()) return;
-    }
+    const auto make = [&](RTCCompression compression) { return newMesh(device, mesh, compression); };
+    ASSERT_NO_FATAL_FAILURE(expectSameFilteredHits(device, make, false, raysAt(random, mesh, 503), slack));
   }
-  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
 // Rays from inside a closed surface at edges and vertices, for any lattice, welded or not.

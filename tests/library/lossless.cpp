@@ -8,7 +8,6 @@
 #include "support/diced.h"
 #include "support/diced_mesh.h"
 #include "support/hit_error.h"
-#include "support/query_forms.h"
 #include "support/random.h"
 #include "support/random_rounds.h"
 #include "support/same_hits.h"
@@ -40,13 +39,7 @@ void expectEmbreesHits(const Embree& embree, const Ours& scene, const Rays& rays
   ASSERT_EQ(stats.maxVertexDeviation, 0);
   ASSERT_EQ(stats.maxVertexSpacing, 0);
   ASSERT_EQ(stats.numRawBlocks, 0u);
-  for (QueryForm form : allQueryForms) {
-    SCOPED_TRACE(nameOf(form));
-    const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
-    ASSERT_NO_FATAL_FAILURE(expectSameHits(expected, closestHits(scene, rays, form), 2e-3));
-    const std::vector<RTCRayHit> any = anyHits(scene, rays, form);
-    for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(expected[i])) << "ray " << i;
-  }
+  expectSameQueries(embree, scene, rays, 2e-3);
 }
 
 TEST_P(Lossless, HitsMatchEmbree)

@@ -64,15 +64,7 @@ void expectEmbreesHits(const Device& device, const DicedMesh& mesh, Random& rand
   ASSERT_EQ(stats.numMeshQuads, stats.numQuads);
   ASSERT_EQ(stats.maxVertexDeviation, 0) << "all vertices are on the lattice";
   ASSERT_EQ(statisticsOf(embree).numQuads, 0u);
-  const std::vector<RTCRayHit> rays = raysAt(random, mesh, count);
-  for (QueryForm form : allQueryForms) {
-    SCOPED_TRACE(nameOf(form));
-    const std::vector<RTCRayHit> expected = closestHits(embree, rays, form);
-    expectSameHits(expected, closestHits(scene, rays, form), slack);
-    const std::vector<RTCRayHit> any = anyHits(scene, rays, form);
-    for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(expected[i])) << "ray " << i;
-    if (testing::Test::HasFatalFailure()) return;
-  }
+  expectSameQueries(embree, scene, raysAt(random, mesh, count), slack);
 }
 
 TEST_P(MeshGeometry, HitsOfQuadsMatchEmbree)
@@ -138,11 +130,7 @@ TEST_P(MeshGeometry, HitsNextToSingleTrianglesMatchEmbree)
   const MeshScene embree(device, mesh, RTC_COMPRESSION_NONE), scene(device, mesh);
   ASSERT_EQ(statisticsOf(scene).numQuads, 48u*48 + 5);
   EXPECT_EQ(statisticsOf(scene).numIrregularQuads, 5u) << "two triangles count as a quad";
-  const std::vector<RTCRayHit> rays = raysAt(random, mesh, 2000);
-  for (QueryForm form : allQueryForms) {
-    SCOPED_TRACE(nameOf(form));
-    expectSameHits(closestHits(embree, rays, form), closestHits(scene, rays, form), slack);
-  }
+  expectSameQueries(embree, scene, raysAt(random, mesh, 2000), slack);
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
@@ -153,29 +141,8 @@ TEST_P(MeshGeometry, MasksFiltersAndInstances)
   Random random(124);
   const DicedMesh sheet = meshOf(dicedSheet(4, 16, lattice), QuadOrder::Recursive, random);
   for (const DicedMesh& mesh : {sheet, trianglesOf(sheet)}) {
-    Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
-    for (int i = 0; i < 2; i++) {
-      RTCGeometry geometry = newMesh(device, mesh, i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE);
-      rtcSetGeometryMask(geometry, 2);
-      attachFiltered(device, geometry, scenes[i], tops[i], {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}});
-    }
-    ASSERT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
-    std::vector<RTCRayHit> rays = raysAt(random, mesh, 503);
-    for (size_t i = 0; i < rays.size(); i++) rays[i].ray.mask = i % 5 ? 3 : 1;
-    for (QueryForm form : allQueryForms) {
-      SCOPED_TRACE(nameOf(form));
-      const std::vector<RTCRayHit> expected = closestHits(scenes[0], rays, form), any = anyHits(scenes[1], rays, form),
-                                   anyOfEmbree = anyHits(scenes[0], rays, form);
-      expectSameHits(expected, closestHits(scenes[1], rays, form), slack);
-      expectSameHits(closestHits(tops[0], rays, form), closestHits(tops[1], rays, form), slack);
-      size_t hits = 0;
-      for (size_t i = 0; i < rays.size(); i++) {
-        ASSERT_EQ(any[i].ray.tfar, anyOfEmbree[i].ray.tfar) << "ray " << i;
-        hits += isHit(expected[i]);
-      }
-      EXPECT_GT(hits, 100u);
-      EXPECT_LT(hits, 450u);
-    }
+    const auto make = [&](RTCCompression compression) { return newMesh(device, mesh, compression); };
+    ASSERT_NO_FATAL_FAILURE(expectSameFilteredHits(device, make, false, raysAt(random, mesh, 503), slack));
   }
 }
 

@@ -56,16 +56,8 @@ TEST_P(MovingSurfaces, HitsMatchEmbreeMotionBlur)
       ASSERT_GT(statistics.numMovingQuads, 0u);
       ASSERT_EQ(statistics.numMovingQuads, statistics.numQuads);
       ASSERT_EQ(statistics.numUncompressedQuads, 0u);
-      const std::vector<RTCRayHit> rays = timedRays(random, 600);
-      for (QueryForm form : allQueryForms) {
-        SCOPED_TRACE(testing::Message() << timeSteps << " steps, " << nameOf(form));
-        ASSERT_NO_FATAL_FAILURE(
-          expectSameHits(closestHits(twins.grid, rays, form), closestHits(twins.scene, rays, form), 1e-3));
-        const std::vector<RTCRayHit> expected = anyHits(twins.grid, rays, form),
-                                     found = anyHits(twins.scene, rays, form);
-        for (size_t i = 0; i < rays.size(); i++)
-          ASSERT_EQ(expected[i].ray.tfar < 0, found[i].ray.tfar < 0) << "ray " << i;
-      }
+      SCOPED_TRACE(testing::Message() << timeSteps << " steps");
+      ASSERT_NO_FATAL_FAILURE(expectSameQueries(twins.grid, twins.scene, timedRays(random, 600), 1e-3));
     }
 }
 
@@ -76,27 +68,12 @@ TEST_P(MovingSurfaces, MasksFiltersAndInstances)
   Device device(GetParam());
   if (!device) GTEST_SKIP();
   Displacement displacement;
-  Scene scenes[2] = {Scene(device), Scene(device)}, tops[2] = {Scene(device), Scene(device)};
-  for (int i = 0; i < 2; i++) {
+  const auto make = [&](RTCCompression compression) {
     SurfaceSettings settings = moving(displacement, 3);
-    settings.compression = i ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
-    settings.mask = 2;
-    RTCGeometry geometry = newSurface(device, cubeCage(), settings);
-    attachFiltered(device, geometry, scenes[i], tops[i],
-                   {{0,1,0, -1,0,0, 0,0,1, 0,0,0.0625f}, {0,1,0, -1,0,0, 0,0,1, 0.5f,0,0.0625f}});
-  }
-  std::vector<RTCRayHit> rays = timedRays(random, 600);
-  for (RTCRayHit& r : rays) r.ray.mask = random.chance(0.9) ? 2 : 1;
-  for (QueryForm form : allQueryForms) {
-    SCOPED_TRACE(nameOf(form));
-    for (int top = 0; top < 2; top++) {
-      Scene* const of = top ? tops : scenes;
-      const std::vector<RTCRayHit> found = closestHits(of[1], rays, form), any = anyHits(of[1], rays, form);
-      ASSERT_NO_FATAL_FAILURE(expectSameHits(closestHits(of[0], rays, form), found, 1e-3));
-      for (size_t i = 0; i < rays.size(); i++) ASSERT_EQ(any[i].ray.tfar < 0, isHit(found[i])) << "ray " << i;
-    }
-  }
-  EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
+    settings.compression = compression;
+    return newSurface(device, cubeCage(), settings);
+  };
+  expectSameFilteredHits(device, make, true, timedRays(random, 600), 1e-3);
 }
 
 // A cage without displacement, so that its surface between two steps is the surface of the interpolated cage.

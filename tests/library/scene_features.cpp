@@ -4,7 +4,7 @@
 /* Features of scenes work for compressed surfaces as for other geometries: settings per geometry, enabling and
  * attaching, instances, masks, filters, packets and streams. */
 
-#include "support/filtered_surface.h"
+#include "support/filtered_geometry.h"
 #include "support/random.h"
 #include "support/scene.h"
 

@@ -246,24 +246,12 @@ assert 0 < 2 * one["faces"] == two["faces"] and 2 * one["quads"] == two["quads"]
 PYTHON
 
 # Ctrl-C after the first level: status 130, and the record contains the complete first level.
-"$program" --scene cube --level 2,8,7 --representation grid,cleaf --rays 2000 --repeat 10 --size 32x32 \
-  --json "$folder/half.json" \
-  >/dev/null 2>"$folder/stderr" &
-process=$!
-for _ in $(seq 600); do
-  [ -e "$folder/half.json" ] && break
-  sleep 0.1
-done
-kill -INT $process
-wait $process
-status=$?
-[ $status = 130 ] || complain "exit status $status after Ctrl-C: $(tail -3 "$folder/stderr")"
-grep -q "cancel*ed" "$folder/stderr" || complain "no message about the cancellation"
+expect_cancellation "[ -e '$folder/half.json' ]" --scene cube --level 2,8,7 --representation grid,cleaf --rays 2000 \
+  --repeat 10 --size 32x32 --json "$folder/half.json"
 /usr/bin/python3 -B -c '
 import json, sys
 record = json.load(open(sys.argv[1]))
 assert not record["complete"] and [g["level"] for g in record["groups"]] == [2]' "$folder/half.json" ||
   complain "the first level is lost"
 
-[ $failures = 0 ] && echo "passed"
-exit $((failures != 0))
+finish

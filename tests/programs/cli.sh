@@ -36,3 +36,27 @@ expect_refusal() {
   lines=$(grep -vc '^  ' "$folder/stderr") # progress is indented
   [ "$lines" = 1 ] || complain "$lines lines on stderr, '$(cat "$folder/stderr")': $*"
 }
+
+# expect_cancellation READY ARGUMENT...: sends Ctrl-C to the program once the command READY succeeds. Expects status 130
+# and a message.
+expect_cancellation() {
+  local ready=$1 process status
+  shift
+  "$program" "$@" >/dev/null 2>"$folder/stderr" &
+  process=$!
+  for _ in $(seq 1200); do
+    eval "$ready" && break
+    sleep 0.05
+  done
+  kill -INT $process
+  wait $process
+  status=$?
+  [ $status = 130 ] || complain "exit status $status after Ctrl-C: $(tail -n 3 "$folder/stderr")"
+  grep -q "^$(basename -- "$program"): canceled" "$folder/stderr" || complain "no message about the cancellation"
+}
+
+# Reports the result of the test and ends it.
+finish() {
+  [ $failures = 0 ] && echo "passed"
+  exit $((failures != 0))
+}

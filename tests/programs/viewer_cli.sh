@@ -149,18 +149,9 @@ awk 'BEGIN { n = 64
   for (y = 0; y < n; y++)
     for (x = 0; x < n; x++) { v = y * (n + 1) + x + 1; print "f", v, v + 1, v + n + 2, v + n + 1 } }' \
   >"$folder/plane.obj"
-"$program" --cage "$folder/plane.obj" --level 8 --screenshot "$folder/out.png" 2>"$folder/stderr" &
-process=$!
-for i in $(seq 600); do
-  grep -q "GRID: build" "$folder/stderr" && break # which comes first, for the camera
-  sleep 0.05
-done
-kill -INT $process
-wait $process
-status=$?
-[ $status = 130 ] || complain "exit status $status after Ctrl-C: $(cat "$folder/stderr")"
-grep -q "^cbvh_viewer: cancel*ed" "$folder/stderr" || complain "no message about the cancellation"
+# GRID is built first, for the camera.
+expect_cancellation "grep -q 'GRID: build' '$folder/stderr'" --cage "$folder/plane.obj" --level 8 \
+  --screenshot "$folder/out.png"
 [ ! -e "$folder/out.png" ] || complain "a file is left after Ctrl-C"
 
-[ $failures = 0 ] && echo "passed"
-exit $((failures != 0))
+finish

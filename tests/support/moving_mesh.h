@@ -125,4 +125,21 @@ inline Real bent(const Real& p, double time)
   return {p[0] + 0.02*time*std::sin(3*p[1]), p[1]*(1 + 0.1*time), p[2] + 0.1*time*p[0]*p[0]};
 }
 
+// The i-th sheet of a series: its motions, distances from the origin, numbers of time steps and lattices vary.
+inline MovingMesh sheetOfSeries(Random& random, int i)
+{
+  const double far = std::vector<double>{0, 10, 1e4, 1e6}[i/4 % 4];
+  const Motion motions[4] = {still, turned, bent,
+    [&](const Real& p, double) { return Real{p[0] + random.normal(), p[1], p[2] + random.normal()}; }};
+  const Motion moved = [&](const Real& p, double time) {
+    Real q = motions[i % 4](p, time);
+    for (double& x : q) x += far;
+    return q;
+  };
+  const int exponent = i % 3 == 0 ? -1000 : -int(random.below(16));
+  return sheet(random, 1 + random.below(14), 2 + random.below(4), exponent, moved);
+}
+
+inline uint32_t anyGroupTriangles(Random& random) { return std::vector<uint32_t>{1, 3, 16, 32}[random.below(4)]; }
+
 } // namespace cbvh::test

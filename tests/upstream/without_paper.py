@@ -22,7 +22,7 @@ SOURCES = ("traversal/intersector1.cpp", "traversal/intersectorK.cpp", "traversa
            "building/builder.cpp", "files/loaded_surface.cpp",
            "core/compression.cpp", "api/settings.cpp")
 LAYOUT = {"block.h", "morton.h"}  # in framed/: headers that identify blocks with frames in files
-MOST_FILES_OF_A_RAY = 48  # static and moving grids of vertices
+MOST_FILES_OF_A_RAY = 45  # static and moving grids of vertices
 MOST_FILES_OF_MESH_BLOCKS = 6  # in addition
 MOVING_MESHES = r"/(moving_mesh|mesh_motion|mesh_motion_decoder|mesh_step_view|mesh_view)\.h$"
 MOST_FILES_OF_MOVING_MESH_BLOCKS = 5  # in addition to these

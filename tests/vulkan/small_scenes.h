@@ -5,6 +5,7 @@
 
 /* Small scenes that are built quickly, and rays at them. */
 
+#include "support/moving_surface.h"
 #include "support/random.h"
 #include "validated_device.h"
 
@@ -58,6 +59,26 @@ inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompress
   settings.frameLevel = 1;
   settings.rate = rate;
   return settings;
+}
+
+// A surface of each kind next to each other, each with its own bit of the mask. The displacements must outlive them.
+inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement (&displacements)[5])
+{
+  for (unsigned i = 0; i < 5; i++) {
+    displacements[i].offset = {0.8f*float(i) - 1.6f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
+    displacements[i].scale = 0.5f;
+    SurfaceSettings settings = displacedSettings(displacements[i], allKinds[i], 16);
+    settings.mask = 1u << i;
+    addSurface(device, scene, i % 2 ? cubeCage() : prismCage(5), settings);
+  }
+}
+
+// Rays for attachMovingInstances: at random times, half of them with random masks.
+inline std::vector<RTCRayHit> maskedTimedRays(Random& random, unsigned count)
+{
+  std::vector<RTCRayHit> rays = timedRays(random, count);
+  for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
+  return rays;
 }
 
 // 30 instances with 1 to 4 time steps, some with a part of the time range, with one of four mask bits.

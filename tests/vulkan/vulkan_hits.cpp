@@ -208,14 +208,7 @@ TEST_F(VulkanHits, MixedScenesMatchCpu)
   Scene scene(embree);
   Displacement displacements[5];
   std::vector<RTCGeometry> surfaces;
-  for (unsigned i = 0; i < 5; i++) {
-    displacements[i].offset = {0.8f*float(i) - 1.6f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
-    displacements[i].scale = 0.5f;
-    SurfaceSettings s = settings(allKinds[i]);
-    s.displacement = &displacements[i];
-    s.mask = 1u << i;
-    addSurface(embree, scene, i % 2 ? cubeCage() : prismCage(5), s);
-  }
+  addSurfacesOfAllKinds(embree, scene, displacements);
   addTriangles(embree, scene, random, 30, 1u << 5);
   rtcDetachGeometry(scene, 2);
   rtcDisableGeometry(rtcGetGeometry(scene, 1));

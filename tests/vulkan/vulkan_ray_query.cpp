@@ -120,9 +120,7 @@ TEST_F(VulkanRayQuery, MeshBlocksMatchComputeShaders)
   rtcCommitScene(inside);
   attachMovingInstances(embree, scene, inside, random);
   rtcCommitScene(scene);
-  std::vector<RTCRayHit> rays = timedRays(random, 10000);
-  for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
-  expectSame(compare(scene, rays));
+  expectSame(compare(scene, maskedTimedRays(random, 10000)));
 }
 
 // Different kinds next to each other with masks, triangles of a mesh, a disabled geometry, and ranges of rays.
@@ -130,14 +128,7 @@ TEST_F(VulkanRayQuery, MixedScenesMatchComputeShaders)
 {
   Scene scene(embree);
   Displacement displacements[5];
-  for (unsigned i = 0; i < 5; i++) {
-    displacements[i].offset = {0.8f*float(i) - 1.6f, 0.3f*float(i % 2), 0.2f*float(i % 3)};
-    displacements[i].scale = 0.5f;
-    SurfaceSettings s = settings(allKinds[i]);
-    s.displacement = &displacements[i];
-    s.mask = 1u << i;
-    addSurface(embree, scene, i % 2 ? cubeCage() : prismCage(5), s);
-  }
+  addSurfacesOfAllKinds(embree, scene, displacements);
   attach(scene, newTriangle(embree, 0.1f));
   attach(scene, newTriangle(embree, -0.2f));
   rtcDisableGeometry(rtcGetGeometry(scene, 1));
@@ -219,9 +210,7 @@ TEST_F(VulkanRayQuery, InstancesMatchComputeShaders)
   addSurface(embree, scene, prismCage(5), settings(RTC_COMPRESSION_VERT));
   attachMovingInstances(embree, scene, inside, random);
   rtcCommitScene(scene);
-  std::vector<RTCRayHit> rays = timedRays(random, 20000);
-  for (size_t i = 0; i < rays.size(); i += 2) rays[i].ray.mask = unsigned(random.below(16));
-  const Differences found = compare(scene, rays);
+  const Differences found = compare(scene, maskedTimedRays(random, 20000));
   expectSame(found, found.hits/1000); // blocks of cLEAF overlap
 }
 

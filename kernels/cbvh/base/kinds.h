@@ -12,7 +12,7 @@
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H
 
-#include "language.h"
+#include "codec.h"
 #include "../../cvert/format/limits.h"
 
 CBVH_BEGIN

@@ -7,7 +7,7 @@
  * Also sums of products that are fused or not as written, whereas compilers may fuse differently in different
  * places. */
 
-#include "language.h"
+#include "codec.h"
 #include "../../cvert/rule/reciprocal.h"
 #include "../embree/simd.h"
 

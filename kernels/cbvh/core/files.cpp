@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "files.h"
-#include "../files/codec_errors.h"
 #include "../files/file_statistics.h"
 #include "../files/loaded_geometry.h"
 #include "../files/loaded_surface.h"
@@ -13,10 +12,19 @@ namespace embree
 {
   namespace core
   {
-    using cbvh::withEmbreeErrors;
-
     namespace
     {
+      /*! Returns the result of function(). Rethrows errors of the codec as errors of Embree. */
+      template<typename Function>
+      auto withEmbreeErrors (const Function& function) -> decltype(function())
+      {
+        try { return function(); }
+        catch (const cvert::Error& error) {
+          throw_RTCError(error.code == cvert::ErrorCode::INVALID_OPERATION ? RTC_ERROR_INVALID_OPERATION
+                                                                           : RTC_ERROR_INVALID_ARGUMENT,error.what());
+        }
+      }
+
       /*! A geometry that can be saved. */
       struct Saved
       {

@@ -6,7 +6,7 @@
 #ifndef CBVH_MORTON_H
 #define CBVH_MORTON_H
 
-#include "../base/language.h"
+#include "../base/codec.h"
 
 CBVH_BEGIN
 

@@ -4,7 +4,7 @@
 #pragma once
 
 
-#include "isa_namespace.h"
+#include "language.h"
 #include <cstdint>
 #include <cstring>
 

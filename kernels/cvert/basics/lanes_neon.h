@@ -6,7 +6,7 @@
 /* Four floats or integers in NEON registers: the operations of lanes_sse.h with the same results, also for NaN and
  * floats beyond the range of integers. */
 
-#include "isa_namespace.h"
+#include "language.h"
 #include <arm_neon.h>
 #include <cmath>
 #include <cstddef>

@@ -5,7 +5,7 @@
 
 /* Four floats or integers in plain C++: the operations of lanes_sse.h, with the same results. */
 
-#include "isa_namespace.h"
+#include "language.h"
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

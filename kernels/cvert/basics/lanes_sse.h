@@ -5,7 +5,7 @@
 
 /* Four floats or integers in an SSE2 register. */
 
-#include "isa_namespace.h"
+#include "language.h"
 #include <immintrin.h>
 #include <cstddef>
 #include <cstdint>

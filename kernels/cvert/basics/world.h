@@ -5,7 +5,7 @@
 
 /* World positions for encoders. */
 
-#include "isa_namespace.h"
+#include "language.h"
 #include <cmath>
 
 namespace cvert { inline namespace CVERT_ISA

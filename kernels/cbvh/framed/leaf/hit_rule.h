@@ -56,7 +56,7 @@
 #ifndef CBVH_HIT_RULE_H
 #define CBVH_HIT_RULE_H
 
-#include "../../base/language.h"
+#include "../../base/codec.h"
 
 CBVH_BEGIN
 

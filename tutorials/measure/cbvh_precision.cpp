@@ -10,6 +10,7 @@
 #include "programs/command_line.h"
 #include "programs/compared_scenes.h"
 #include "programs/run_program.h"
+#include "timed_build.h"
 #include "scenes/motion.h"
 #include "scenes/noise.h"
 
@@ -20,7 +21,6 @@
 
 #include <array>
 #include <cstdio>
-#include <functional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -42,9 +42,6 @@ struct Options
 
 // --- sources --------------------------------------------------------------------------------------
 
-/* Commits a geometry with input. */
-using Commit = std::function<GeometryHandle(const RTCCompressionArguments&)>;
-
 struct Source
 {
   std::string name;
@@ -52,7 +49,7 @@ struct Source
   unsigned steps = 1;
   bool isCage = false;
   Model model; // for the camera
-  std::function<Commit(EmbreeDevice&)> prepare;
+  PrepareGeometry prepare;
 };
 
 /* Vertices and faces, as an application passes them. */
@@ -107,15 +104,7 @@ Source sourceOf(const std::string& name, const Diced& diced, const std::string& 
   source.name = name + ", " + input + motionLabel(unsigned(diced.steps.size()));
   source.numQuads = numQuads;
   source.steps = unsigned(diced.steps.size());
-  source.prepare = [&diced, input](EmbreeDevice& device) -> Commit {
-    const std::shared_ptr<RTCGeometryTy> geometry(makeGeometry(device, diced, input).release(), GeometryRelease());
-    return [geometry](const RTCCompressionArguments& args) {
-      rtcSetGeometryCompression(geometry.get(), &args);
-      rtcCommitGeometry(geometry.get());
-      rtcRetainGeometry(geometry.get());
-      return GeometryHandle(geometry.get());
-    };
-  };
+  source.prepare = [&diced, input](EmbreeDevice& device) { return commitOf(makeGeometry(device, diced, input)); };
   return source;
 }
 
@@ -251,52 +240,23 @@ Source cageOf(const Options& options, const Model& model)
   source.steps = 1 + unsigned(model.poses.size());
   source.isCage = true;
   source.model = model;
-  source.prepare = [&model, level = options.compared.level](EmbreeDevice& device) -> Commit {
-    const auto topology = std::make_shared<SharedTopology>(device, model.cage, model.poses);
-    const auto context = std::make_shared<DisplacementContext>();
-    context->displacement = model.displacement.get();
-    context->level = level;
-    return [=](const RTCCompressionArguments& args) { return topology->makeGeometry(Placement(), *context, &args); };
-  };
+  source.prepare = prepareCage(model, options.compared.level);
   return source;
 }
 
 // --- measurements ------------------------------------------------------------------------------
 
-class Built
+class Built : public TimedBuild
 {
 public:
   Built(const Source& source, const ComparedScenes& compared, RTCCompression compression, float maxError)
-    : device(compared.deviceConfig())
+    : TimedBuild(source.prepare, compared, compression, maxError)
   {
-    RTCCompressionArguments args;
-    rtcInitCompressionArguments(&args);
-    args.compression = compression;
-    args.maxError = maxError;
-    for (unsigned i = 0; i < compared.repeat; i++)
-    {
-      scene.reset();
-      geometry.reset();
-      commit = source.prepare(device);
-      const size_t before = device.memory().live();
-      seconds.push_back(processorSecondsOf(CLOCK_PROCESS_CPUTIME_ID, [&] {
-        geometry = commit(args);
-        scene.reset(rtcNewScene(device.handle()));
-        rtcAttachGeometry(scene.get(), geometry.get());
-        rtcCommitScene(scene.get());
-      }));
-      device.check("committing");
-      bytes = double(device.memory().live() - before);
-    }
-    rtcGetSceneCompressionStatistics(scene.get(), &statistics);
-    device.check("reading statistics");
     if ((compression == RTC_COMPRESSION_VERT) != (statistics.numQuads == source.numQuads))
       throw Error(source.name + ": " + std::to_string(statistics.numQuads) + " of " +
                   std::to_string(source.numQuads) + " quads are compressed: expected " +
                   (compression == RTC_COMPRESSION_VERT ? "all" : "none"));
   }
-
-  RTCScene handle() const { return scene.get(); }
 
   /* All stored vertices at all time steps, in the same order for each precision. */
   std::vector<Vec3f> vertices(unsigned steps)
@@ -335,16 +295,6 @@ private:
     static_cast<std::vector<Part>*>(out)->push_back(std::move(copy));
     return true;
   }
-
-  EmbreeDevice device;
-  Commit commit;
-  GeometryHandle geometry;
-  SceneHandle scene; // released before its device
-
-public:
-  std::vector<double> seconds; // processor time of all threads
-  double bytes = 0;            // excludes the application's buffers
-  RTCCompressionStatistics statistics{};
 };
 
 /* Along u. Includes distances between ends of rows, which are few. */
@@ -381,7 +331,7 @@ void measure(const Options& options, const Source& source)
       other = std::make_unique<Built>(source, compared, RTC_COMPRESSION_VERT, float(precision.second));
     Built& built = other ? *other : exact;
     std::printf("| %s | %.2f | %s | %.1f | %.2f |", source.name.c_str(), quads * 1e-6, precision.first.c_str(),
-                embree.bytes / quads, built.bytes / quads);
+                double(embree.bytes) / quads, double(built.bytes) / quads);
     const std::pair<TimedQuery, const std::vector<RTCRayHit>&> sets[] = {{TimedQuery::Single, picture.primary},
         {TimedQuery::Single, picture.bounces}, {TimedQuery::AnyHit, picture.bounces}};
     {
@@ -391,8 +341,8 @@ void measure(const Options& options, const Source& source)
         printSpread(interleavedSpeedups(embree.handle(), built.handle(), set.second, set.first, compared.repeat, hits));
     }
     std::vector<double> times;
-    for (double seconds : built.seconds)
-      times.push_back(seconds / median(embree.seconds));
+    for (double seconds : built.processorSeconds)
+      times.push_back(seconds / median(embree.processorSeconds));
     printSpread(times);
     const std::vector<Vec3f> found = built.vertices(source.steps);
     if (found.size() != expected.size())

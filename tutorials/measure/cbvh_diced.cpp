@@ -9,13 +9,13 @@
 #include "programs/command_line.h"
 #include "programs/compared_scenes.h"
 #include "programs/run_program.h"
+#include "timed_build.h"
 
 #include <CLI/CLI.hpp>
 #include <embree3/rtcore.h>
 #include <embree3/rtcore_compression.h>
 
 #include <cstdio>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,54 +30,6 @@ struct Options
   bool compact = false;
 };
 
-class Built
-{
-public:
-  using MakeGeometry = std::function<GeometryHandle(EmbreeDevice&)>;
-
-  Built(const MakeGeometry& makeGeometry, const ComparedScenes& compared, bool compressed, RTCSceneFlags flags)
-    : device(compared.deviceConfig())
-  {
-    for (unsigned i = 0; i < compared.repeat; i++)
-    {
-      scene.reset();
-      const size_t empty = device.memory().live();
-      GeometryHandle geometry = makeGeometry(device);
-      inputBytes = device.memory().live() - empty;
-      RTCCompressionArguments args;
-      rtcInitCompressionArguments(&args);
-      args.compression = compressed ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
-      rtcSetGeometryCompression(geometry.get(), &args);
-      const size_t before = device.memory().live();
-      device.memory().resetPeak();
-      seconds.push_back(secondsOf([&] {
-        rtcCommitGeometry(geometry.get());
-        scene.reset(rtcNewScene(device.handle()));
-        rtcSetSceneFlags(scene.get(), flags);
-        rtcAttachGeometry(scene.get(), geometry.get());
-        rtcCommitScene(scene.get());
-      }));
-      device.check("committing");
-      bytes = device.memory().live() - before;
-      peak = device.memory().peak() - before;
-    }
-    rtcGetSceneCompressionStatistics(scene.get(), &statistics);
-    device.check("reading statistics");
-  }
-
-  RTCScene handle() const { return scene.get(); }
-
-private:
-  EmbreeDevice device;
-  SceneHandle scene; // released before its device
-
-public:
-  std::vector<double> seconds; // of commits
-  size_t inputBytes = 0;       // the application's buffers
-  size_t bytes = 0, peak = 0;  // without these
-  RTCCompressionStatistics statistics{};
-};
-
 /* True if both miss, or both hit at distances that differ by at most `distance`. */
 bool agree(const RTCRayHit& a, const RTCRayHit& b, float distance)
 {
@@ -89,13 +41,13 @@ void measure(const Options& options, const Model& model, const DicedSurface& sur
 {
   const bool isIndexed = input.shape != DicedInput::Grids;
   const QuadMesh mesh = isIndexed ? surface.mesh(input.order) : QuadMesh();
-  const auto makeGeometry = [&](EmbreeDevice& device) {
-    return isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles)
-                     : surface.makeGrids(device, input.gridQuads);
+  const auto prepare = [&](EmbreeDevice& device) {
+    return commitOf(isIndexed ? makeIndexed(device, mesh, input.shape == DicedInput::Triangles)
+                              : surface.makeGrids(device, input.gridQuads));
   };
-  const Built embree(makeGeometry, options.compared, false,
-                     options.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
-  const Built ours(makeGeometry, options.compared, true, RTC_SCENE_FLAG_NONE);
+  const TimedBuild embree(prepare, options.compared, RTC_COMPRESSION_NONE, -1,
+                          options.compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
+  const TimedBuild ours(prepare, options.compared, RTC_COMPRESSION_VERT);
   const PictureRays picture(model, embree.handle(), options.compared.side, false);
   const std::vector<RTCRayHit>* const sets[3] = {&picture.primary, &picture.tiles, &picture.bounces};
   std::vector<RTCRayHit> hits[2];

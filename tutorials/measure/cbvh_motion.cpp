@@ -11,6 +11,7 @@
 #include "programs/command_line.h"
 #include "programs/compared_scenes.h"
 #include "programs/run_program.h"
+#include "timed_build.h"
 #include "scenes/motion.h"
 
 #include <CLI/CLI.hpp>
@@ -34,50 +35,6 @@ struct Options
   bool still = false;
 };
 
-class Built
-{
-public:
-  Built(const Model& model, const Options& options, bool compressed, unsigned repeat)
-    : device(options.compared.deviceConfig()), topology(device, model.cage, model.poses)
-  {
-    context.displacement = model.displacement.get();
-    context.level = options.compared.level;
-    for (unsigned i = 0; i < repeat; i++)
-    {
-      scene.reset();
-      RTCCompressionArguments args;
-      rtcInitCompressionArguments(&args);
-      args.compression = compressed ? RTC_COMPRESSION_VERT : RTC_COMPRESSION_NONE;
-      const size_t before = device.memory().live();
-      device.memory().resetPeak();
-      seconds.push_back(secondsOf([&] {
-        const GeometryHandle geometry = topology.makeGeometry(Placement(), context, &args);
-        scene.reset(rtcNewScene(device.handle()));
-        rtcAttachGeometry(scene.get(), geometry.get());
-        rtcCommitScene(scene.get());
-      }));
-      device.check("committing");
-      bytes = device.memory().live() - before;
-      peak = device.memory().peak() - before;
-    }
-    rtcGetSceneCompressionStatistics(scene.get(), &statistics);
-    device.check("reading statistics");
-  }
-
-  RTCScene handle() const { return scene.get(); }
-
-private:
-  EmbreeDevice device;
-  SharedTopology topology;
-  DisplacementContext context;
-  SceneHandle scene; // released before its device
-
-public:
-  std::vector<double> seconds; // of commits
-  size_t bytes = 0, peak = 0;
-  RTCCompressionStatistics statistics{};
-};
-
 constexpr int numQueries = 4; // single rays, bounces, any hit of bounces, packets
 
 /* Speed of `ours` relative to `theirs`. */
@@ -99,13 +56,14 @@ void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsi
 
 void measure(const Options& options, const Model& model)
 {
-  const unsigned repeat = options.compared.repeat;
-  const Built grid(model, options, false, repeat), ours(model, options, true, repeat);
+  const PrepareGeometry prepare = prepareCage(model, options.compared.level);
+  const TimedBuild grid(prepare, options.compared, RTC_COMPRESSION_NONE),
+    ours(prepare, options.compared, RTC_COMPRESSION_VERT);
   const double quads = double(model.layout(options.compared.level).numQuads());
   const PictureRays rays(model, grid.handle(), options.compared.side, true);
   const std::vector<RTCRayHit>& timed = rays.primary;
   double speed[numQueries];
-  compareSpeeds(rays, grid.handle(), ours.handle(), repeat, speed);
+  compareSpeeds(rays, grid.handle(), ours.handle(), options.compared.repeat, speed);
   std::vector<RTCRayHit> hits[2];
   /* in pixels */
   traceTimed(grid.handle(), timed, hits[0], TimedQuery::Single);
