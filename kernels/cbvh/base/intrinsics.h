@@ -24,3 +24,18 @@ __forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
   return vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a),vnegq_s32(counts)));
 }
 #endif
+
+namespace embree
+{
+  /*! Shifts a to the left by one lane, and inserts lane i of b into the last lane. GCC would compile shuffles of two
+   *  vectors to table lookups on NEON. */
+  template<int i>
+  __forceinline __m128 shiftAndInsert (__m128 a, __m128 b)
+  {
+#if defined(__ARM_NEON)
+    return vextq_f32(a,vdupq_laneq_f32(b,i),1);
+#else
+    return _mm_shuffle_ps(a,_mm_shuffle_ps(a,b,_MM_SHUFFLE(i,i,3,3)),_MM_SHUFFLE(2,0,2,1));
+#endif
+  }
+}

@@ -7,6 +7,7 @@
  * or by both. */
 
 #include "cell_fields.h"
+#include "../base/intrinsics.h"
 
 namespace embree
 {
@@ -116,22 +117,16 @@ namespace embree
 #else
         __forceinline explicit QuadCornersV (const CellVector& v) : left(v)
         {
-          right[0] = fourth<0>(v.at[0],v.at[5]);
-          right[1] = fourth<1>(v.at[1],v.at[5]);
-          right[2] = fourth<2>(v.at[2],v.at[5]);
-          right[3] = fourth<3>(v.at[3],v.at[5]);
-          right[4] = fourth<0>(v.at[4],v.last);
+          right[0] = shiftAndInsert<0>(v.at[0],v.at[5]);
+          right[1] = shiftAndInsert<1>(v.at[1],v.at[5]);
+          right[2] = shiftAndInsert<2>(v.at[2],v.at[5]);
+          right[3] = shiftAndInsert<3>(v.at[3],v.at[5]);
+          right[4] = shiftAndInsert<0>(v.at[4],v.last);
         }
 
         __forceinline vfloatV at (int j, int c) const { return (c & 1 ? right : left.at)[j+(c >> 1)]; }
 
       private:
-        /*! Shifts a row to the left by one lane, and inserts lane i of `column` into the last lane. */
-        template<int i>
-        static __forceinline vfloatV fourth (const vfloatV& row, const vfloatV& column) {
-          return _mm_shuffle_ps(row,_mm_shuffle_ps(row,column,_MM_SHUFFLE(i,i,3,3)),_MM_SHUFFLE(2,0,2,1));
-        }
-
         CellVector left;
         vfloatV right[5];
 #endif
