@@ -42,6 +42,9 @@ namespace embree
     /*! About the size of a block of 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
+    /*! Less than the blocks of most parts of a mesh (irregular_blocks.h). */
+    static const size_t smallPieceBytes = 2048;
+
     template<typename Source>
     class BuilderOf final : public SurfaceBuilder
     {
@@ -68,9 +71,10 @@ namespace embree
         const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
-        // Embree's allocator allocates a twentieth of this at a time. If this is not many pieces of a store, it should
-        // be less than one piece, because remainders smaller than a piece stay unused.
-        if (meshBlocks && bytes < size_t(3) << 20) bytes = min(bytes,size_t(20)*BlockStore::fullPieceBytes);
+        // Embree's allocator allocates a twentieth of this at a time, or as much as a larger piece needs. What remains of
+        // an allocation stays unused if the next piece is larger. In the memory of a few mesh blocks, therefore, each piece
+        // has an allocation of its own.
+        if (meshBlocks && bytes < size_t(3) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
         if (loose) loose->prepare(bordersOf(source,0),progress);

@@ -19,8 +19,13 @@ namespace embree
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
-  /*! Bytes in mesh blocks, with their share of the tree. */
-  inline size_t bytesOfMeshTriangles (size_t triangles) { return 13*triangles/2; }
+  /*! As above, for a mesh at the default precision, which takes about 5 bytes per quad. tables: of numbers. */
+  inline size_t bytesOfMeshGrid (size_t quadsX, size_t quadsY, size_t tables) {
+    return bytesOfGridBlocks(quadsX,quadsY,true) + 4*quadsX*quadsY + tables;
+  }
+
+  /*! Bytes in mesh blocks at the default precision, with their share of the tree. */
+  inline size_t bytesOfMeshTriangles (size_t triangles) { return 7*triangles; }
 
   inline size_t bytesOfQuadInEmbree (unsigned numTimeSteps) {
     return numTimeSteps == 1 ? 85 : numTimeSteps == 2 ? 56 : 64;

@@ -15,8 +15,25 @@ namespace embree
     template<typename Mesh>
     void moveToMeshBlocks (const Mesh* mesh, QuadRegions& parts)
     {
-      if (std::none_of(parts.regions.begin(),parts.regions.end(),QuadRegions::isSmallerInMeshBlocks)) return;
       const auto quads = quadsOf(mesh,parts);
+      std::vector<bool> isMoved;
+      size_t numMoved = 0;
+      for (const QuadRegions::Region& region : parts.regions) {
+        isMoved.push_back(QuadRegions::isSmallerInMeshBlocks(region));
+        if (isMoved.back()) numMoved += size_t(region.width)*region.height;
+      }
+      // Where most quads are irregular, the others are regular by accident, and their edges differ much in length. Such
+      // a grid takes more bytes than the estimate. It is smaller only if its numbers at least have a pattern.
+      if (2*numMoved > parts.quads.size())
+      {
+        cbvh::QuadNumbers numbers;
+        cbvh::NumbersEncoder encoder;
+        for (size_t i=0; i<parts.regions.size(); i++)
+          if (QuadRegions::dependsOnNumbers(parts.regions[i]))
+            isMoved[i] = QuadRegions::isSmallerInMeshBlocks(parts.regions[i],
+              bytesOfTables(quads,parts,i,numbers,encoder));
+      }
+      if (std::find(isMoved.begin(),isMoved.end(),true) == isMoved.end()) return;
       cbvh::UnmonitoredVector<unsigned> kept; // regions are not in the order of their quads
       kept.reserve(parts.quads.size());
       size_t regions = 0, regular = 0;
@@ -25,7 +42,7 @@ namespace embree
         const QuadRegions::Region region = parts.regions[i];
         const unsigned* const quadsOfRegion = parts.quads.data()+region.first;
         const size_t count = size_t(region.width)*region.height;
-        if (QuadRegions::isSmallerInMeshBlocks(region)) {
+        if (isMoved[i]) {
           for (size_t k=0; k<count; k++) {
             const unsigned first = quads.number(quadsOfRegion[k]), second = quads.second(quadsOfRegion[k]);
             parts.loose.push_back(first);

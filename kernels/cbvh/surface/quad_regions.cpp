@@ -263,7 +263,7 @@ namespace embree
 
     /*! Estimated bytes of the tables of numbers of all blocks, from a sample of regions. */
     template<typename Mesh>
-    size_t bytesOfTables (const Mesh* mesh, const QuadRegions& found)
+    size_t estimateTables (const Mesh* mesh, const QuadRegions& found)
     {
       const size_t step = found.regions.size()/64 + 1;
       size_t bytes = 0, looked = 0;
@@ -272,11 +272,7 @@ namespace embree
       for (size_t i=0; i<found.regions.size(); i+=step)
       {
         const QuadRegions::Region& r = found.regions[i];
-        numberRegion(quadsOf(mesh,found),found,i,numbers);
-        const unsigned side = cbvh::vertBlockQuads;
-        encoder.set(numbers,0,0,min(r.width,side),min(r.height,side));
-        if (cbvh::haveTable(encoder.form))
-          bytes += size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.form)*encoder.pattern.y/8;
+        bytes += bytesOfTables(quadsOf(mesh,found),found,i,numbers,encoder);
         looked += size_t(r.width)*r.height;
       }
       return size_t(double(bytes)*double(found.numQuads(0,found.regions.size()))/double(max(looked,size_t(1))));
@@ -289,7 +285,7 @@ namespace embree
       if (!other || other->regions.empty()) return;
       auto bytes = [&](const Found& found) {
         const size_t blocks = mesh->numTimeSteps == 1 ? found->bytesWithMeshBlocks() : found->bytesOfBlocks();
-        return blocks + bytesOfTables(mesh,*found);
+        return blocks + estimateTables(mesh,*found);
       };
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
@@ -359,7 +355,13 @@ namespace embree
     return bytes;
   }
 
-  bool QuadRegions::isSmallerInMeshBlocks (const Region& region) { return inMeshBlocks(region) <= inGrid(region); }
+  bool QuadRegions::isSmallerInMeshBlocks (const Region& region, size_t tables) {
+    return inMeshBlocks(region) <= bytesOfMeshGrid(region.width,region.height,tables);
+  }
+
+  bool QuadRegions::dependsOnNumbers (const Region& region) {
+    return isSmallerInMeshBlocks(region,maxTableBytes*region.width*region.height) && !isSmallerInMeshBlocks(region);
+  }
 
   size_t QuadRegions::numQuads (size_t beginRegion, size_t endRegion) const
   {

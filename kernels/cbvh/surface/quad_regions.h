@@ -158,7 +158,11 @@ namespace embree
     /*! As above, for a mesh with one time step: regions are in mesh blocks if those need fewer bytes. */
     size_t bytesWithMeshBlocks () const;
 
-    static bool isSmallerInMeshBlocks (const Region& region);
+    /*! tables: bytes of the region's numbers if they have no pattern (bytesOfTables), or 0 to ignore them. */
+    static bool isSmallerInMeshBlocks (const Region& region, size_t tables = 0);
+
+    /*! True if the bytes of its numbers decide whether a region is smaller in mesh blocks. */
+    static bool dependsOnNumbers (const Region& region);
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
@@ -166,6 +170,10 @@ namespace embree
      *  quads shows that the mesh is not regular. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
+
+  private:
+    /*! Most that bytesOfTables() returns per quad. */
+    static const size_t maxTableBytes = 8;
   };
 
   inline namespace CBVH_ISA
@@ -202,6 +210,19 @@ namespace embree
         out.seconds[k] = quads.second(at[k]);
         out.turns[k] = uint8_t(quads.form(at[k]) & turns);
       }
+    }
+
+    /*! Bytes of the tables of a region's numbers, if all blocks are like the first; 0 if its numbers have a pattern. */
+    template<typename Quads>
+    size_t bytesOfTables (const Quads& quads, const QuadRegions& meshRegions, size_t region,
+                          cbvh::QuadNumbers& numbers, cbvh::NumbersEncoder& encoder)
+    {
+      const QuadRegions::Region& r = meshRegions.regions[region];
+      const unsigned side = cbvh::vertBlockQuads;
+      numberRegion(quads,meshRegions,region,numbers);
+      encoder.set(numbers,0,0,min(r.width,side),min(r.height,side));
+      if (!cbvh::haveTable(encoder.form)) return 0;
+      return size_t(r.width)*r.height*cbvh::entriesPerQuad(encoder.form)*encoder.pattern.y/8;
     }
   }
 }

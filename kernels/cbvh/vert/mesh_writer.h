@@ -26,7 +26,8 @@ namespace embree
       /*! Primitives of a full group. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
 
-      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last cluster. */
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last cluster of a part: the blocks
+       *  of a part are one piece of memory. */
       void write (const cbvh::MeshCenter* cluster, uint32_t count)
       {
         double moved = 0;
@@ -44,7 +45,6 @@ namespace embree
         cbvh::MeshStatistics ofBlocks;
         encoder.encodeCluster(triangles,n,groupTriangles,from.mesh.areHalvesOfQuads(),surface,block,ofBlocks,
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
-        store.flushIfFull();
       }
 
       /*! Adds an encoded block to the statistics. */
