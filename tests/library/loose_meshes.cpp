@@ -107,5 +107,48 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 
+// Blocks of a part of a mesh leave no large remainders of allocations.
+TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
+{
+  for (unsigned side : {150, 180, 205, 230, 255, 290}) {
+    SCOPED_TRACE(side);
+    Memory memory;
+    Device device("threads=1");
+    rtcSetDeviceMemoryMonitorFunction(device, Memory::monitor, &memory);
+    Random random(155);
+    const DicedMesh mesh = irregularTriangles(
+      jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3/side), random);
+    Scene scene(device);
+    const ssize_t before = memory.live;
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+    rtcCommitScene(scene);
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    const double stored =
+      double(stats.topLevelBytes + stats.headerBytes + stats.nodeBytes + stats.leafBytes + stats.inputBytes);
+    EXPECT_LE(double(memory.live - before) - stored, 0.05*stored);
+  }
+}
+
+// In a mesh that is mostly irregular, small grids without an order of their triangles would take more memory.
+TEST(LooseMeshesOfFewBytes, SmallGridsOfIrregularMeshesBecomeMeshBlocks)
+{
+  Device device;
+  Random random(156);
+  const unsigned side = 112;
+  const DicedMesh sheet = jittered(meshOf(dicedSheet(1, side), QuadOrder::Rows, random), random, 0.3/side);
+  DicedMesh regular = sheet, others = sheet;
+  regular.quads.clear();
+  others.quads.clear();
+  for (unsigned i = 0; i < sheet.quads.size(); i++) // of 8 x 7 quads, 5 x 5 are regular
+    (i % side % 8 < 5 && i / side % 7 < 5 ? regular : others).quads.push_back(sheet.quads[i]);
+  DicedMesh mesh = irregularTriangles(others, random);
+  for (const auto& triangle : trianglesOf(regular).triangles) mesh.triangles.push_back(triangle);
+  mesh = withShuffledFaces(mesh, random);
+  const MeshScene mixed(device, mesh), irregular(device, irregularTriangles(sheet, random));
+  const RTCCompressionStatistics stats = statisticsOf(mixed);
+  EXPECT_GE(stats.numIrregularQuads, 0.99*double(stats.numQuads)); // a few regions are larger by chance
+  EXPECT_LE(double(stats.numBlocks), 1.1*double(statisticsOf(irregular).numBlocks));
+}
+
 } // namespace
 } // namespace cbvh::test
