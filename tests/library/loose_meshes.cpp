@@ -110,7 +110,7 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
 // Blocks of a part of a mesh leave no large remainders of allocations.
 TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
 {
-  for (unsigned side : {150, 180, 205, 230, 255, 290}) {
+  for (unsigned side : {150, 180, 205, 230, 255, 290, 520}) {
     SCOPED_TRACE(side);
     Memory memory;
     Device device("threads=1");

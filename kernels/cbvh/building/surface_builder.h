@@ -72,9 +72,9 @@ namespace embree
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
         // Embree's allocator allocates a twentieth of this at a time, or as much as a larger piece needs. What remains of
-        // an allocation stays unused if the next piece is larger. In the memory of a few mesh blocks, therefore, each piece
+        // an allocation stays unused if the next piece is larger. In 16 MiB of memory or less, therefore, each piece
         // has an allocation of its own.
-        if (meshBlocks && bytes < size_t(3) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
+        if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
         if (loose) loose->prepare(bordersOf(source,0),progress);
