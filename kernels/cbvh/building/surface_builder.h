@@ -71,9 +71,9 @@ namespace embree
         const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
-        // Embree's allocator allocates a twentieth of this at a time, or as much as a larger piece needs. What remains of
-        // an allocation stays unused if the next piece is larger. In 16 MiB of memory or less, therefore, each piece
-        // has an allocation of its own.
+        // Embree's allocator allocates a twentieth of this at a time, or as much as a larger piece needs. The remainder
+        // of an allocation stays unused if the next piece is larger. Up to 16 MiB, each piece therefore has an
+        // allocation of its own.
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
