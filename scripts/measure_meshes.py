@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+# Copyright 2026 The Embree CBVH authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Measures irregular meshes from packages and generated ones for docs/meshes.md: memory, builds, rays, and how far
+vertices move, by default and lossless, compared with Embree's default and compact modes. Prints a table in Markdown.
+
+    scripts/measure_meshes.py PATH/TO/cbvh_render FOLDER [--mesh NAME,...] [--json FILE]
+
+The folder receives packages (by apt-get download and npm pack) and meshes (as OBJ), and is reused. Requires Debian's
+python3-matplotlib and npm. Bytes are per triangle and exclude the application's vertices and indices.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy
+
+from mesh_files import MESHES, write_obj
+
+MODES = {"default": "verbose", "lossless": "max_error=0,verbose"}  # settings of EMBREE_CBVH
+
+
+def obj_of(folder, name):
+    path = folder / f"{name.replace(', ', '-').replace(' ', '_')}.obj"
+    if not path.exists():
+        print(f"{name}: preparing", file=sys.stderr)
+        write_obj(path, MESHES[name][2](folder))
+    return path
+
+
+def shape_of(path):
+    """Numbers of vertices and triangles, and the median length of edges."""
+    vertices, triangles = [], []
+    for line in path.read_text().splitlines():
+        (vertices if line[0] == "v" else triangles).append(line[2:])
+    at = numpy.array(" ".join(vertices).split(), dtype=float).reshape(-1, 3)
+    corners = numpy.array(" ".join(triangles).split(), dtype=int).reshape(-1, 3) - 1
+    edges = at[corners] - at[numpy.roll(corners, 1, axis=1)]
+    return len(at), len(corners), float(numpy.median(numpy.linalg.norm(edges, axis=2)))
+
+
+def render(program, path, folder, settings, options):
+    record = folder / "record.json"
+    command = [program, "--mesh", path, "--representation", "grid,naive-compact,cvert", "--samples", "1", "--threads"]
+    command += [str(options.threads), "--output", folder / "pictures", "--json", record, "--size", options.size]
+    command += ["--speed", "--rays", str(options.rays), "--repeat", str(options.repeat)]
+    done = subprocess.run(
+        list(map(str, command)), env={**os.environ, "EMBREE_CBVH": settings}, capture_output=True, text=True
+    )
+    if done.returncode:
+        sys.exit(f"{' '.join(map(str, command))} failed with {done.returncode}:\n{done.stderr[-2000:]}")
+    return json.loads(record.read_text())["results"]
+
+
+def measure(name, options):
+    """Figures of a mesh, by representation."""
+    path = obj_of(options.folder, name)
+    vertices, triangles, edge = shape_of(path)
+    application = 12 * (vertices + triangles)  # bytes
+    row = {"package": MESHES[name][0], "license": MESHES[name][1], "triangles": triangles, "median_edge": edge}
+    for mode, settings in MODES.items():
+        runs = [render(options.program, path, options.folder, settings, options) for _ in range(options.rounds)]
+        for i, key in enumerate(("embree", "compact", mode)):
+            results = [run[i] for run in runs]
+            first = results[0]
+            row[key] = {
+                "bytes": (first["live_bytes"] - application) / triangles,
+                "peak": (first["peak_bytes"] - application) / triangles,
+                "build": statistics.median(result["build_seconds"] for result in results),
+            }
+            for rays in ("coherent", "incoherent"):
+                for query in ("closest", "any"):
+                    of = [result["speed"][rays][query]["relative_to_grid"] for result in results]
+                    row[key][f"{rays} {query}"] = statistics.median(of)
+            if key == mode:
+                row[key]["moved"] = first["compression"]["max_vertex_deviation"] / edge
+                row[key]["compressed"] = 2 * first["compression"]["quads"] / triangles
+                row[key]["errors"] = first["errors"]
+                row[key]["any_hit_disagreements"] = first["any_hit_disagreements"]
+    return row
+
+
+COLUMNS = ["mesh", "thousand triangles", "Embree, bytes", "compact", "cVERT", "peak", "lossless"]
+COLUMNS += ["Embree, s", "cVERT", "lossless", "coherent", "incoherent", "compact", "lossless", "moved"]
+
+
+def line_of(name, row):
+    embree, compact, ours, exact = (row[key] for key in ("embree", "compact", *MODES))
+
+    def speeds(of):
+        return f"{of['coherent closest']:.2f} {of['incoherent closest']:.2f}"
+
+    cells = [name, f"{row['triangles'] / 1000:.0f}"]
+    cells += [f"{value:.1f}" for value in (embree["bytes"], compact["bytes"])]
+    cells += [f"{value:.2f}" for value in (ours["bytes"], ours["peak"], exact["bytes"])]
+    cells += [f"{of['build']:.3f}" for of in (embree, ours, exact)]
+    cells += [f"{ours[rays + ' closest']:.2f}" for rays in ("coherent", "incoherent")]
+    return "| " + " | ".join([*cells, speeds(compact), speeds(exact), f"{ours['moved']:.4f}"]) + " |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=Path)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--mesh", default=",".join(MESHES).replace(", ", " "), help="names, without their commas")
+    parser.add_argument("--size", default="512x512")
+    parser.add_argument("--rays", type=int, default=0, help="of each set; 0 for one per pixel")
+    parser.add_argument("--repeat", type=int, default=5, help="speed measurements in a run")
+    parser.add_argument("--rounds", type=int, default=1, help="runs, whose medians are printed")
+    parser.add_argument("--threads", type=int, default=1, help="of builds")
+    parser.add_argument("--json", type=Path, help="file that receives all figures")
+    options = parser.parse_args()
+    options.folder = options.folder.resolve()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    known = {name.replace(", ", " "): name for name in MESHES}
+    wanted = options.mesh.split(",")
+    if unknown := [name for name in wanted if name not in known]:
+        parser.error(f"unknown mesh '{unknown[0]}': expected some of {', '.join(known)}")
+    print("| " + " | ".join(COLUMNS) + " |\n|:--" + "|--:" * (len(COLUMNS) - 1) + "|")
+    rows = {}
+    for name in map(known.get, wanted):
+        rows[name] = measure(name, options)
+        print(line_of(name, rows[name]), flush=True)
+        if options.json:
+            options.json.write_text(json.dumps(rows, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
