@@ -22,8 +22,8 @@ namespace embree
         isMoved.push_back(QuadRegions::isSmallerInMeshBlocks(region));
         if (isMoved.back()) numMoved += size_t(region.width)*region.height;
       }
-      // Where most quads are irregular, the others are regular by accident, and their edges differ much in length. Such
-      // a grid takes more bytes than the estimate. It is smaller only if its numbers at least have a pattern.
+      // Where most quads are irregular, the others are regular by accident. In CAD models, such a grid took more bytes
+      // than estimated, and rays were slower. It stays a grid only if its numbers at least do not make it larger.
       if (2*numMoved > parts.quads.size())
       {
         cbvh::QuadNumbers numbers;
