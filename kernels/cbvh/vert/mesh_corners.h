@@ -38,8 +38,8 @@ namespace embree
           const uint8_t* const lanes = corners[c]+n;
 #if defined(__AVX512F__)
           const __m512i vertex = _mm512_cvtepu8_epi32(_mm_load_si128((const __m128i*)lanes));
-          cornerX = vfloatV(_mm512_permutex2var_ps(x[0],vertex,x[1]));
-          cornerY = vfloatV(_mm512_permutex2var_ps(y[0],vertex,y[1]));
+          cornerX = vfloatV(_mm512_permutex2var_ps(x[0],vertex,x[vectors-1]));
+          cornerY = vfloatV(_mm512_permutex2var_ps(y[0],vertex,y[vectors-1]));
 #elif defined(__AVX2__)
           const __m256i vertex = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)lanes));
           const __m256 bit3 = _mm256_castsi256_ps(_mm256_slli_epi32(vertex,28)),
