@@ -39,12 +39,12 @@ namespace embree
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
 
-    /*! 1 if caches are large, because the second-level cache of a core holds 1 MiB, otherwise 0. Caches that exceed it
-     *  would evict the scene from it. */
+    /*! 1 if the second-level cache of a core holds at least 1 MiB, otherwise 0. A thread's cache of decoded blocks must
+     *  fit into it, or it would evict the scene. */
     extern const size_t largeCaches;
 
-    /*! A direct-mapped array with `count` entries, or twice as many if caches are large. Memory of other entries is
-     *  never touched. */
+    /*! A direct-mapped array with `count` entries, or twice as many if largeCaches is 1. Entries that are not used are
+     *  never touched, and so occupy no memory. */
     template<typename Entry, size_t count>
     struct CacheEntries
     {

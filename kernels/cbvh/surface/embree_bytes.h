@@ -19,7 +19,8 @@ namespace embree
     return (haveNumbers ? 138 : 130)*((quadsX+15)/16)*((quadsY+15)/16) + quadsX*quadsY;
   }
 
-  /*! As above, for a mesh at the default precision, which takes about 5 bytes per quad. tables: of numbers. */
+  /*! The same for a mesh at the default precision, which needs about 5 bytes per quad. tables: bytes of the tables of
+   *  numbers. */
   inline size_t bytesOfMeshGrid (size_t quadsX, size_t quadsY, size_t tables) {
     return bytesOfGridBlocks(quadsX,quadsY,true) + 4*quadsX*quadsY + tables;
   }
