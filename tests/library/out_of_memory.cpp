@@ -20,12 +20,13 @@ struct Monitor
   long refusedCall = 0;                   // 0: no call
   std::atomic<bool> isArmed{false};
 
-  static bool function(void* self, ssize_t bytes, bool)
+  static bool function(void* self, ssize_t bytes, bool isAllocated)
   {
     Monitor& m = *(Monitor*)self;
-    if (m.isArmed && ++m.calls == m.refusedCall && bytes > 0) { m.refused++; return false; }
-    m.live += bytes;
-    return true;
+    const bool refuses = m.isArmed && ++m.calls == m.refusedCall && bytes > 0;
+    if (refuses) m.refused++;
+    if (!refuses || isAllocated) m.live += bytes;
+    return !refuses;
   }
 };
 

@@ -32,12 +32,13 @@ namespace embree
     };
 
     /*! Reports memory to the monitor of a device while this object exists. The constructor throws
-     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. */
+     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. It reports the memory as not yet allocated, since an
+     *  application that refuses allocated memory still counts it until its release is reported. */
     class ReportedMemory
     {
     public:
       ReportedMemory (Device* device, size_t bytes) : device(device), bytes(ssize_t(bytes)) {
-        device->memoryMonitor(this->bytes,true);
+        device->memoryMonitor(this->bytes,false);
       }
       ~ReportedMemory () { device->memoryMonitor(-bytes,true); }
       ReportedMemory (const ReportedMemory&) = delete;
