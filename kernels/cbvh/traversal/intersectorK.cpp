@@ -82,16 +82,36 @@ namespace embree
       cbvh::VertRays<K> vert;
     };
 
+    /*! Copies a ray out of a packet. Origin and direction are composed in registers, because traversal loads them as
+     *  vectors, which would wait for stores of components. */
+    template<int K>
+    __forceinline void setRay (Ray& ray, const RayK<K>& rays, size_t k)
+    {
+      ray.org = Vec3ff(rays.org.x[k],rays.org.y[k],rays.org.z[k],rays.tnear()[k]);
+      ray.dir = Vec3ff(rays.dir.x[k],rays.dir.y[k],rays.dir.z[k],rays.time()[k]);
+      ray.tfar = rays.tfar[k];
+      ray.mask = rays.mask[k]; ray.id = rays.id[k]; ray.flags = rays.flags[k];
+    }
+
     /*! Traces the rays of the mask `alone` one by one with intersect(ray) or occluded(ray). */
     template<int K, typename Intersect>
     __forceinline void traceOneByOne (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
-      for (; alone; alone&=alone-1) {
+      for (; alone; alone&=alone-1)
+      {
         const size_t k = bsf(alone);
         RayHit ray;
-        rays.get(k,ray);
+        setRay(ray,rays,k);
+        ray.Ng = Vec3f(rays.Ng.x[k],rays.Ng.y[k],rays.Ng.z[k]);
+        ray.u = rays.u[k]; ray.v = rays.v[k];
+        ray.primID = rays.primID[k]; ray.geomID = rays.geomID[k];
+        instance_id_stack::copy_VU<K>(rays.instID,ray.instID,k);
         intersect(ray);
-        rays.set(k,ray);
+        rays.tfar[k] = ray.tfar;
+        rays.Ng.x[k] = ray.Ng.x; rays.Ng.y[k] = ray.Ng.y; rays.Ng.z[k] = ray.Ng.z;
+        rays.u[k] = ray.u; rays.v[k] = ray.v;
+        rays.primID[k] = ray.primID; rays.geomID[k] = ray.geomID;
+        instance_id_stack::copy_UV<K>(ray.instID,rays.instID,k);
       }
     }
     template<int K, typename Occluded>
@@ -100,7 +120,7 @@ namespace embree
       for (; alone; alone&=alone-1) {
         const size_t k = bsf(alone);
         Ray ray;
-        rays.get(k,ray);
+        setRay(ray,rays,k);
         occluded(ray);
         rays.tfar[k] = ray.tfar;
       }
@@ -150,7 +170,7 @@ namespace embree
       {
         const Traced traced = together(validOf<K>(*mask,rays),This,rays,context);
         traceOneByOne<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
-        vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
+        if (any(traced.ended)) vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
       }
 
     private:
