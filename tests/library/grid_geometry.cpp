@@ -244,7 +244,7 @@ TEST(GridSurfaces, StayStitched)
 
 // --- errors -----------------------------------------------------------------------------------
 
-TEST(GridSurfaces, InvalidGridsAreReportedAndLeftOut)
+TEST(GridSurfaces, InvalidGridsAreLeftOutAndReportedIfVerticesAreMissing)
 {
   Device device;
   const Diced good = dicedSheet(2, 8, 0x1p-10);
@@ -268,7 +268,7 @@ TEST(GridSurfaces, InvalidGridsAreReportedAndLeftOut)
   expectNamed(outside);
   Diced line = good;
   line.grids[2].width = 1;
-  expectNamed(line);
+  EXPECT_EQ(commit(line), RTC_ERROR_NONE) << "accepted, as in Embree: " << device.message;
   Diced poisoned = good;
   for (unsigned y = 3; y < 7; y++)
     for (unsigned x = 3; x < 7; x++) poisoned.vertex(good.grids[2], x, y)[(x + y) % 3] = x % 2 ? INFINITY : NAN;

@@ -308,7 +308,7 @@ namespace embree
         const cbvh::SurfaceStatistics& total = surface.blocks->statistics;
         if (surface.isDiced())
           return "geometry " + std::to_string(surface.geomID) + ", grid " + std::to_string(total.firstInvalidFace)
-            + ": it has no quads, or vertices outside of their buffer; left out: "
+            + ": vertices are outside of their buffer; left out: "
             + std::to_string(total.invalidFaces) + " grid(s)";
         return "geometry " + std::to_string(surface.geomID) + ", face " + std::to_string(total.firstInvalidFace)
           + ": vertices are not finite; left out of "

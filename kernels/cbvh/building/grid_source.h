@@ -52,7 +52,7 @@ namespace embree
       void release () { borders.release(); }
 
       /*! As in Embree, vertices that are not finite are left out without an error. */
-      bool isInvalid (size_t grid, bool) const { return Grids::reportsInvalid && !borders.isValid(grid); }
+      bool isInvalid (size_t grid, bool) const { return borders.isError(grid); }
 
       bool isUnsupported (size_t) const { return false; }
 

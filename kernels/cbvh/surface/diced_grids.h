@@ -23,8 +23,8 @@
  *       Returns false if all quads of the grid are one primitive, i. Otherwise sets their primIDs.
  *   static double spacingOfEdge ()
  *       Default spacing of lattices, as a fraction of the median edge.
- *   static const bool reportsInvalid
- *       True if a commit reports invalid grids.
+ *   bool isError (size_t i) const
+ *       True if a commit reports grid i as an error: its vertices are outside of their buffer.
  *   static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps)
  *       Estimated bytes of Embree's own kernels for a grid. */
 
@@ -84,26 +84,29 @@ namespace embree
 
       bool hasIrregular () const { return false; }
 
-      bool isValid (size_t i) const
-      {
-        if (i >= mesh->grids.size()) return false;
-        const Grid grid = (*this)[i];
-        return grid.width > 1 && grid.height > 1 && grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
-      }
+      bool isValid (size_t i) const { return i < mesh->grids.size() && hasQuads(i) && isInBuffer(i); }
+
+      /*! Grids without quads are no errors, as in Embree, whose programs rely on that. */
+      bool isError (size_t i) const { return i >= mesh->grids.size() || (hasQuads(i) && !isInBuffer(i)); }
 
       const float* position (size_t vertex, unsigned step) const {
         return (const float*)mesh->vertices[step].getPtr(vertex);
       }
       bool number (size_t, cbvh::QuadNumbers&) const { return false; }
 
-      /*! Vertices outside of the buffer are errors, unlike for Embree's other types. */
-      static const bool reportsInvalid = true;
-
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
         return bytesOfGridInEmbree(quadsX,quadsY);
       }
 
     private:
+      bool hasQuads (size_t i) const { return mesh->grid(i).resX > 1 && mesh->grid(i).resY > 1; }
+
+      bool isInBuffer (size_t i) const
+      {
+        const Grid grid = (*this)[i];
+        return grid.vertex(grid.width-1,grid.height-1) < mesh->vertices0.size();
+      }
+
       const GridMesh* mesh;
     };
 
@@ -152,8 +155,8 @@ namespace embree
         return true;
       }
 
-      /*! As in Embree, which skips such quads silently. */
-      static const bool reportsInvalid = false;
+      /*! Embree skips quads with wrong vertices silently. */
+      static bool isError (size_t) { return false; }
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {
         return bytesOfQuad(numTimeSteps)*quadsX*quadsY;
