@@ -57,7 +57,7 @@ double smallestW(const Block* block)
   return smallest;
 }
 
-// Of the reference, for all rays within the error of SIMD.
+// The reference's hits, for all rays within the error of SIMD.
 struct Answers
 {
   struct OfLeaf
