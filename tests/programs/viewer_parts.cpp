@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tests the parts of cbvh_viewer that do not require a window. */
+/* The parts of cbvh_viewer that do not require a window. */
 
 #include "basics/error.h"
 #include "basics/progress.h"

@@ -244,8 +244,7 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
   });
 }
 
-// The API supports more rays than a device supports in one dispatch. Nothing is submitted: the layer checks limits
-// when commands are recorded.
+// More rays than in one dispatch of a device. Nothing is submitted: the layer checks limits when commands are recorded.
 TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits)
 {
   Scene scene(embree);
