@@ -551,7 +551,6 @@ TEST(Beside, InvalidInputIsReportedByName)
   EXPECT_EQ(none2, nullptr);
 }
 
-// Parts that are left out are reported; the rest exists.
 TEST(Beside, NonFiniteDisplacementIsReported)
 {
   Random random(94);

@@ -165,7 +165,6 @@ TEST(NodeCodec, BoundsNeverGrow)
   }
 }
 
-// No code with sufficient slack gives a tighter bound than the chosen one.
 TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
 {
   Random random(4);

@@ -33,7 +33,7 @@ std::string commitLineOf(const std::string& config, const std::function<void(RTC
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
 
-// Every type of geometry, static and moving, with Embree's memory for the same type.
+// Every type of geometry, static and moving.
 TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
 {
   Random random(1);

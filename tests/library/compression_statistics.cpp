@@ -152,7 +152,6 @@ TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
   }
 }
 
-// A disabled surface requests no compression: stock Embree traces the others.
 TEST(CompressionStatistics, IgnoreDisabledSurfaces)
 {
   Device device;

@@ -375,7 +375,7 @@ TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
     << device.message;
 }
 
-// Overlapping rows make four billion quads of 131,069 vertices; the commit must react to cancellation.
+// Four billion quads of 131,069 vertices.
 TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled)
 {
   Device device;

@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION
                            return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF");
                          });
 
-// Position and parameters of hits must match the displacement function: a quad of the longest side is 1/100 wide.
+// A quad of the longest side is 1/100 wide.
 TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
 {
   Device device;

@@ -287,7 +287,6 @@ TEST(Interpolation, DegenerateFacesHaveNoInfluence)
   }
 }
 
-// A hole is interpolated as if its face existed.
 TEST(Interpolation, HolesMatchTheFaceAlone)
 {
   for (const Cage& whole : {cubeCage(), prismCage(3), prismCage(5), sheetCage(3)})

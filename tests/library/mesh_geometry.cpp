@@ -248,7 +248,6 @@ TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
   }
 }
 
-// Vertices that coincide only at the first time step must not be merged.
 TEST(Meshes, VerticesThatSeparateAreNotWelded)
 {
   Device device;

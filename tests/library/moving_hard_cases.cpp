@@ -329,7 +329,6 @@ TEST(MovingHardCases, SurfaceOutsideOfRayTimesDoesNotHideOthers)
   }
 }
 
-// Surfaces without a primitive that rays can hit have empty bounds.
 TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();

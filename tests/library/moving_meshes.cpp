@@ -263,7 +263,7 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
   }
 }
 
-// Irregular meshes at any precision, welded or not.
+// At any precision, welded or not.
 TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
 {
   Random random(3147);
@@ -484,7 +484,6 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Two grids that touch at the first step and separate afterwards: a ray passes between them.
 TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected)
 {
   Device device;

@@ -257,7 +257,7 @@ TEST_F(Pictures, UseOneRayIfHitsHaveNoMean)
   }
 }
 
-/* Linear color: a pixel that is half white and half black is brighter than the mean of the encoded values. */
+/* A pixel that is half white and half black is brighter than the mean of the encoded values. */
 TEST_F(Pictures, AverageLinearColor)
 {
   PictureSettings settings;

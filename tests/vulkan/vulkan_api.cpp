@@ -314,7 +314,6 @@ TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
   }
 }
 
-// A Vulkan device without an RTCDevice also reports errors to the thread.
 TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
 {
   const VulkanDevice mine(rtcNewVulkanDeviceFromHandles(nullptr, &vulkan->handles));
@@ -475,7 +474,6 @@ TEST_F(VulkanAPI, DeviceLivesUntilItIsReleased)
   expectNoError();
 }
 
-// The device has a copy of the scene at the time of the upload.
 TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
 {
   Scene scene(embree);

@@ -224,7 +224,6 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
     << embree.message;
 }
 
-// Blocks are distributed over as many buffers as the limit requires.
 TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_GRID);

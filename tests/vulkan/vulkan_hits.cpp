@@ -354,7 +354,7 @@ TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
   }
 }
 
-// Three surfaces at the same position: for equal distances both must report the first surface.
+// Three surfaces at the same position.
 TEST_F(VulkanHits, EqualDistancesReportTheSameSurface)
 {
   Scene scene(embree);

@@ -127,7 +127,7 @@ TEST_F(VulkanMeshes, InstancesMatchCpu)
   sum.expect();
 }
 
-// The same mesh three times: of hits at equal distances, the CPU and the device must report the same one.
+// The same mesh three times.
 TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
 {
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
