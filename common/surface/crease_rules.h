@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Embree and OpenSubdiv subdivide creases differently at vertices where
+/* Finds vertices at which Embree and OpenSubdiv subdivide creases differently:
  *
- * - three or more creases meet, and one has a fractional sharpness. OpenSubdiv blends the corner with what remains
+ * - Three or more creases meet, and one has a fractional sharpness. OpenSubdiv blends the corner with what remains
  *   after that crease ends, by the fraction (DeRose, Kass and Truong 1998). Embree keeps the corner for
- *   the whole step: even a third crease of 0.0001 makes a spike.
- * - two creases of different sharpness meet. Embree averages their sharpness in each step; OpenSubdiv does so only if a
- *   tag selects Chaikin's rule.
- * - a semi-sharp corner lies on creases. OpenSubdiv blends it with the crease, Embree with the smooth surface. */
+ *   the whole step: a third crease of 0.0001 makes a spike, no third crease makes a curve.
+ * - Two creases of different sharpness meet. Embree averages their sharpness in each step; OpenSubdiv does so only
+ *   if a tag selects Chaikin's rule.
+ * - A semi-sharp corner lies on creases. OpenSubdiv blends it with the crease, Embree with the smooth surface. */
 
 #include "surface/cage.h"
 
