@@ -74,7 +74,8 @@ public:
 
   /* Bounds the errors of our rule.
    *
-   * t is computed in double and rounded once: less than one ulp, if the ray does not lie in the plane.
+   * t is computed in double and rounded once: half an ulp, plus less than half an ulp for the error of the doubles, if
+   * the ray does not lie in the plane.
    *
    * A sheared coordinate x = d1 - S dz, with S = D1 (1/Dz), has the rounding errors of the difference d1; of dz, 1/Dz,
    * S and the product S dz; and of the last difference. A side a.x b.y - a.y b.x has the errors of its factors, of both
