@@ -8,7 +8,6 @@
 # scripts/report.py to the folder RESULTS. It runs inside the folder that gpu_bundle.sh made; the machine needs only a
 # driver. DEVICE is an index or a part of the device's name (default: the first discrete GPU). The most important runs
 # come first. Runs that would start after the deadline are skipped with a message.
-# begin too late is left out, with a line that says so.
 
 set -eu
 case ${1:-} in

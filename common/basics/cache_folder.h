@@ -3,14 +3,12 @@
 
 #pragma once
 
-/* Location of files that programs can generate again. */
-
 #include <string>
 
 namespace cbvh {
 
-/* Returns $XDG_CACHE_HOME/embree-cbvh or ~/.cache/embree-cbvh; the folder may not exist. Ignores a relative
- * $XDG_CACHE_HOME, as the XDG specification requires. Throws Error if neither variable is an absolute path. */
+/* $XDG_CACHE_HOME/embree-cbvh or ~/.cache/embree-cbvh; the folder may not exist. Ignores a relative $XDG_CACHE_HOME, as
+ * the XDG specification requires. Throws Error if neither variable is an absolute path. */
 std::string userCacheFolder();
 
 } // namespace cbvh

@@ -36,7 +36,7 @@ public:
   const int number;
 };
 
-/* Output to a device or a pipe. Buffers all bytes until the commit, because image writers seek. */
+/* Buffers all bytes until the commit, because image writers seek. */
 struct Stream
 {
   explicit Stream(const OutputPath& output)

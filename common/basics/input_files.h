@@ -9,8 +9,7 @@
 
 namespace cbvh {
 
-/* Records a file by device and inode, so that other paths and links to it are found. Ignores files that do not
- * exist. */
+/* Finds a file by device and inode, under any path. Ignores files that do not exist. */
 void noteInputFile(const std::string& path);
 
 /* Throws Error with both paths if writing to `path` would replace a recorded file that still exists. */

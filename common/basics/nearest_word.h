@@ -9,7 +9,6 @@
 
 namespace cbvh {
 
-/* Levenshtein distance: the number of letters to insert, delete or replace. */
 inline size_t editDistance(const std::string& a, const std::string& b)
 {
   std::vector<size_t> costs(b.size() + 1), previous(b.size() + 1);
@@ -23,7 +22,7 @@ inline size_t editDistance(const std::string& a, const std::string& b)
   return costs.back();
 }
 
-/* Returns the first of the words with the smallest edit distance, or an empty string if there are none. */
+/* Smallest edit distance, then first in the list; empty for an empty list. */
 inline std::string nearestWord(const std::string& word, const std::vector<std::string>& words)
 {
   std::string nearest;

@@ -45,7 +45,7 @@ void onGraceOver(int)
   _exit(canceledStatus);
 }
 
-/* Returns the remaining time, "about 12 min" or "about 40 s". `fraction` > 0 is done after `seconds`. */
+/* "about 12 min" or "about 40 s"; `fraction` > 0 is done after `seconds`. */
 std::string timeLeft(double seconds, double fraction)
 {
   const double left = seconds / fraction - seconds;

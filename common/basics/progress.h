@@ -17,7 +17,7 @@ namespace cbvh {
 /* Makes the first Ctrl-C (SIGINT) or SIGTERM request cancellation. The second signal ends the process. */
 void installCancelHandler();
 
-/* True after such a signal. The process must end soon. */
+/* After such a signal the process must end soon. */
 bool interrupted();
 
 /* Makes a signal also end the process after 0.25 s, with status 130 and a line that starts with `program`: Embree
@@ -33,7 +33,7 @@ void requestCancel();
 /* Withdraws requestCancel, but not a signal. */
 void clearCancel();
 
-/* True if the running work should stop. Thread-safe. */
+/* Thread-safe. */
 bool cancelRequested();
 
 void throwIfCanceled();

@@ -24,7 +24,7 @@ inline size_t below(size_t n, std::mt19937& random)
   return size_t((uint64_t(random()) * n) >> 32);
 }
 
-/* Returns the unit direction whose cosine to the unit vector n is `cosine`, rotated by `angle` radians about n. */
+/* Unit direction with this cosine to the unit vector n, rotated by `angle` radians about n. */
 inline Vec3f around(Vec3f n, float cosine, float angle)
 {
   const Vec3f s = normalize(std::abs(n.x) > 0.5f ? cross(n, Vec3f{0, 1, 0}) : cross(n, Vec3f{1, 0, 0}));
@@ -40,7 +40,6 @@ inline Vec3f cosineDirection(Vec3f n, std::mt19937& random)
   return around(n, std::sqrt(1.0f - radius2), angle);
 }
 
-/* Uniform on the sphere. */
 inline Vec3f anyDirection(std::mt19937& random)
 {
   const float z = 2.0f * uniform(random) - 1.0f, angle = 2.0f * float(M_PI) * uniform(random);

@@ -174,8 +174,7 @@ void BuiltScene::readStatistics()
   device->check("reading the compression statistics");
 }
 
-/* Uses a triangle geometry if all faces are triangles, otherwise a quad geometry whose triangles repeat their last
- * vertex. GRID and NAIVE-compact differ by the scene's flags. */
+/* In quad geometries, triangles repeat their last vertex. GRID and NAIVE-compact differ by the scene's flags. */
 void BuiltScene::buildMesh(const Model& model, const BuildSettings& settings)
 {
   if (what.kind != RepresentationKind::Grid && what.kind != RepresentationKind::NaiveCompact &&

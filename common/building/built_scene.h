@@ -22,7 +22,7 @@
 
 namespace cbvh {
 
-/* Quads; each stands for the triangles 00, 10, 01 and 01, 10, 11. */
+/* Each quad is the triangles 00, 10, 01 and 01, 10, 11. */
 struct StoredMesh
 {
   std::vector<Vec3f> vertices;                // once per block: equal floats at shared borders
@@ -58,11 +58,10 @@ struct BuildSettings
 /* Throws Error that names --level, --threads, --isa or --device and its value. */
 void validateBuild(const BuildSettings& settings);
 
-/* Returns Embree's configuration string for the device. */
 std::string deviceConfig(const Representation& representation, const BuildSettings& settings);
 RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 
-/* Fraction of quads that cLEAF stores exactly, as cVERT, in [0,1]. */
+/* Fraction of quads that cLEAF stores as cVERT, in [0,1]. */
 inline double exactQuadShare(const RTCCompressionStatistics& s)
 {
   return s.numQuads ? double(s.numExactQuads) / double(s.numQuads) : 0.0;
@@ -77,8 +76,7 @@ struct BuildReport
   RTCCompressionStatistics compression{}; // all zero for NAIVE and GRID
   std::optional<VulkanSceneReport> onDevice; // set if a Vulkan device traces
 
-  /* Bounds the distance between the surface and its mesh: the thickness of leaves, or how far vertices were moved
-   * plus the width of gaps between faces. */
+  /* The thickness of leaves, or the movement of vertices plus the width of gaps between faces. */
   float distanceFromMesh() const
   {
     return std::max(compression.maxLeafThickness, compression.maxVertexDeviation + compression.maxBorderMismatch);
@@ -128,11 +126,11 @@ private:
   void commit(const char* doing);
 
   Representation what;
-  std::string name; // for progress
+  std::string name;
   PatchLayout patches;
   std::shared_ptr<const EdgeRates> rates; // referenced by contexts
   size_t facesOfCopy, quadsOfCopy, numGeometries;
-  std::vector<DisplacementContext> contexts; // one per copy
+  std::vector<DisplacementContext> contexts;
   std::unique_ptr<EmbreeDevice> device;
   SceneHandle scene; // released before its device
   std::unique_ptr<EmbreeTracer> embreeTracer;
@@ -141,8 +139,8 @@ private:
   BuildReport built;
 };
 
-/* Returns the vertices of all patches of all copies, in the order of the model's layout: equal to GRID's vertices to
- * the bit, at the first time step. Throws Error. */
+/* Vertices of all patches of all copies, in the order of the model's layout, at the first time step: GRID's vertices to
+ * the bit. Throws Error. */
 std::vector<Vec3f> tessellate(const Model& model, const BuildSettings& settings);
 
 } // namespace cbvh

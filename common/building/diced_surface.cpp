@@ -80,7 +80,6 @@ private:
   std::vector<Face> faces;
 };
 
-/* Iterates over the quads of a cage that OpenSubdiv refined uniformly. */
 class RefinedQuads
 {
 public:

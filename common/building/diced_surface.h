@@ -35,7 +35,6 @@ struct DicedInput
   static DicedInput parse(const std::string& text);
 };
 
-/* A mesh whose patches share vertices. */
 struct QuadMesh
 {
   std::vector<Vec3f> vertices;

@@ -24,16 +24,15 @@ struct EdgeRates
   std::vector<Copy> copies;
   std::vector<size_t> firstIndex; // per face
   std::vector<unsigned> sizes;    // per face
-  size_t quads = 0;               // of all copies
+  size_t quads = 0;
 
-  /* Level at a point of a face, the same on both sides of an edge. */
+  /* The same on both sides of an edge. */
   float level(const Copy& copy, unsigned face, float u, float v) const;
 };
 
 /* Sets all members except for rates. The level of a vertex is the highest level of its edges. */
 void setLevels(const Cage& cage, EdgeRates& rates);
 
-/* Number of quads of one copy. */
 size_t countQuads(const Cage& cage, const std::vector<float>& rates);
 
 } // namespace cbvh

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* An Embree device that throws exceptions and counts memory. Each representation has its own device, so that the
- * memory monitor counts only that representation. */
+/* An Embree device that throws exceptions and counts memory. Each representation has a device of its own, so that its
+ * memory is counted alone. */
 
 #include <embree3/rtcore.h>
 
@@ -16,7 +16,6 @@
 
 namespace cbvh {
 
-/* Counts bytes that rtcSetDeviceMemoryMonitorFunction reports. */
 class MemoryMonitor
 {
 public:

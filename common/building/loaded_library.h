@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Identifies the Embree library of this process. Ours has the same file name as Embree's, so the dynamic linker may
- * find another one than intended. */
+/* Ours has the same file name as Embree's, so the dynamic linker may find another one than intended. */
 
 #include <string>
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Lets programs refuse builds that would not fit into memory. */
+/* For programs to refuse builds that would not fit into memory. */
 
 #include "building/representation.h"
 #include "surface/model.h"

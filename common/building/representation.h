@@ -27,7 +27,6 @@ enum class RepresentationKind
   NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT
 };
 
-/* All kinds, in the order of lists. */
 const std::vector<RepresentationKind>& representationKinds();
 
 /* Names in tables, "cLEAF", and on command lines, "cleaf". */
@@ -57,13 +56,11 @@ struct Representation
 
   bool isCompressed() const { return compression() != RTC_COMPRESSION_NONE; }
 
-  /* True if every quad becomes two triangles of a triangle geometry. */
   bool isTriangulated() const;
 
-  /* True if frameLevel applies. */
   bool hasFrames() const;
 
-  /* True if faces that leaves approximate badly are stored as cVERT. */
+  /* Faces that leaves approximate badly are stored as cVERT. */
   bool hasExactFaces() const { return kind == RepresentationKind::CLeaf; }
 
   /* "cLEAF", "cLEAF^2" with a frame level, "cLEAF-only^2" */
@@ -74,10 +71,8 @@ struct Representation
 
   RTCCompression compression() const;
 
-  /* Configuration string of an Embree device. */
   std::string deviceConfig() const;
 
-  /* Flags that the Embree scene needs. */
   RTCSceneFlags sceneFlags() const;
 };
 

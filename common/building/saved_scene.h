@@ -32,11 +32,11 @@ public:
   const SceneTracer& tracer() const override { return *embreeTracer; }
   const std::vector<RTCCompressedFileGeometry>& geometries() const { return descriptions; }
   size_t quads() const;
-  size_t bytes() const; // in the file
+  size_t bytes() const;
 
   /* Faces of geometry i are numbered from i * facesOfCopy(). */
   SurfaceHit surfaceHit(const RTCRayHit& ray) const override;
-  unsigned facesOfCopy() const { return mostFaces; } // maximum over all geometries
+  unsigned facesOfCopy() const { return mostFaces; }
 
   /* Time from opening the file to the committed scene, without the device: wall-clock, and processor time of all
    * threads. */

@@ -12,7 +12,6 @@
 namespace cbvh {
 namespace {
 
-/* Hash of everything that determines a file's contents. */
 class InputKey
 {
 public:

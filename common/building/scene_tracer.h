@@ -19,7 +19,7 @@ public:
   virtual void occluded(RTCRay* rays, size_t n) const = 0;
 };
 
-/* Traces single rays on the calling thread. */
+/* Single rays, on the calling thread. */
 class EmbreeTracer : public SceneTracer
 {
 public:
@@ -32,7 +32,7 @@ private:
   RTCScene scene;
 };
 
-/* Traces on the calling thread with the coherent flag, in packets as wide as the instruction set. */
+/* Packets as wide as the instruction set, with the coherent flag, on the calling thread. */
 class PacketTracer : public SceneTracer
 {
 public:

@@ -15,7 +15,7 @@
 
 namespace cbvh {
 
-/* Reports progress while Embree tessellates: stock Embree calls its progress monitor only afterwards. */
+/* Stock Embree calls its progress monitor only after the tessellation. */
 class TessellationProgress
 {
 public:
@@ -36,14 +36,14 @@ struct DisplacementContext
   const Displacement* displacement = nullptr;
   int level = 0;
   const EdgeRates* rates = nullptr;      // replaces `level` if set
-  const EdgeRates::Copy* copy = nullptr; // of this copy
-  Placement placement;                   // of the copy
+  const EdgeRates::Copy* copy = nullptr;
+  Placement placement;
 
   /* If set, every vertex that Embree tessellates is also written here, in the order of the layout. */
   const PatchLayout* layout = nullptr;
   float* captured = nullptr; // 3 floats per vertex: GRID's, to the bit
 
-  TessellationProgress* progress = nullptr; // null for none
+  TessellationProgress* progress = nullptr;
 };
 
 /* Sets the displacement of a copy. `rates` may be null, and otherwise replace the level. Model and rates must

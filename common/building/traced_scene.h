@@ -26,7 +26,6 @@ public:
   virtual const SceneTracer& tracer() const = 0;
   virtual const VulkanTracer* vulkan() const { return nullptr; }
 
-  /* Converts a hit of the tracer. */
   virtual SurfaceHit surfaceHit(const RTCRayHit& ray) const = 0;
 
   /* Throws Error if rays reached damaged blocks of a file, which they do not hit. */

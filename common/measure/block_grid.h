@@ -10,7 +10,6 @@
 
 namespace cbvh {
 
-/* The division of patches into blocks. */
 struct BlockGrid
 {
   const PatchLayout& layout;

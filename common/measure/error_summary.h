@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Statistics of the errors of many hits. */
-
 #include <cstddef>
 #include <optional>
 #include <vector>

@@ -15,7 +15,7 @@
 
 namespace cbvh {
 
-/* Errors of rays that hit both in the reference and in the representation. */
+/* Errors of rays that hit in both. */
 struct HitErrors : ErrorSummary
 {
   size_t rays = 0;
@@ -36,7 +36,7 @@ HitErrors compareHits(const std::vector<SurfaceHit>& reference, const std::vecto
 
 constexpr float farOffPixels = 5.0f;
 
-/* Returns the nearer hit of each ray: the correct one if a ray slipped between two triangles in one traversal. */
+/* The nearer hit is the correct one if a ray slipped between two triangles in one traversal. */
 std::vector<SurfaceHit> nearerHits(const std::vector<SurfaceHit>& a, const std::vector<SurfaceHit>& b);
 
 /* Special values of pixelErrors. */

@@ -29,7 +29,7 @@ inline double median(std::vector<double> values)
   return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-/* Requires at least one value. By nearest ranks. */
+/* Requires at least one value. */
 inline double interquartileRange(std::vector<double> values)
 {
   std::sort(values.begin(), values.end());

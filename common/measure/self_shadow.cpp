@@ -170,7 +170,7 @@ private:
   const PrimaryRays& primary;
   const ShadowSettings& settings;
   ShadowRays truth, own, control;
-  std::vector<Kind> kinds; // per ray
+  std::vector<Kind> kinds;
 };
 
 } // namespace

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Compares secondary rays from a representation's hits with those from GRID's hits: a surface must neither shadow
- * itself nor let light through. */
+/* Secondary rays from a representation's hits and from GRID's: a surface must neither shadow itself nor let light
+ * through. */
 
 #include "building/scene_tracer.h"
 #include "building/surface_hit.h"
@@ -36,7 +36,6 @@ struct PrimaryRays
   float footprint; // width of a pixel at distance 1
 };
 
-/* A scene and its hits of primary rays. */
 struct TracedHits
 {
   const SceneTracer& scene;
@@ -67,7 +66,7 @@ struct ShadowComparison
   /* Pixels whose hits agree to a pixel width. Elsewhere the representation sees another part of the surface. */
   size_t sameHitRays = 0;
   ShadowErrors sameHitErrors;
-  /* Pixels in which only one of the normals points away from the viewer: rays start on the wrong side. */
+  /* Only one of the normals points away from the viewer: rays start on the wrong side. */
   size_t flippedRays = 0;
   ShadowErrors flippedErrors;
   /* Rays from the representation's hits, traced through GRID: errors due to the position of the hit alone. */

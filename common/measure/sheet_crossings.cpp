@@ -89,7 +89,7 @@ void displace(const RTCDisplacementFunctionNArguments* args)
 
 bool isHit(const RTCRayHit& ray) { return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID; }
 
-/* Returns a ray from above the sheet to below it, or the opposite. */
+/* From above the sheet to below it, or the opposite. */
 Ray drawRay(Draws& draws, const RTCBounds& bounds)
 {
   const double height = bounds.upper_z - bounds.lower_z + 0.02;
@@ -114,7 +114,6 @@ Ray drawRay(Draws& draws, const RTCBounds& bounds)
   }
 }
 
-/* Signs of a direction; equal for the rays of a packet. */
 int octant(const Ray& ray)
 {
   return (ray.direction.x < 0) + 2 * (ray.direction.y < 0) + 4 * (ray.direction.z < 0);

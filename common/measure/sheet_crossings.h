@@ -34,7 +34,7 @@ struct DisplacedSheet
 {
   int level = 5;
   int frameLevel = 0;
-  float rate = 32;          // of all edges
+  float rate = 32;
   std::vector<float> rates; // per face index, replaces `rate` unless empty
   double amplitude = 1;     // along the normal, in quads
   double sideways = 0;      // in the plane, in quads
@@ -50,7 +50,7 @@ struct SheetCrossings
   size_t sheets = 0, rays = 0;
   size_t closest = 0;    // closest-hit queries that miss but hit GRID's sheet
   size_t any = 0;        // any-hit queries that miss but hit GRID's sheet
-  size_t gridMisses = 0; // rays that miss in GRID
+  size_t gridMisses = 0;
   std::vector<std::string> examples; // at most 16
 };
 

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Relative speed of two scenes of one surface: they trace the same rays alternately. */
-
 #include "basics/seconds.h"
 #include "building/scene_tracer.h"
 #include "measure/quantiles.h"
@@ -40,8 +38,8 @@ inline double traceTimed(RTCScene scene, const std::vector<RTCRayHit>& rays, std
   });
 }
 
-/* Speed of `ours` divided by the speed of `theirs`, for each of `repeat` runs. `hits` receives theirs and ours of
- * the last run. */
+/* The scenes trace the same rays alternately. Returns the speed of `ours` divided by the speed of `theirs` for each
+ * run; `hits` receives theirs and ours of the last one. */
 inline std::vector<double> interleavedSpeedups(RTCScene theirs, RTCScene ours, const std::vector<RTCRayHit>& rays,
                                                TimedQuery query, unsigned repeat, std::vector<RTCRayHit> hits[2])
 {
@@ -65,7 +63,6 @@ inline bool isHit(const RTCRayHit& r) { return r.hit.geomID != RTC_INVALID_GEOME
 /* Rays of a picture, in rows and in tiles, and rays that bounce off its hits. Times are random in [0,1), or 0. */
 struct PictureRays
 {
-  /* For a picture of side x side pixels. */
   PictureRays(const Model& model, RTCScene scene, int side, bool atRandomTimes)
     : camera(Camera::fit(model.positions(), 0.0f, model.view, 40, {side, side}))
   {

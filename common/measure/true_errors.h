@@ -18,7 +18,7 @@ namespace cbvh {
 struct TrueErrors : ErrorSummary
 {
   size_t hits = 0;
-  /* Distances in world units. */
+  /* In world units. */
   double rmseWorld = 0, medianWorld = 0, p99World = 0;
   /* Signed distance along the ray in pixels, positive behind the true surface. Excludes rays that do not intersect
    * it within 5 pixels. */
@@ -33,7 +33,7 @@ struct TrueView
 {
   const Model& model;
   const TrueSurfaces& surfaces;
-  const std::vector<Ray>& rays; // primary
+  const std::vector<Ray>& rays;
   std::vector<size_t> sample;   // indices of rays to measure
   float footprint;              // width of a pixel at distance 1
 };

@@ -25,7 +25,7 @@ class SampledPicture
 public:
   SampledPicture(const Camera& camera, Vec3f up, HitColors colors = HitColors::Neutral);
 
-  /* A part of the picture, with the colors of the whole. */
+  /* The part has the colors of the whole picture. */
   SampledPicture(const Camera& camera, const Crop& part, Vec3f up, HitColors colors = HitColors::Neutral);
 
   /* Adds a sample to each pixel. `rays` and `hits` hold one entry per pixel, in rows. Throws Canceled. */

@@ -35,14 +35,13 @@ private:
 /* Linear. `fraction` is 0 at the top of the picture, 1 at the bottom. */
 Vec3f backgroundColor(float fraction);
 
-/* One value per pixel, from 0 (black) to 1 (white). */
+/* 0 is black, 1 white. */
 Image grayImage(ImageSize size, const std::vector<float>& values);
 
 /* Three images side by side: ambient occlusion of GRID, of another representation, and four times their difference
  * (gray for none, brighter for more light). The arguments are results of ambientOcclusion. */
 Image compareAmbient(ImageSize size, const std::vector<float>& grid, const std::vector<float>& light);
 
-/* Color of one value of pixelErrors. */
 Vec3f errorColor(float error);
 
 /* Colors of the paper's figure 10: blue for no error to pink for 5 pixels and more; black for false hits, orange for

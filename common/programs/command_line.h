@@ -22,7 +22,6 @@
 
 namespace cbvh {
 
-/* Returns the option that is most similar to a misspelled one. */
 inline std::string nearestOption(const CLI::App& app, const std::string& word)
 {
   std::vector<std::string> names;
@@ -78,7 +77,6 @@ inline bool parseCommandLine(CLI::App& app, int argc, char** argv)
   return true;
 }
 
-/* See validateTraceDevice. */
 inline void addDeviceOption(CLI::App& app, std::string& device)
 {
   app.add_option("--device", device,
@@ -93,17 +91,15 @@ inline void addIsaOption(CLI::App& app, std::string& isa)
     ->type_name("ISA");
 }
 
-/* Throws Error with the option if the value is negative or not finite. */
 inline void requireNotNegative(const std::string& option, float value)
 {
   if (!(value >= 0.0f) || !std::isfinite(value))
     throw Error("invalid " + option + " " + shortNumber(value) + ": expected a finite number of at least 0");
 }
 
-/* Options that choose the tessellation. */
 struct LevelOptions
 {
-  std::string level = "auto", frameLevel = "auto"; // "auto" or a number
+  std::string level = "auto", frameLevel = "auto";
   float quadSize = 1;
   std::optional<float> maxPixelError;
 };

@@ -22,7 +22,7 @@ struct ComparedScenes
   SceneSettings cage; // replaces the scenes if it has a path
   int level = 6;
   unsigned repeat = 5;
-  int side = 512; // width and height of the picture, in pixels
+  int side = 512; // of the square picture, in pixels
   std::string isa;
 
   /* `cageOption` is the option for a cage, "--cage"; a comma separates several names. */

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Errors as JSON. */
-
 #include "measure/height_bins.h"
 #include "measure/hit_metrics.h"
 #include "measure/true_errors.h"

@@ -20,7 +20,6 @@ bool hasExtension(const char* extension, const std::string& path)
 bool isCage(const std::string& path) { return hasExtension(".obj", path) || isPipe(path); }
 bool isSavedScene(const std::string& path) { return hasExtension(".cbvh", path); }
 
-/* Resets the map's settings and the amplitude. */
 void resetMap(SceneSettings& settings)
 {
   const SceneSettings fresh;

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Checks output files before any work is done. */
-
 #include "scenes/catalogue.h"
 
 #include <string>
@@ -14,7 +12,7 @@ namespace cbvh {
 
 struct Output
 {
-  std::string option, path; // not checked if empty
+  std::string option, path;
 };
 
 /* Throws Error with the option if an output would replace an input file of the model or another output. Compares the

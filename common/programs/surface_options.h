@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Options for cages, maps and generated scenes. */
-
 #include "basics/error.h"
 #include "scenes/catalogue.h"
 
@@ -35,7 +33,6 @@ inline Vec2f parseRepeat(const std::string& text)
   return repeat;
 }
 
-/* Formats a number with as few digits as necessary. */
 inline std::string shortNumber(float value)
 {
   char text[32];
@@ -118,7 +115,6 @@ inline void addShutterOption(CLI::App& app, std::string& shutter)
     ->type_name("T0,T1")->capture_default_str();
 }
 
-/* All options of a model except --scene. */
 inline void addSceneOptions(CLI::App& app, SceneSettings& settings)
 {
   app.add_option("--cage", settings.cagePath, "instead of a scene: control cage (OBJ), with OpenSubdiv's t tags")

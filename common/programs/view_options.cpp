@@ -43,7 +43,6 @@ Camera closeCamera(const Camera& full, const TracedScene& scene, const ViewHints
 /* The box of an empty scene is infinite. */
 bool hasSurface(const Box3f& bounds) { return isFinite(bounds.lower) && isFinite(bounds.upper); }
 
-/* True for n finite numbers, separated by commas. */
 bool parseNumbers(const std::string& text, float* x, int n)
 {
   const char* p = text.data();

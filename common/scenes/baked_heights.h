@@ -24,7 +24,7 @@ struct LimitPoint
 
 struct Bake
 {
-  std::string name; // for progress
+  std::string name;
   unsigned threads;
   std::function<float(const LimitPoint&)> height; // must be thread-safe
 };
@@ -43,7 +43,6 @@ void unfoldForCharts(Cage& cage, int texels);
  * Throws Error. */
 std::shared_ptr<const Displacement> displaceByBake(const Cage& cage, int tileSize, float scale, const Bake& bake);
 
-/* Hash of a cage as text. */
 std::string fingerprint(const Cage& cage);
 
 } // namespace cbvh

@@ -63,7 +63,6 @@ Cage readInput(const std::string& path, std::string& warnings)
   return cage;
 }
 
-/* Positions of the cage's vertices in another file. */
 std::vector<Vec3f> readPose(const std::string& path, const Cage& cage, const std::string& cagePath,
                             std::string& warnings)
 {
@@ -140,7 +139,6 @@ const SceneEntry scenes[] = {
   {"trex", trexAmplitude, [](const SceneSettings& s) { return makeTrex(trexSettings(s)); }},
 };
 
-/* Returns null for an unknown name. */
 const SceneEntry* findScene(const std::string& name)
 {
   const auto found =

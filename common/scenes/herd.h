@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Copies of `trex`, each a geometry with its own pose, to measure scaling. */
+/* Copies of `trex`, each a geometry with its own pose. */
 
 #include "scenes/trex.h"
 

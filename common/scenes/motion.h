@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Poses of the cage at later time steps, for static models. */
-
 #include "surface/model.h"
 
 #include <string>

@@ -45,7 +45,7 @@ float alongBlade(Vec3f p)
       best = t;
     }
   }
-  for (int i = 0; i < 3; i++) // Newton's method for the foot of the perpendicular
+  for (int i = 0; i < 3; i++) // Newton's method
   {
     const Vec3f tangent = bladeMiddle(best + 1e-3f) - bladeMiddle(best - 1e-3f);
     best += 2e-3f * dot(p - bladeMiddle(best), tangent) / dot(tangent, tangent);

@@ -18,7 +18,7 @@ enum class TrexPart : uint8_t { Skin, Tooth, Claw, Eye, Lid, Tongue };
 struct TrexCage
 {
   Cage cage;
-  std::vector<TrexPart> parts; // one per face
+  std::vector<TrexPart> parts;
 };
 
 TrexCage makeTrexCage();

@@ -22,9 +22,9 @@ struct ChartCell
 struct Charts
 {
   int width = 0, height = 0;     // of the map, in texels
-  int texels = 0;               // per side of a face
-  std::vector<ChartCell> cells; // one per face
-  size_t count = 0;             // of charts
+  int texels = 0;
+  std::vector<ChartCell> cells;
+  size_t count = 0;
 };
 
 /* `rim` is the width in texels of the space around each chart. */

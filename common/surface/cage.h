@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Control cage of a Catmull-Clark surface, and Embree's patches. A quad face is one patch. A face of N != 4 vertices
- * is N patches, one per corner, with half the edge rate, because Embree subdivides the face once first. Level L
- * means an edge rate of 2^L. */
+/* Control cage of a Catmull-Clark surface, and Embree's patches: one per quad face; N per face of N != 4 vertices, one
+ * per corner, with half the edge rate, because Embree subdivides the face once first. Level L means an edge rate of
+ * 2^L. */
 
 #include "basics/vec.h"
 
@@ -34,7 +34,7 @@ enum class CreaseRule
 struct Cage
 {
   std::string name;
-  std::string comments; // at the beginning of its file, one per line
+  std::string comments; // of the head of its file, one per line
   std::vector<Vec3f> positions;
   std::vector<unsigned> faceSizes;   // vertices per face, at least 3
   std::vector<unsigned> faceIndices; // into positions
@@ -55,19 +55,19 @@ struct Cage
   CreaseRule creaseRule = CreaseRule::Uniform;            // OpenSubdiv's default; for Embree see crease_rules.h
 
   size_t numFaces() const { return faceSizes.size(); }
-  bool hasUVs() const { return !uvIndices.empty(); } // at least one face
+  bool hasUVs() const { return !uvIndices.empty(); }
   size_t numFacesWithoutUVs() const;
   Box3f bounds() const;
 };
 
-/* resolution x resolution quads; vertices in rows of resolution + 1, u fastest. */
+/* resolution x resolution quads. Vertices are row by row, u fastest. */
 struct Patch
 {
   unsigned face;
-  unsigned subPatch;   // corner of the n-gon, 0 for a quad face
+  unsigned subPatch;   // corner of an n-gon, else 0
   unsigned resolution;
-  size_t firstVertex;  // of vertex (0,0), if the vertices of all patches are concatenated
-  size_t firstQuad;    // the same for quads
+  size_t firstVertex;  // index of vertex (0,0) in the vertices of all patches
+  size_t firstQuad;    // the same in all quads
 };
 
 /* Patches in order of faces; holes have none. Faces are numbered consecutively over the copies. */
@@ -79,7 +79,7 @@ public:
   /* (u,v) are as Embree reports them. */
   const Patch& find(unsigned face, float u, float v) const;
 
-  /* True if the face is a single patch with (u,v) in [0,1]. */
+  /* Then (u,v) are in [0,1]. */
   bool isQuadFace(unsigned face) const { return size(face) == 4; }
 
   const std::vector<Patch>& patches() const { return all; }
@@ -99,7 +99,6 @@ private:
  * replaces u and v by local ones in [0,1]. */
 unsigned decodeSubPatch(float& u, float& v);
 
-/* Inverse of decodeSubPatch. */
 Vec2f encodeSubPatch(unsigned subPatch, float u, float v);
 
 } // namespace cbvh

@@ -22,7 +22,7 @@ namespace Far = OpenSubdiv::Far;
 constexpr unsigned maxFaceVertices = 16;
 constexpr int maxVertexFaces = 64;
 
-/* The first error, which OpenSubdiv reports through a plain function. */
+/* Thread-local, because OpenSubdiv reports through a plain function. */
 thread_local std::string lastReport;
 
 void keepReport(Far::ErrorType, const char* message)
@@ -129,7 +129,7 @@ void warnOfCreases(const Cage& cage, std::string& warnings)
                 "the true surface include the difference\n";
 }
 
-/* Groups the faces at a vertex by connection over manifold edges, as Embree does. */
+/* Groups the faces at a vertex that manifold edges connect, as Embree does. */
 std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int vertex)
 {
   std::vector<std::vector<unsigned>> rings;
@@ -156,8 +156,7 @@ std::vector<std::vector<unsigned>> ringsAt(const Far::TopologyLevel& level, int 
   return rings;
 }
 
-/* Turns faces beyond Embree's limits into holes. Embree would also leave out all faces that share a vertex
- * with a face of too many vertices. */
+/* Embree would also leave out all faces that share a vertex with a face of too many vertices. */
 void turnIntoHoles(Cage& cage, const Far::TopologyLevel& level, std::string& warnings)
 {
   std::vector<char> isHole(cage.numFaces(), 0);

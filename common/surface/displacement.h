@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Moves points of the limit surface, as a pure function of face, (u,v), normal and tessellation level, so that every
- * representation has exactly the same surface. Maps are filtered to the spacing of the level's vertices.
+/* Moves points of the limit surface, as a pure function of face, (u,v), normal and tessellation level, so that all
+ * representations have the same surface. Maps are filtered to the spacing of the level's vertices.
  *
  * Closed surfaces stay closed: faces that read different values at a border, such as a seam of an atlas, use their
  * mean. */
@@ -18,7 +18,6 @@
 
 namespace cbvh {
 
-/* Points of one face. */
 struct SurfacePoints
 {
   unsigned face;
@@ -42,14 +41,13 @@ public:
   /* True if offsets() returns all of the displacement; otherwise call vectors(). */
   virtual bool isAlongNormals() const { return true; }
 
-  /* Writes points.n distances along the limit normal, in world units. Thread-safe. */
+  /* Writes distances along the limit normal, in world units. Thread-safe. */
   virtual void offsets(const SurfacePoints& points, float* offsets) const = 0;
 
-  /* Writes points.n displacements in world units, along the cage's axes. `normals` holds points.n unit vectors.
-   * Thread-safe. */
+  /* Writes displacements in world units, along the cage's axes. `normals` are unit vectors. Thread-safe. */
   virtual void vectors(const SurfacePoints& points, const Vec3f* normals, Vec3f* vectors) const;
 
-  /* Number of texels along the edge from corner `edge` to the next; infinity without a map. */
+  /* From corner `edge` to the next; infinity without a map. */
   virtual float texelsAlong(unsigned face, unsigned edge) const;
 };
 
@@ -69,7 +67,7 @@ struct DisplacementMap
   float scale = 1.0f;            // world units per unit of the map's values
   MapValues values = MapValues::Heights;
   std::optional<float> midLevel; // moves nothing; default: neutralHeight for heights, 0 for vectors
-  std::string channel;           // first one to read, by name or number from 0; empty: the file's first
+  std::string channel;           // first one, by name or number from 0; empty: the file's first
   Vec2f repeat{1, 1};            // copies of the map per unit of texture coordinates, or per face
 };
 

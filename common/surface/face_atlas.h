@@ -11,7 +11,7 @@
 namespace cbvh {
 
 /* A tile has tileSize + 1 texels per side; the outer ones lie on the face's borders. If tileSize is a power of two,
- * (u,v) of levels up to 8 are exact fractions of a texel, and faces with equal texels on an edge meet exactly. */
+ * faces with equal texels on an edge meet exactly at levels up to 8. */
 struct FaceAtlas
 {
   int tileSize = 64;

@@ -13,7 +13,7 @@ FaceBorders::FaceBorders(const Cage& cage)
   : sizes(cage.faceSizes), vertexOf(cage.faceIndices), sides(cage.faceIndices.size()), corners(cage.positions.size())
 {
   size_t offset = 0;
-  std::unordered_map<uint64_t, unsigned> edges; // by both vertices, the smaller one in the upper half
+  std::unordered_map<uint64_t, unsigned> edges; // key: both vertices, the smaller one in the upper half
   edges.reserve(cage.faceIndices.size());
   std::vector<size_t> sidesOfEdge;
   for (unsigned face = 0; face < sizes.size(); face++)

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Finds the faces that share a border point. If heights per face or per chart differ there, the mean over all sides
- * closes the surface. */
+/* Faces that share a border point. If their heights differ there, the mean over all sides closes the surface. */
 
 #include "surface/cage.h"
 #include "surface/patch_point.h"
@@ -36,7 +35,7 @@ public:
     bool reversed = false; // runs from the greater to the smaller vertex index
   };
 
-  /* Sides of an edge, the same list for each side: one at a boundary, usually two, more if the cage is not manifold. */
+  /* Sides of an edge: one at a boundary, usually two, more if the cage is not manifold. */
   struct Sides
   {
     const Side *first, *last;
@@ -53,14 +52,14 @@ public:
   /* The other side of an edge between two faces of the same orientation; otherwise face is ~0u. */
   Side opposite(unsigned face, unsigned edge) const;
 
-  /* All corners at a vertex, the same list for each corner. */
+  /* All corners at a vertex. */
   const std::vector<Side>& around(unsigned face, unsigned corner) const
   {
     return corners[vertexOf[firstCorner[face] + corner]];
   }
 
-  /* Returns the mean of value(FacePoint) over all sides of a point; `own` is the value of the calling side. Equal to
-   * the bit on all sides, because values are added in the order of the list. */
+  /* Mean of value(FacePoint) over all sides of a point, equal to the bit on all sides. `own` is the calling side's
+   * value. */
   template<typename T, typename Value>
   T mean(unsigned face, Place at, T own, const Value& value) const
   {

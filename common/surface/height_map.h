@@ -23,7 +23,6 @@ public:
    * or not finite. */
   static HeightMap read(const std::string& path);
 
-  /* A file whose images were all read and are valid. */
   struct FileInfo
   {
     unsigned images = 0;         // Ptex: one per face; also pages of a TIFF, parts of an EXR

@@ -32,7 +32,7 @@ struct HeightTexture::Implementation
   OIIO::TextureSystem* system = nullptr;
   std::vector<TextureImage> images;
   OIIO::TextureOpt options;
-  int channels = 1; // to read
+  int channels = 1;
   int channelsOfFile = 1;
 
   ~Implementation()
@@ -76,7 +76,7 @@ HeightTexture::HeightTexture(const std::vector<std::string>& paths, const Textur
   implementation->cache = OIIO::ImageCache::create(false);
   OIIO::TextureSystem* system = implementation->system = OIIO::TextureSystem::create(false, implementation->cache);
   system->attribute("automip", 1);           // mip levels for files without them
-  system->attribute("autotile", tileSize);   // and tiles
+  system->attribute("autotile", tileSize);
   system->attribute("unassociatedalpha", 1); // keep colors unmultiplied
   system->attribute("max_memory_MB", 4096.0f);
   for (const std::string& path : paths)

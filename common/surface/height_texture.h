@@ -25,16 +25,15 @@ struct TextureChannels
 class HeightTexture
 {
 public:
-  /* Opens files and checks that all texels are finite. `paths` names one file, whose images are all used, or
-   * several, whose first images are used. Appends a line to `warnings` for each file with texels without a
-   * value. Throws Error with the path. */
+  /* Opens files and checks that all texels are finite. Of a single file all images are used, of several files the first
+   * image each. Appends a line to `warnings` for each file with texels without a value. Throws Error with the path. */
   HeightTexture(const std::vector<std::string>& paths, const TextureChannels& channels, TextureWrap wrap,
                 std::string& warnings);
   ~HeightTexture();
   HeightTexture(const HeightTexture&) = delete;
   HeightTexture& operator=(const HeightTexture&) = delete;
 
-  /* One per file, or one per face of a Ptex file or of a TIFF or EXR with several parts. */
+  /* One per file, or per part of a Ptex, TIFF or EXR file. */
   unsigned numImages() const { return images; }
 
   /* Texels along s and t. */

@@ -37,7 +37,6 @@ bool isMissing(float height)
   return std::isnan(height) || (height <= lowestHeight && std::isfinite(height));
 }
 
-/* True if the texture system needs no conversion. */
 bool isSampledNatively(OIIO::TypeDesc type)
 {
   return type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16 || type == OIIO::TypeDesc::HALF ||
@@ -273,7 +272,7 @@ bool MapImage::readRows(int yBegin, int yEnd, std::vector<float>& rows)
   return true;
 }
 
-/* Replaces all of the map's channels in texels where one is missing. */
+/* In texels where one channel is missing, replaces all channels. */
 void MapImage::replaceMissing(std::vector<float>& rows, const std::vector<char>& equalsNodata)
 {
   const size_t channels = size_t(m_spec.nchannels), first = size_t(reading.first);

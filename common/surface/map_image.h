@@ -22,7 +22,6 @@
 
 namespace cbvh {
 
-/* Where missing texels are replaced, and by what. */
 struct MapReading
 {
   int first = 0;
@@ -41,10 +40,8 @@ public:
   /* True if the texture system can read the current image itself, unless texels are missing. */
   bool isPlain() const { return plain; }
 
-  /* True if the current image is a smaller copy or a mask, as in GDAL's TIFFs. */
   bool isCopyOrMask() const { return copyOrMask; }
 
-  /* Number of missing texels read so far. */
   size_t numMissing() const { return missing; }
 
   /* Reason not to read the current image, or empty. */
@@ -74,7 +71,6 @@ private:
   std::string refused;
   size_t missing = 0;
 
-  /* About the current image: */
   int image = -1;
   OIIO::ROI window; // the visible part, in the source's coordinates
   std::optional<double> nodata;

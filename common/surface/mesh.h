@@ -11,7 +11,7 @@
 
 namespace cbvh {
 
-/* Converts faces to 4 vertices, triangles by repeating the last one. Removes holes. Throws Error for larger faces. */
+/* Gives each face 4 vertices; triangles repeat the last one. Removes holes. Throws Error for larger faces. */
 void makeQuads(Cage& cage, const std::string& path);
 
 /* Requires a mesh of makeQuads. */

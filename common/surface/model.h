@@ -55,7 +55,7 @@ struct Model
 
   bool isMesh = false;
   float spacing = 0; // of a lattice that contains a mesh's vertices, or 0
-  std::shared_ptr<const Displacement> displacement; // null: none
+  std::shared_ptr<const Displacement> displacement;
   std::vector<Placement> copies{Placement()};       // geometries, not instances
 
   /* Vertices of each copy before it is placed; empty if all have the cage's. */
@@ -69,7 +69,6 @@ struct Model
   size_t numVertices() const { return cage.positions.size() * copies.size(); }
   PatchLayout layout(int level) const { return PatchLayout(cage, isMesh ? 0 : level, copies.size()); }
 
-  /* Null if the copy has the cage's vertices. */
   const std::vector<Vec3f>* shapeOf(size_t copy) const { return shapes.empty() ? nullptr : &shapes[copy]; }
 
   /* A vertex of a copy with its own shape moves as the cage's vertex, which is at p in this pose. */
@@ -78,7 +77,6 @@ struct Model
     return shape ? (*shape)[vertex] + (p - cage.positions[vertex]) : p;
   }
 
-  /* Control points of all copies at all time steps. */
   std::vector<Vec3f> positions() const
   {
     std::vector<Vec3f> all;

@@ -83,8 +83,7 @@ private:
     return true;
   }
 
-  /* True if the statement continues on the next line. Comments and names never do: a Windows path may end in a
-   * backslash. */
+  /* Comments and names never continue on the next line: a Windows path may end in a backslash. */
   static bool continues(std::string_view line)
   {
     if (line.empty() || line.back() != '\\' || line.find('#') != std::string_view::npos)
@@ -116,7 +115,6 @@ private:
     return words;
   }
 
-  /* For words of files that may be binary. */
   static std::string printable(std::string_view word)
   {
     constexpr size_t longest = 32;
@@ -299,7 +297,6 @@ private:
     return tag;
   }
 
-  /* Sharpness of the i-th of n edges or vertices. */
   float sharpness(const Tag& tag, size_t i, size_t n) const
   {
     if (tag.floats.size() != 1 && tag.floats.size() != n)
@@ -392,7 +389,7 @@ private:
   std::string& warnings;
   Cage cage;
   size_t lineNumber = 0;
-  bool atHead = true; // before the first statement
+  bool atHead = true;
 };
 
 } // namespace

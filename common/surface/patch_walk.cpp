@@ -35,8 +35,8 @@ PatchWalk::PatchWalk(const Cage& cage, const std::function<bool(unsigned)>& hasS
 
 PatchPoint PatchWalk::go(PatchPoint p, double du, double dv) const
 {
-  /* More than the faces around a vertex. Near a corner a line may cross many borders; the rest of the step is
-   * dropped. */
+  /* Near a corner a line may cross many borders; the rest of the step is dropped. More than the faces around a
+   * vertex. */
   constexpr int mostBorders = 80;
   for (int i = 0; i < mostBorders; i++)
   {

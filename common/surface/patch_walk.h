@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Moves points in parameters across borders of patches. */
-
 #include "surface/face_borders.h"
 
 #include <functional>
@@ -25,7 +23,6 @@ public:
   FacePoint toEmbree(const PatchPoint& p) const;
 
 private:
-  /* A place in parameters of the patch beyond the border. */
   struct Crossing
   {
     unsigned face, subPatch, edge;

@@ -151,7 +151,7 @@ private:
 
   UdimTiles tiles;
   HeightTexture texture;
-  std::vector<Coordinate> corners; // per face index
+  std::vector<Coordinate> corners;
   std::vector<char> edgeDiffers, cornerDiffers;
 };
 
@@ -209,7 +209,6 @@ private:
   std::vector<unsigned> firstImage;
 };
 
-/* Throws Error if only some faces have texture coordinates. */
 void requireAllUVs(const Cage& cage, const DisplacementMap& map)
 {
   const size_t without = cage.numFacesWithoutUVs();

@@ -29,7 +29,6 @@ public:
   /* Along the edge from corner `edge` to the next. */
   virtual float texelsAlong(unsigned face, unsigned edge) const = 0;
 
-  /* True if the sides of a border read different values here. */
   virtual bool isSeam(unsigned face, FaceBorders::Place at) const = 0;
 
   const FaceBorders& borders() const { return faceBorders; }

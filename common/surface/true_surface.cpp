@@ -24,7 +24,6 @@ double inside(double x)
 
 double square(double x) { return x * x; }
 
-/* A step in parameters. */
 struct Step
 {
   double u, v;

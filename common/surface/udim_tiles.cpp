@@ -82,7 +82,6 @@ std::string pathOfTile(std::string path, int number)
   return path;
 }
 
-/* UDIM number, or 0. */
 int numberOf(Vec2f tile)
 {
   constexpr float mostRows = 900; // numbers have four digits

@@ -39,7 +39,7 @@ struct UdimTiles
 
 private:
   std::vector<int> images;    // per face; empty without a placeholder
-  std::vector<Vec2f> origins; // the same
+  std::vector<Vec2f> origins;
 };
 
 } // namespace cbvh

@@ -18,7 +18,7 @@ namespace {
 /* The texture's second axis is to the left of the first one, seen from outside, or to the right if mirrored. */
 struct Tangents
 {
-  std::vector<Vec3f> corners; // first axis, per face index
+  std::vector<Vec3f> corners;
   std::vector<float> sides;   // per face: left 1, right -1
 };
 

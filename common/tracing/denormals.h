@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Controls denormal numbers of the calling thread. */
-
 #include <cstdint>
 
 #if defined(__x86_64__)

@@ -5,7 +5,6 @@
 
 namespace cbvh {
 
-/* Size in pixels. */
 struct ImageSize
 {
   int width = 1024, height = 1024;

@@ -26,7 +26,7 @@ std::vector<KeptHit> keepHits(const TracedScene& scene, const std::vector<Ray>& 
 /* Rays with different hits in two libraries, each counted under its first difference. */
 struct HitDifferences
 {
-  size_t rays = 0; // compared
+  size_t rays = 0;
   size_t hits = 0; // only one library hits
   size_t ids = 0;  // geometry, primitive or instance
   size_t distances = 0;

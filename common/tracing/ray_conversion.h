@@ -34,7 +34,6 @@ inline void load(const Ray& ray, RTCRayHit& out)
   out.hit.primID = out.hit.geomID = out.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Lane i of a packet. */
 template<typename RTCRayN>
 inline void load(const Ray& ray, RTCRayN& out, size_t i)
 {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The API of libembree_cbvh: hits are bit-identical to those of our libembree3, input is released, errors are reported,
- * commits can be canceled. */
+/* libembree_cbvh: hits are those of our libembree3 to the bit, input is released, errors are reported, commits can be
+ * canceled. */
 
 #include "support/diced_mesh.h"
 #include "support/edge_rates.h"
@@ -21,7 +21,6 @@
 namespace cbvh::test {
 namespace {
 
-// A context that stores its errors.
 struct Context
 {
   CbvhContext handle = nullptr;
@@ -42,7 +41,7 @@ struct Context
   Context& operator=(const Context&) = delete;
   operator CbvhContext() const { return handle; }
 
-  // Expects this error and no other since the last call.
+  // This error and no other since the last call.
   void expect(CbvhError found, CbvhError code, const char* text)
   {
     EXPECT_EQ(found, code);
@@ -175,7 +174,6 @@ SurfaceSettings settingsOf(Displacement& displacement, unsigned timeSteps, float
   return settings;
 }
 
-// Clusters as reported by one of the two libraries.
 struct Clusters
 {
   std::vector<std::vector<unsigned char>> data;
@@ -369,7 +367,6 @@ TEST(Beside, LosslessHitsMatchOurEmbree)
   EXPECT_TRUE(context.reported.empty());
 }
 
-// Both libraries open the other's files.
 TEST(Beside, FilesAreInterchangeableWithOurEmbree)
 {
   Random random(93);
@@ -554,7 +551,6 @@ TEST(Beside, InvalidInputIsReportedByName)
   EXPECT_EQ(none2, nullptr);
 }
 
-// Parts that are left out are reported; the rest exists.
 TEST(Beside, NonFiniteDisplacementIsReported)
 {
   Random random(94);
@@ -681,7 +677,6 @@ TEST(Beside, AttributesAtVerticesWithTooManyFacesAreErrors)
   }
 }
 
-// Triangles of hits, and all triangles.
 TEST(Beside, TrianglesAreReported)
 {
   Random random(96);
@@ -725,7 +720,7 @@ TEST(Beside, TrianglesAreReported)
   EXPECT_EQ(quads, 6u*16*16);
 }
 
-// Objects exist until their last reference is released. Groups use surfaces as of their last commit.
+// Groups use surfaces as of their last commit.
 TEST(Beside, ReferencedObjectsStayAlive)
 {
   CbvhContext context = nullptr;

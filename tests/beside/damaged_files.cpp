@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Functions of libembree_cbvh detect damaged files: they call the context's error function with the reason, once per
- * surface if rays detect the damage. */
+/* Damaged files: the context's error function is called with the reason, once per surface if rays detect the
+ * damage. */
 
 #include "support/file_mutations.h"
 
@@ -34,7 +34,7 @@ struct Damaged : testing::Test
   CbvhContext context = nullptr;
   Folder folder;
   const std::string path = folder/"surface.cbvh";
-  std::string whole; // contents of the intact file
+  std::string whole;
 
   Damaged()
   {
@@ -161,7 +161,7 @@ TEST_F(Damaged, IsReportedByFunctionsThatReadAllBlocks)
   }
 }
 
-// The first block that is read is in one of the halves: damage of the other half is detected after some clusters.
+// The first block is in one of the halves: damage of the other one is detected after some clusters.
 TEST_F(Damaged, ReportContainsSumsOfClustersBeforeIt)
 {
   const CbvhClusterFunction add = [](void* ptr, const CbvhCluster* cluster) {

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays through the user geometry of a foreign Embree have bit-identical hits to those of libembree_cbvh, with the
- * application's IDs: single rays, packets, any hit, masks, both kinds of filters, instances, many surfaces, motion.
+/* Rays through the user geometry of a foreign Embree have libembree_cbvh's hits to the bit, with the application's IDs.
  * Hits of lossless surfaces match the foreign Embree's own kernels. */
 
 #include "host.h"
@@ -15,7 +14,6 @@ namespace {
 
 std::mt19937 generator(32);
 
-// Expects the same hit, with the application's IDs.
 void checkHit(CbvhGroup group, const RTCRayHit& ray, const RTCRayHit& found, unsigned geomID, unsigned instID)
 {
   CbvhRayHit own;
@@ -327,7 +325,7 @@ void testManySurfaces(RTCDevice device, CbvhContext context)
   cbvhReleaseGroup(group);
 }
 
-// Groups may change; scenes that contain them must use the new bounds.
+// Scenes must use the new bounds of a changed group.
 void testEdits(RTCDevice device, CbvhContext context)
 {
   const Group group(context);
@@ -368,9 +366,9 @@ double cosineOf(const RTCRayHit& r)
   return std::fabs(dn)/std::sqrt(dd*nn);
 }
 
-/* Hits of both must have the same primitive. Distances and parameters may differ by rounding, which is larger for
- * grazing rays. GRID stores 13 bits of parameters. A few rays that pass close to an edge may hit its other side.
- * geometry: committed and released here. */
+/* The same primitive, and distances and parameters that differ by rounding, which is larger for grazing rays. GRID
+ * stores 13 bits of parameters. A few rays may hit the other side of an edge. geometry: committed and released
+ * here. */
 void checkHostsHits(RTCDevice device, CbvhContext context, CbvhSurface surface, RTCGeometry geometry, const char* what)
 {
   OK(cbvhSetLossless(surface, 1));

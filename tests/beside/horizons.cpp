@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Finds horizons like programs that compute sky-view factors of elevation models: any-hit rays start 0.01 m above the
- * grid's vertices and rise until they miss. The default accuracy must suffice: a stored vertex above its ray's start
- * would hide the whole sky. The expected horizons come from the same rays through the exact triangles, in Embree's
- * robust mode.
+/* Finds horizons of elevation models: any-hit rays start 0.01 m above the grid's vertices and rise until they miss. The
+ * default accuracy must suffice: a stored vertex above its ray's start would hide the whole sky. The same rays through
+ * the exact triangles, in Embree's robust mode, give the expected horizons.
  *
  *   beside_horizons [--max-error E] [--searches N]
  *
@@ -43,8 +42,7 @@ double valueAt(int x, int y, unsigned octave)
   return double((h ^ h >> 16) & 0xffff)/32767.5 - 1;
 }
 
-// Value noise of 7 octaves, each with half the wavelength and half the height of the previous one: a relief of about
-// 60 m.
+// Value noise of 7 octaves: a relief of about 60 m.
 double heightAt(double x, double y)
 {
   double sum = 0, amplitude = 24, wave = 128;
@@ -162,7 +160,7 @@ private:
 // True if a ray at this elevation in degrees hits.
 using IsOccluded = std::function<bool(double elevation)>;
 
-// Returns the first elevation at which a ray misses; 90 if all rays hit.
+// The first elevation at which a ray misses; 90 if all hit.
 double discreteSearch(const IsOccluded& isOccluded)
 {
   double elevation = lowest;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A foreign Embree, 3.13 or 4 depending on the include path, with a displaced cube: the environment for tests of
- * libembree_cbvh on this Debian and on the next one. Requires only a compiler, Embree and our headers. */
+/* A foreign Embree, 3.13 or 4 depending on the include path, with a displaced cube. Requires only a compiler, Embree
+ * and our headers. */
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>

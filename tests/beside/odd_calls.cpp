@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Incorrect callers of libembree_cbvh: NULL for every pointer, indices out of range, numbers that are not finite,
- * inconsistent cages, callbacks that change the object that is being processed, misspelled settings. */
+ * inconsistent cages, callbacks that change their object, misspelled settings. */
 
 #include "small_cube.h"
 
@@ -317,8 +317,7 @@ TEST_F(OddCalls, CallbacksMustNotChangeTheirSurface)
   EXPECT_EQ(cbvhCommitSurface(surface, nullptr, nullptr), CBVH_OK) << "changes are possible again";
 }
 
-// A displacement function that interpolates texture coordinates gives the same surface as one with explicit
-// coordinates.
+// Interpolated texture coordinates give the same surface as explicit ones.
 TEST_F(OddCalls, TextureCoordinatesAreAvailableDuringDisplacement)
 {
   const unsigned own[] = {0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3, 0,1,2,3};
@@ -527,8 +526,7 @@ TEST(OddContexts, InvalidSettingsNameTheKeyAndSuggestTheNearest)
   }
 }
 
-// A prism with 20 sides: neither its caps nor the adjacent faces can be subdivided. This is reported once, and not
-// again without a change.
+// A prism with 20 sides: neither its caps nor the adjacent faces can be subdivided.
 TEST_F(OddCalls, FacesWithTooManyCornersAreReportedOnce)
 {
   std::vector<float> vertices;

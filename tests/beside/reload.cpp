@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Loads libembree_cbvh, uses it in two threads and unloads it, repeatedly, in a program with its own Embree: it must
- * not crash, and memory must not grow. reload PATH/TO/libembree_cbvh.so.0 */
+/* Loads, uses in two threads and unloads libembree_cbvh repeatedly, in a program with its own Embree: memory must not
+ * grow. reload PATH/TO/libembree_cbvh.so.0 */
 
 #include "host.h"
 

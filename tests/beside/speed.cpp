@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Measures rays per second of one thread on a displaced cube: through the user geometry of the surrounding Embree, by
- * libembree_cbvh's own functions, on Embree's own subdivision surface, and from a file. Prints medians of interleaved
- * runs. beside_speed [--rays N] [--rate R] [--turns N] */
+/* Rays per second of one thread on a displaced cube: through the user geometry of the surrounding Embree, by
+ * libembree_cbvh's own functions, on Embree's subdivision surface, and from a file. Prints medians of interleaved runs.
+ * beside_speed [--rays N] [--rate R] [--turns N] */
 
 #include "host.h"
 

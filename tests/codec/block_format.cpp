@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of blocks: compares sizes, offsets and annotated blocks with framed_block.md. The test reads the page's
- * tables, so that code and page cannot diverge. */
+/* Sizes, offsets and annotated blocks must be those of the tables of framed_block.md. */
 
 #include "codec/format_pages.h"
 #include "support/encoded_block.h"

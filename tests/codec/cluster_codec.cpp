@@ -35,7 +35,7 @@ struct Grid
   Vertex& at(unsigned x, unsigned y) { return vertices[y*width + x]; }
   const float* points() const { return vertices[0].data(); }
 
-  // Fills with multiples of 2^exponent from `first` on, with noise of some bits.
+  // Multiples of 2^exponent from `first` on, with noise of some bits.
   void fill(Random& random, int exponent, int first, unsigned bits)
   {
     for (Vertex& v : vertices)
@@ -94,7 +94,7 @@ TEST(ClusterCodec, RejectsVerticesOutsideOfFormat)
   EXPECT_TRUE(fits(0.0f, -0.0f));
 }
 
-// Expects that vertices with a lattice are the same floats after encoding and decoding as COMPRESSED1.
+// Vertices on a lattice are the same floats after encoding and decoding as COMPRESSED1.
 void expectVerticesBack(const Grid& grid, const QuadTriangles& triangles, const LatticePoints& points)
 {
   LatticeSpan span;
@@ -146,7 +146,7 @@ typedef std::array<Vertex, 3> Triangle;
 
 Triangle turned(const Triangle& t) { return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}}); }
 
-// Triangles that are neither missing nor degenerate.
+// Neither missing nor degenerate ones.
 std::multiset<Triangle> trianglesOf(Grid& grid)
 {
   std::multiset<Triangle> all;
@@ -215,7 +215,7 @@ unsigned bitsPerIndex(unsigned quadsX, unsigned quadsY)
   return decodeDgf(block->bytes, sizeof(block->bytes)).bitsPerIndex;
 }
 
-// True if whole quads in one strip, which visits each inner vertex twice, fit into a block of the specification.
+// For whole quads in one strip, which visits each inner vertex twice.
 bool hasRoom(Grid& grid, int exponent, unsigned bitsPerIndex)
 {
   const unsigned vertices = grid.width*grid.height, triangles = 2*(grid.width - 1)*(grid.height - 1),

@@ -330,7 +330,6 @@ double inside(const Segment<double>& segment, const NodeBox& box, double s, int*
   return least;
 }
 
-// Intersects the line between an inside and an outside point with the surface of the box.
 double endBetween(const Segment<double>& segment, const NodeBox& box, double in, double out)
 {
   for (int i = 0; i < 60; i++) {
@@ -342,8 +341,8 @@ double endBetween(const Segment<double>& segment, const NodeBox& box, double in,
 
 struct Ends { double s0, s1; bool startsInside, endsInside; };
 
-// Clips the segment to the box; false if it misses the box, or nearly misses it. The minimum of the distances to the
-// six planes has a single maximum along a line, which a ternary search finds.
+// False if the segment misses the box, or nearly so. The minimum of the distances to the six planes has a single
+// maximum along a line, which a ternary search finds.
 bool findEnds(const Segment<double>& segment, const NodeBox& box, Ends& ends)
 {
   double a = 0, b = 1;
@@ -361,8 +360,8 @@ bool findEnds(const Segment<double>& segment, const NodeBox& box, Ends& ends)
   return true;
 }
 
-// Side at one end of the crossing: determined by the face, unless it is a side of the column; otherwise by f. False
-// if two faces or the patch are too close to decide.
+// By the face, unless it is a side of the column; otherwise by f. False if two faces or the patch are too close to
+// decide.
 bool sideAt(const Segment<double>& segment, const LeafPatch& leaf, double s, bool insideBox, double f, uint32_t& side)
 {
   int face;
@@ -405,8 +404,7 @@ TEST(Crossing, EntryExitHeightsAndSidesMatchLineInBox)
     ASSERT_EQ(x.event.ended, segment.endClipped && ends.endsInside);
     started += x.event.started;
     ended += x.event.ended;
-    // A segment that starts inside without being clipped starts at the block's own box. It enters the leaf earlier,
-    // through a face that the segment does not reveal.
+    // A segment that starts inside starts at the block's own box. It entered the leaf before, through an unknown face.
     uint32_t side;
     if ((!ends.startsInside || x.event.started) && sideAt(segment, leaf, ends.s0, ends.startsInside, f0, side)) {
       ASSERT_EQ(x.event.enter, side);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Encodes vertices with the codec as the including file compiles it, so that a test can compare two builds. Include it
- * once per file, in a namespace of that file. */
+/* Encodes with the codec as the including file compiles it, so that a test can compare two builds. Include it once per
+ * file, in a namespace of that file. */
 
 #include "cvert/encoder/lattice.h"
 #include "cvert/encoder/motion_encoder.h"

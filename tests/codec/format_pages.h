@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Reads the tables of the pages in FORMATS and compares them with the code. */
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -41,7 +39,7 @@ struct Constant
   double value;
 };
 
-// Expects that the page has a table of exactly these constants.
+// The page must have a table of exactly these constants.
 inline void expectConstants(const std::string& name, const std::vector<Constant>& constants)
 {
   std::ostringstream table;
@@ -51,8 +49,7 @@ inline void expectConstants(const std::string& name, const std::vector<Constant>
                                                                                 << table.str();
 }
 
-// Expects that rows "| offset | type | `field` | meaning |" of a section have these fields at their offsets,
-// consecutively from begin to end.
+// Rows "| offset | type | `field` | meaning |" of a section must have these fields, consecutively from begin to end.
 inline void expectRows(const std::string& name, const std::string& heading,
                        const std::map<std::string, size_t>& offsetOf, size_t begin, size_t end)
 {
@@ -91,7 +88,6 @@ inline std::vector<uint8_t> annotatedBytes(const std::string& name, const std::s
   return bytes;
 }
 
-// Formats words as in the tables of the pages.
 inline std::string wordsOf(const std::vector<uint8_t>& bytes)
 {
   std::ostringstream text;
@@ -104,7 +100,6 @@ inline std::string wordsOf(const std::vector<uint8_t>& bytes)
   return text.str();
 }
 
-// Expects that a block has the bytes of an annotated block.
 inline void expectAnnotatedBytes(const void* block, size_t size, const std::string& name,
                                  const std::string& heading = "Annotated block")
 {

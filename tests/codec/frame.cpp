@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Frames: the map of a block keeps vertices in the box and straight lines straight, for all sizes and positions. The
- * encoder falls back to an affine map if a projective one is ill-conditioned. */
+/* The map of a block keeps vertices in the box and straight lines straight, for all sizes and positions. The encoder
+ * falls back to an affine map if a projective one is ill-conditioned. */
 
 #include "kernels/cbvh/framed/frame_fit.h"
 #include "kernels/cbvh/framed/node.h"
@@ -32,8 +32,7 @@ struct Sheet
 
 struct Placement { double scale; double position[3]; };
 
-// Sheet of width x width vertices between four corners, with random heights along the normal; rotated, scaled and
-// moved.
+// width x width vertices between four corners, with random heights along the normal; rotated, scaled and moved.
 Sheet makeSheet(Random& random, const double corners[4][3], int width, double amplitude, const Placement& at)
 {
   double axis[3][3];
@@ -77,8 +76,7 @@ void homogeneous(const Frame& frame, const double p[3], double h[4])
     for (int k = 0; k < 4; k++) h[k] += double(frame.columns[i][k])*(p[i] - double(frame.center[i]));
 }
 
-// Decoded planes keep the distance containmentSlack from the geometry (node.h). This includes the root's planes, the
-// faces of the box.
+// Decoded planes, including the root's, keep the distance containmentSlack from the geometry (node.h).
 void expectInside(const Sheet& sheet, const Frame& frame)
 {
   for (int i = 0; i < 3; i++)
@@ -93,7 +91,7 @@ void expectInside(const Sheet& sheet, const Frame& frame)
   }
 }
 
-// Expects a box that is a bounded region of the world: the map has an inverse with W > 0 at all corners.
+// The map has an inverse with W > 0 at all corners.
 void expectBounded(const Frame& frame)
 {
   auto row = [&](int k, double d) {
@@ -275,8 +273,7 @@ TEST(Frame, FallsBackToAffineIfProjectiveIsIllConditioned)
       }
 }
 
-// No axis may be so flat that the map has no inverse, or so steep that a box is thinner than the resolution of its
-// position.
+// Nor may an axis be so steep that a box is thinner than the resolution of its position.
 TEST(Frame, NeedlesAndFlatSheetsHaveInvertibleMaps)
 {
   Random random(27);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares the tables of framed_hits.md with framed/leaf/hit_rule.h. Reads the rows of the page. For every combination
- * of state and event, the outcome of the first matching row must equal the result of the code. */
+/* Compares the tables of framed_hits.md with framed/leaf/hit_rule.h: for every combination of state and event, the
+ * first matching row must have the outcome of the code. */
 
 #include "kernels/cbvh/framed/leaf/hit_rule.h"
 
@@ -203,7 +203,6 @@ std::string describe(const Facts& facts)
   return text;
 }
 
-// Finds the row of a table for some facts and compares it with `check`.
 template<typename Check>
 void withRow(Table& table, const Facts& facts, const Check& check)
 {

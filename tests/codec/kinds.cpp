@@ -15,7 +15,6 @@ namespace {
 
 using namespace embree::cbvh;
 
-// Numbers of kinds in blocks, files and the API never change.
 TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
 {
   const struct { Kind kind; uint32_t number; int compression; const char *key, *name; bool hasFrame; } expected[] = {
@@ -43,7 +42,7 @@ TEST(Kinds, NumbersOfBlocksAndApiAreFixed)
   for (int compression : {-1, 0, 1, 6, 100}) EXPECT_FALSE(findKind(compression, none)) << compression;
 }
 
-// All types, including the reserved numbers for fourteen more kinds, each with the smallest and the largest index.
+// Including reserved numbers, each with the smallest and the largest index.
 TEST(References, EachReferenceHasOneType)
 {
   std::set<uint32_t> references = {emptyReference};

@@ -19,8 +19,8 @@ TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
   EXPECT_EQ(kindDescriptions[0].kind, Kind::VERT);
 }
 
-// A file whose record names cLEAF may contain only cVERT blocks, because of exactFaces. Commits and verbosity 1 must
-// report the representation that is traced, not GRID.
+// A record may name cLEAF although all blocks are cVERT, because of exactFaces. Reports must name the traced
+// representation, not GRID.
 TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
 {
   for (uint32_t compression = RTC_COMPRESSION_GRID; compression <= RTC_COMPRESSION_VERT; compression++) {

@@ -21,7 +21,7 @@ using namespace embree::cbvh;
 // The encoder's slack, and the rounding of float arithmetic on numbers up to 4.
 constexpr double tolerance = containmentSlack + 0x1p-20;
 
-// Lattices of vertices in the parent's box; the first kinds are height fields over it.
+// The first kinds are height fields over the parent's box.
 enum Shape { REGULAR, WAVY, JITTERED, STEEP, ROUGH, FOLDED, ANYWHERE, COLLAPSED, VERTICAL, SHAPES };
 
 // rounding: largest distance of a neighboring face's copies of vertices, in parent extents.
@@ -73,7 +73,7 @@ NodeBox randomBox(Random& random)
   return box;
 }
 
-// Computes the signed distance of a leaf's surface above a point; false if the point is outside of the leaf's box.
+// Signed distance; false if the point is outside of the leaf's box.
 bool surfaceAbove(const LeafPatch& leaf, const double p[3], double& distance, double position[2])
 {
   for (int k = 0; k < 3; k++)
@@ -107,9 +107,8 @@ std::ostream& operator<<(std::ostream& out, const EdgeOfGroup& e)
   return out << "quad " << e.quad << ", " << (e.upper ? "upper" : "lower") << " side along axis " << e.axis;
 }
 
-// A point of an edge must be in a leaf of the group (the quad's own leaf, if leaves are loose) within half a
-// thickness of the surface. On the border of a block it must not be above that, and must be within the border's
-// width.
+// A point of an edge must be in a leaf of the group (if leaves are loose, the quad's own) within half a thickness of
+// the surface. On the border of a block it must not be above that, and be within the border's width.
 void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const double p[3], float borderWidth)
 {
   bool found = false;
@@ -130,7 +129,7 @@ void expectBounded(const GroupLeaves& leaves, const EdgeOfGroup& edge, const dou
 
 struct GroupCounts { unsigned lattices[SHAPES] = {}, loose[SHAPES] = {}, solid[SHAPES] = {}; };
 
-// Every edge of every quad must be bounded, including edges that deviate by the rounding.
+// Including edges that deviate by the rounding.
 void expectEdgesBounded(uint32_t seed, unsigned groups, double rounding, GroupCounts& counts)
 {
   Random random(seed);
@@ -235,7 +234,7 @@ struct Side
     }
   }
 
-  // Returns the point at a position along the side, in vertices.
+  // t: in vertices.
   Double3 at(double t) const
   {
     const size_t i = std::min(size_t(t), vertices.size() - 2);
@@ -249,8 +248,7 @@ struct Side
   }
 };
 
-// The surface of blocks must be above their common edge, by at most half a thickness and within the width of lips, on
-// each of the four sides. Otherwise rays could pass between blocks.
+// By at most half a thickness and within the width of lips. Otherwise rays could pass between blocks.
 TEST(LeafCodec, BlocksAreAboveTheirEdgesOnAllSides)
 {
   Random random(18);
@@ -339,7 +337,6 @@ TEST(LeafCodec, EveryHeightRoundTrips)
     }
 }
 
-// Siblings of a lattice share planes and heights.
 TEST(LeafCodec, LatticesAreContinuousBetweenSiblings)
 {
   Random random(15);
@@ -401,7 +398,7 @@ TEST(LeafCodec, OnlyQuadsWithNonFiniteVerticesAreEmpty)
     }
 }
 
-// World distance between the two bounds of a leaf, measured from points on both.
+// Between the two bounds of a leaf, from points on both.
 double worldThickness(const InverseFrame& inverse, const LeafPatch& leaf)
 {
   const double slope[2] = {0.5*((leaf.z[1] + leaf.z[3]) - (leaf.z[0] + leaf.z[2]))/leaf.box.extent[0],

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Mesh blocks are lossless: after encoding and scalar decoding, triangles of random and difficult meshes have the same
- * floats, order of corners and numbers. A second decoder, written from docs/formats/mesh_block.md, must agree with the
- * first. */
+/* Mesh blocks are lossless: decoded triangles have the same floats, order of corners and numbers. A second decoder,
+ * written from docs/formats/mesh_block.md, must agree with the first. */
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -47,7 +46,7 @@ struct Encoded
   const MeshHeader* block() const { return (const MeshHeader*)bytes; }
 };
 
-// Encodes a mesh into blocks whose groups are runs of up to groupSize triangles.
+// Groups are runs of up to groupSize triangles.
 std::vector<std::unique_ptr<Encoded>> encode(MeshEncoder& encoder, const Mesh& mesh, uint32_t groupSize,
   MeshStatistics& statistics)
 {
@@ -215,7 +214,7 @@ long double shearedCoordinate(const MeshHeader* block, const float* p)
   return h*meshSpacing(block->spacings, m);
 }
 
-// Expects that blocks contain the triangles of a mesh and have all properties that the format guarantees.
+// Blocks must contain the mesh's triangles and have all properties that the format guarantees.
 void expectMesh(const Mesh& mesh, const std::vector<std::unique_ptr<Encoded>>& blocks)
 {
   std::map<std::string, int> left;
@@ -406,8 +405,7 @@ TEST(MeshBlock, GroupsDecodeIndependently)
   ASSERT_GT(view.groups, 10u);
   for (uint32_t g = 0; g < view.groups; g++) {
     const auto group = std::make_unique<DecodedMeshGroup>(view, g);
-    // Sets all bits that the group does not need to 1: topology and numbers of other groups, and vertices that it
-    // does not use.
+    // Sets all bits that the group does not need to 1.
     auto damaged = std::make_unique<Encoded>(whole);
     const auto setBits = [&](const uint8_t* section, size_t begin, size_t end) {
       for (size_t b = begin; b < end; b++) damaged->bytes[size_t(section - whole.bytes) + b/8] |= uint8_t(1 << b % 8);
@@ -499,7 +497,7 @@ TEST(MeshStrips, RanksCountFloats)
 
 /* --- the page ----------------------------------------------------------------------------- */
 
-// A pyramid whose sides are in one group. Its base and a separate triangle are in another group.
+// The sides of a pyramid are in one group, its base and a separate triangle in another.
 Mesh annotatedMesh()
 {
   Mesh mesh;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Damaged mesh blocks, still and moving, are rejected with a reason, or decoded without reading other bytes. Each block
- * is an allocation of exactly its size, so that a sanitizer detects reads beyond its end. */
+ * is an allocation of exactly its size, for sanitizers. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -137,7 +137,6 @@ TEST(MeshDamage, TruncatedBlocksAreRejected)
       }
 }
 
-// Decodes a valid block at all steps.
 void decode(const MeshHeader* block)
 {
   const MeshView view(block);
@@ -185,7 +184,6 @@ TEST(MeshDamage, DamagedBlocksAreRejectedOrDecodedWithinBounds)
   }
 }
 
-// Random bytes after a valid header.
 TEST(MeshDamage, RandomBytesAreRejectedOrDecoded)
 {
   Random random(seed + 4);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files with moving mesh blocks: blocks are read as they were written, older readers reject them by version, and blocks
- * that do not move as their geometry does are rejected. */
+/* Files with moving mesh blocks are read as written; older readers reject them by version; blocks that do not move as
+ * their geometry does are rejected. */
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/file/file.h"
@@ -64,7 +64,7 @@ struct Saved
     surface.tree.insert(surface.tree.end(), (const char*)&entry, (const char*)(&entry + 1));
   }
 
-  // Returns the message of the error that a reader reports, or "".
+  // The message of a reader's error, or "".
   std::string write(const std::string& path)
   {
     FileWriter writer(path);

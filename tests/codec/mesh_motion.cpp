@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Moving mesh blocks are lossless: vertices have the same floats at every time step, and boxes contain their groups. A
- * second decoder, written from docs/formats/mesh_motion.md, must agree with the first. Rigid motion needs few
- * bytes. */
+/* Moving mesh blocks are lossless at every time step, and boxes contain their groups. A second decoder, written from
+ * docs/formats/mesh_motion.md, must agree. Rigid motion needs few bytes. */
 
 #include "kernels/cvert/decoder/decoded_mesh.h"
 #include "kernels/cvert/decoder/validate_mesh.h"

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Conversion of meshes to blocks: clusters, lattices, and skipped triangles. The distance by which vertices move is
- * computed in long double, independently of the library's lattice. */
+/* Conversion of meshes to blocks: clusters, lattices, and skipped triangles. Movements of vertices are computed in long
+ * double, independently of the library's lattice. */
 
 #include "kernels/cvert/encoder/mesh_blocks.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
@@ -85,8 +85,8 @@ Normal normal(const Point& a, const Point& b, const Point& c)
 }
 long double dot(const Normal& a, const Normal& b) { return a[0]*b[0] + a[1]*b[1] + a[2]*b[2]; }
 
-// Each triangle must be stored once. Its vertices move by at most half a spacing, it does not flip or degenerate, and
-// equal positions stay equal.
+// Each triangle is stored once and does not flip or degenerate. Vertices move by at most half a spacing, and equal
+// positions stay equal.
 void expectStored(const Mesh& mesh, const Stored& stored, int exponent)
 {
   const long double most = exponent == exactLattice ? 0 : std::ldexp(0.5L, exponent);
@@ -173,7 +173,7 @@ TEST(MeshSource, RobustTrianglesDoNotFlip)
   EXPECT_GT(robust, 30000u);
 }
 
-// Triangles that are not much larger than the spacing, and needles. Many of them would flip or degenerate.
+// Needles, and triangles not much larger than the spacing. Many of them would flip or degenerate.
 TEST(MeshSource, NoTriangleFlipsOrDegenerates)
 {
   Random random(seed + 1);

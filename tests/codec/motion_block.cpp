@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Moving cVERT blocks are lossless: vertices have the same floats at every time step, boxes of a segment contain their
- * groups at both of its ends, and rotation, bending and scaling need few bytes. */
+/* Moving cVERT blocks are lossless at every time step, boxes of a segment contain their groups at both ends, and
+ * rotation, bending and scaling need few bytes. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
@@ -26,8 +26,7 @@ bool sameFloat(float a, float b)
   return std::memcmp(&a, &b, sizeof(a)) == 0 || (a == 0 && b == 0) || (std::isnan(a) && std::isnan(b));
 }
 
-// Returns the form and the margins of the boxes of the segment that begins at a step, or null if one of its ends is
-// raw.
+// Form and margins of the boxes of the segment that begins at a step, or null if one of its ends is raw.
 const uint8_t* marginsOf(const VertHeader* block, uint32_t segment, uint32_t& form)
 {
   const VertStep* const end = stepOf(block, segment + 1);

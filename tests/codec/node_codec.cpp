@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Containment: decoded bounds contain the geometry on all levels, in every variant of arithmetic to which a traversal
- * may be compiled. */
+/* Decoded bounds contain the geometry on all levels, in every arithmetic to which a traversal may be compiled. */
 
 #include "kernels/cbvh/framed/node_encoder.h"
 #include "kernels/cbvh/framed/node_tables.cpp"
@@ -65,7 +64,7 @@ void makeChildren(Random& random, Shape shape, const NodeBox& parent, const Exac
   }
 }
 
-// An encoder without slack: moves bounds inwards by the slack that the real encoder adds.
+// Moves bounds inwards by the slack that the encoder adds.
 uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
 {
   ExactBox moved[4];
@@ -77,8 +76,7 @@ uint32_t encodeWithoutSlack(const NodeBox& parent, const ExactBox children[4])
   return encodeNode(parent, moved);
 }
 
-// Follows one random path from the root to level 8. Returns the number of levels and variants for which a child was
-// not contained.
+// On one random path from the root to level 8. Returns for how many levels and variants a child was not contained.
 template<typename Encode>
 unsigned violations(Random& random, int shape, const Encode& encode)
 {
@@ -112,8 +110,7 @@ TEST(NodeCodec, DecodedBoundsContainChildrenOnAllLevelsInAllArithmetic)
       ASSERT_EQ(violations(random, shape, encodeNode), 0u) << "shape " << shape << ", path " << i;
 }
 
-// Checks the previous test: without slack, geometry that touches planes is lost with fused arithmetic, which rounds
-// planes only once.
+// The opposite of the previous test: fused arithmetic rounds planes only once.
 TEST(NodeCodec, GeometryTouchingPlanesIsLostWithoutSlack)
 {
   Random random(1);
@@ -145,8 +142,8 @@ TEST(NodeCodec, ReferenceDecoderIsOneOfTheVariants)
 // One decoding step has an error of at most one ulp of a number below 2 (node_encoder.h).
 constexpr double stepError = 0x1p-23;
 
-// Random paths, box by box. A lower plane cannot round below its parent's, because the added term is not negative. An
-// upper plane is the sum of two rounded numbers.
+// A lower plane cannot round below its parent's, because the added term is not negative. An upper plane is the sum of
+// two rounded numbers.
 TEST(NodeCodec, BoundsNeverGrow)
 {
   Random random(3);
@@ -168,7 +165,6 @@ TEST(NodeCodec, BoundsNeverGrow)
   }
 }
 
-// No code with sufficient slack gives a tighter bound than the chosen one.
 TEST(NodeCodec, EveryPlaneIsTightestWithSlack)
 {
   Random random(4);
@@ -288,7 +284,6 @@ Bounds boundsOf(const NodeBox& box)
   return bounds;
 }
 
-// Decodes a child with the tables in double precision.
 Bounds childByTables(const NodeTables& tables, uint32_t node, int c, const Bounds& parent)
 {
   float lower[3], upper[3];
@@ -336,9 +331,9 @@ TEST(NodeTables, MasksOfFourExpandToMasksOfSixteen)
     }
 }
 
-// Random paths reach parents that no word of the root describes. Three levels of multiples of 1/256 are multiples of
-// 2^-24 below 1, which float represents. There both decoders are exact if the parent's upper plane is exact, i.e. at
-// most 1. On deeper levels decodeChild has the error of one step per level.
+// Random paths reach parents that no word of the root describes. Three levels of multiples of 1/256 are floats,
+// multiples of 2^-24 below 1: there both decoders are exact if the parent's upper plane is at most 1. Deeper,
+// decodeChild has the error of one step per level.
 TEST(NodeTables, MatchScalarDecoderOnPathsThroughAllLevels)
 {
   static const NodeTables tables;

@@ -23,7 +23,7 @@ Block randomFrame(Random& random)
   return block;
 }
 
-// A normal is orthogonal to two tangents of the surface, and on the side of increasing z.
+// Orthogonal to two tangents of the surface, and on the side of increasing z.
 TEST(Normals, MatchSurfaceInWorldSpace)
 {
   Random random(17);
@@ -44,8 +44,7 @@ TEST(Normals, MatchSurfaceInWorldSpace)
   }
 }
 
-// A ray from above sees a normal that faces it (along < 0); a ray from below sees one that faces away. Only normals
-// that face away by less than 30 degrees are flipped.
+// From above (along < 0), normals face the ray; from below they face away.
 TEST(Normals, FlipIfFacingAwayByLessThan30Degrees)
 {
   for (double direction2 : {1.0, 9.0})

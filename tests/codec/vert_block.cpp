@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cVERT blocks are lossless: random vertices on random lattices, in blocks of all sizes, are the same floats after
- * encoding and scalar decoding, and boxes contain their groups in the float arithmetic of traversal. */
+/* cVERT blocks of all sizes are lossless, and boxes contain their groups in the float arithmetic of traversal. */
 
 #include "kernels/cvert/encoder/lattice.h"
 #include "kernels/cvert/encoder/block_encoder.h"
@@ -35,7 +34,6 @@ struct Encoded
   const VertHeader* block() const { return (const VertHeader*)bytes; }
 };
 
-// A block that is a whole patch.
 VertPlacement whole(uint32_t quadsX, uint32_t quadsY)
 {
   return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY)};
@@ -47,7 +45,7 @@ VertPlacement withEdges(uint32_t quadsX, uint32_t quadsY)
   return {vertRegion(quadsX, quadsY, 0, 0), vertPatch(quadsX, quadsY), vertEdges(quadsX, quadsY, 1, 1, 1, 5)};
 }
 
-// A sheet of quads on a lattice: a plane, a bend and noise in lattice spacings.
+// On a lattice: a plane, a bend and noise in spacings.
 struct Sheet
 {
   uint32_t quadsX, quadsY;
@@ -253,8 +251,7 @@ TEST(VertBlock, NonFiniteVerticesAreRawAndNaN)
   EXPECT_EQ(Encoded(*encoder, whole(16, 16)).size, 0u) << "a block without valid vertices";
 }
 
-// Sheets of floats that are not on a lattice: at any position, of any size, with different units per axis, through
-// zero or far from it, smooth or rough.
+// Floats that are not on a lattice: at any position, of any size, with different units per axis, smooth or rough.
 void fillWithFloats(Random& random, VertEncoder& encoder, uint32_t quadsX, uint32_t quadsY, int i)
 {
   double unit[3], place[3], axis[2][3];

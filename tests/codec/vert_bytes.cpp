@@ -1,12 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Checksums of cVERT blocks, which detect unintended changes of the format and of the encoder. After an intended
- * change, the test prints the new table.
+/* Checksums of cVERT blocks. After an intended change, the test prints the new table.
  *
- * The vertices are integers times a power of two, computed by the test. They are the same floats on every machine, and
- * so are the bytes: nothing is skipped. block_bytes.cpp tests the kinds with frames, whose vertices Embree evaluates.
- * */
+ * The vertices are integers times a power of two, the same on every machine, and so are the bytes: nothing is skipped.
+ * block_bytes.cpp tests the kinds with frames, whose vertices Embree evaluates. */
 
 #include "kernels/cvert/encoder/block_encoder.h"
 
@@ -108,7 +106,6 @@ VertPlacement placementOf(const Sheet& sheet)
                           : VertPlacement(region, patch);
 }
 
-// FNV-1a
 uint64_t checksum(const uint8_t* data, size_t bytes)
 {
   uint64_t value = 0xcbf29ce484222325u;

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares the tables of the pages about cVERT blocks with the code: constants, offsets of fields, and bits of words.
- * Tables of constants are generated here and must occur literally on the page. vert_block.cpp tests the block of
- * block_example.md. */
+/* Compares the tables of the pages about cVERT blocks with the code. Tables of constants are generated here and must
+ * occur literally on the page. vert_block.cpp tests the block of block_example.md. */
 
 #include "kernels/cbvh/base/primitive_type.h"
 #include "kernels/cbvh/framed/block.h"
@@ -111,15 +110,14 @@ std::vector<Bits> bitsOf(const std::string& name, const std::string& word)
 
 uint32_t onesOf(const Bits& bits) { return bits.count == 32 ? ~0u : (1u << bits.count) - 1; }
 
-// Expects each field in the bits of its row: wordOf(field, ones) has all ones there, and zeros in the bits of other
-// fields.
+// Each field is in the bits of its row: wordOf(field, ones) has ones there, and zeros in the bits of other fields.
 void expectFields(const std::vector<Bits>& bits, const std::function<uint32_t(size_t field, uint32_t ones)>& wordOf)
 {
   for (size_t field = 0; field < bits.size(); field++)
     EXPECT_EQ(wordOf(field, onesOf(bits[field])), onesOf(bits[field]) << bits[field].first) << "field " << field;
 }
 
-// Expects that a function tests the single bit of a row.
+// The function tests the single bit of the row.
 void expectFlag(const Bits& bits, bool (*isSet)(uint32_t))
 {
   EXPECT_EQ(bits.count, 1u);
@@ -343,7 +341,6 @@ TEST(VertFormat, NumbersMatchPage)
   EXPECT_EQ(firstCornerOfTriangle(primitiveOfQuad(&header, 2, 1, true).form, true), 2u);
 }
 
-// Numbers in any order must be the same after encoding and decoding.
 TEST(VertFormat, NumbersOfTrianglesRoundTrip)
 {
   struct Quad { uint32_t first, second, turns; };

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* cVERT's intersection rule: the arithmetic for devices without 64-bit floats gives the same results as double
- * precision, and of any two hits exactly one precedes the other. */
+/* cVERT's intersection rule: arithmetic without 64-bit floats has the results of doubles, and one of any two hits
+ * precedes the other. */
 
 #include "kernels/cvert/rule/rule.h"
 #include "support/random.h"
@@ -18,7 +18,7 @@ namespace {
 
 using namespace cvert;
 
-// A random finite float. Every third is similar to another one, so that products are nearly or exactly equal.
+// Every third is similar to `like`, so that products are nearly or exactly equal.
 float drawn(Random& random, float like)
 {
   switch (random.below(6)) {
@@ -49,8 +49,7 @@ TEST(VertRule, IntegerSignsMatchDoubles)
   for (size_t n : found) EXPECT_GT(n, 100000u);
 }
 
-// Points of an integer grid: a point on an edge is inside both adjacent triangles, and an inner point is in exactly
-// one. Computed with integers.
+// Points of an integer grid, computed with integers; an inner point is in exactly one triangle.
 TEST(VertRule, EdgesBelongToBothTriangles)
 {
   Random random(102);
@@ -107,7 +106,7 @@ TEST(VertRule, RayInThePlaneHitsNearTheLongestEdge)
   }
 }
 
-// The ends of a triangle's span are inclusive: the plane's distance is valid there, and rays that start there hit.
+// The plane's distance is valid there, and rays that start there hit.
 TEST(VertRule, EndsOfTheSpanAreInclusive)
 {
   const TriangleSpan<double> span = {1, 5};
@@ -130,8 +129,8 @@ TEST(VertRule, TriangleWithNonFiniteVertexContainsNothing)
     }
 }
 
-// At edges of lower rates, parameters are interpolated between the parameters of the vertices. These match GRID's:
-// vertex i of n quads has the parameter of vertex floor((i + 1/2) rate / n) of the edge.
+// Between the parameters of the vertices, which match GRID's: vertex i of n quads has the parameter of vertex floor((i
+// + 1/2) rate / n) of the edge.
 TEST(VertRule, ParametersAtLowerEdgesAreInterpolated)
 {
   const uint32_t quads[2] = {7, 5}, rates[4] = {3, 2, 7, 4}; // v = 0, u = 1, v = 1, u = 0

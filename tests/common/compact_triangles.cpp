@@ -26,10 +26,9 @@ BuildSettings atLevel(int level)
   return settings;
 }
 
-/* Compares the hits of two of Embree's kernels. They use the same method, but round differently: only processors with a
- * fine approximation of reciprocals hide this. Rounding errors of floats grow by the ratio of distances, below 6, to
- * edges of quads, 1/16, and by the reciprocal cosine of the angle of incidence. A ray at an edge could report either
- * triangle; none of these rays is at one. */
+/* Both of Embree's kernels use the same method, but round differently. Errors of floats grow by the ratio of distances,
+ * below 6, to edges of quads, 1/16, and by the reciprocal cosine of the angle of incidence. None of these rays is at an
+ * edge, where either triangle would be valid. */
 void expectSameHits(const BuiltScene& expected, const BuiltScene& actual, const std::vector<Ray>& rays)
 {
   const std::vector<SurfaceHit> a = traceClosest(expected, rays, 1), b = traceClosest(actual, rays, 1);
@@ -78,8 +77,7 @@ TEST(CompactTriangles, FiltersDoNotReplaceTheCompactMode)
   EXPECT_EQ(rtcGetSceneFlags(scene.handle()), RTC_SCENE_FLAG_COMPACT | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 }
 
-/* A mesh keeps its own quads or triangles: GRID is Embree's kernel for them, NAIVE-compact is this kernel in compact
- * mode. */
+/* For a mesh, GRID is Embree's kernel for its quads or triangles. */
 TEST(CompactTriangles, MeshesHaveEmbreesKernelInCompactMode)
 {
   const BuiltScene cage(makeCube(), {RepresentationKind::CVert}, atLevel(5));

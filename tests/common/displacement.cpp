@@ -139,7 +139,7 @@ Cage mixedCage()
   return cage;
 }
 
-/* Compares every point of every border from all of its faces, at one level. */
+/* Every point of every border, from all of its faces. */
 void expectClosed(const Cage& cage, const Displacement& d, int level)
 {
   const FaceBorders borders(cage);

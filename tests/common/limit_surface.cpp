@@ -191,8 +191,8 @@ Deviation deviationFromEmbree(const Cage& cage, double margin, Random& random)
   return most;
 }
 
-/* Some ulps of coordinates up to 4. Near extraordinary vertices Embree computes tangents from differences over 2^-10 of
- * a face, which multiplies those ulps by 2^10. */
+/* Some ulps of coordinates up to 4. Near extraordinary vertices Embree's tangents are differences over 2^-10 of a face,
+ * which multiplies them by 2^10. */
 constexpr double ulp = 0x1p-23, positionBound = 4 * 4 * ulp, angleBound = 4 * ulp * 0x1p10;
 
 void expectEmbrees(const Cage& cage, double margin, Random& random)
@@ -296,8 +296,7 @@ TEST(LimitSurface, MatchesEmbreeWithCreasesAndCorners)
   }
 }
 
-/* OpenSubdiv's shapes catmark_cube_creases1 and 2: a cube of creases. The sharpness of the last one, from vertex 3 to
- * 5, is given separately. */
+/* OpenSubdiv's shapes catmark_cube_creases1 and 2. last: sharpness of the crease from vertex 3 to 5. */
 Cage creasedCube(float sharpness, float last)
 {
   Cage cage;
@@ -315,7 +314,7 @@ Cage creasedCube(float sharpness, float last)
 constexpr unsigned fadingVertex = 3;             // a vertex of the creased cube
 constexpr PatchPoint fadingPoint{0, 0, 1, 1};    // its position in face 0
 
-/* Returns the cage after one step of OpenSubdiv's subdivision, with the remaining sharpness. */
+/* After one step of OpenSubdiv's subdivision, with the remaining sharpness. */
 Cage refined(const Cage& cage)
 {
   namespace Far = OpenSubdiv::Far;
@@ -380,8 +379,7 @@ TEST(LimitSurface, IsContinuousInTheSharpnessOfAThirdCreaseUnlikeEmbree)
   EXPECT_GT(deviationFromEmbree(creasedCube(INFINITY, 0.001f), 0x1p-8, random).position, 0.1);
 }
 
-/* After the fading crease is gone, both use the same rules. Embree's surface of the refined cage is then OpenSubdiv's
- * surface of the original cage. */
+/* After the fading crease is gone, both use the same rules. */
 TEST(LimitSurface, MatchesEmbreeAfterOneStepOfOpenSubdiv)
 {
   Random random(8);

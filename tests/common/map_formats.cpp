@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Height maps in every pixel type and layout that OpenImageIO reads: checks the sampled height, or the error message.
- * */
+/* Height maps in every pixel type and layout that OpenImageIO reads: the sampled height, or the error message. */
 
 #include "basics/error.h"
 #include "support/message_parts.h"
@@ -48,7 +47,6 @@ struct Sample
   std::string error, warnings;
 };
 
-/* Samples a height of a file as displacements do. */
 Sample sampleAt(const std::string& path, float s, float t, TextureWrap wrap = TextureWrap::Clamp, float neutral = 0.5f,
                 const std::string& channel = "")
 {

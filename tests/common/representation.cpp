@@ -83,7 +83,6 @@ TEST(Representation, ListsContainTheLibrarysKinds)
   EXPECT_EQ(list.back().deviceConfig(), "subdiv_accel=cbvh.vert");
 }
 
-/* Embree's compact mode is a flag of the scene, not of the device. */
 TEST(Representation, CompactTrianglesDifferByAFlagOfTheScene)
 {
   const auto list = parseRepresentations("Naive,NAIVE-compact,grid", 2);

@@ -86,8 +86,7 @@ void expectClosedCage(const Cage& cage)
     EXPECT_GT(volume(cage, piece), 0.0) << cage.name << ": the piece of face " << piece[0];
 }
 
-/* Both sides of every edge have the same displacement. Heights computed from a position are equal; positions themselves
- * differ by rounding. */
+/* On both sides of every edge. Heights from a position are equal; positions differ by rounding. */
 void expectContinuous(const Cage& cage, const Displacement& d, int level, float tolerance)
 {
   const FaceBorders borders(cage);
@@ -208,8 +207,7 @@ TEST_F(Trex, ChartsDoNotOverlapAndAreFew)
       }
 }
 
-/* Interpolation in either parametrization reproduces a map that is linear in the position, so texels and coordinates
- * match. */
+/* A map that is linear in the position is the same in either parametrization. */
 TEST_F(Trex, TilesAndChartsShowTheSameHeights)
 {
   Cage cage = makeKnee().cage;
@@ -237,7 +235,7 @@ TEST_F(Trex, TilesAndChartsShowTheSameHeights)
       }
 }
 
-/* Three small copies: every face of each copy is hit at its position. */
+/* Three small copies. */
 TEST(Herd, CopiesAreAtTheirPositionsInEveryRepresentation)
 {
   Model model = makeCube();

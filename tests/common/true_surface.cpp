@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tests the true surface with surfaces of known distance, and the errors of hits with known errors. */
+/* Surfaces of known distance, and hits with known errors. */
 
 #include "measure/true_errors.h"
 #include "building/built_scene.h"

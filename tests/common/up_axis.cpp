@@ -222,7 +222,6 @@ TEST(UpAxis, IsYForAllCagesThatProgramsMake)
     EXPECT_EQ(guessUp(cage).axis, "y") << guessUp(cage).reason;
 }
 
-/* Vertices without a face are not part of the shape. */
 TEST(UpAxis, ConsidersFacesOnly)
 {
   Cage cage = moved(pawn(), toZ);

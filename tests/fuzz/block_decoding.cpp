@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target of the codec: arbitrary bytes as a cVERT block. Validation reads no other bytes. A block that passes
-// validation decodes at every time step, including boxes and numbers of quads, without reading other bytes.
+// Fuzz target of the codec: arbitrary bytes as a cVERT block. Validation reads no other bytes, and neither does
+// decoding of a valid block at every time step, including boxes and numbers of quads.
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"

@@ -1,13 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all three kinds, closest hit and
- * any hit.
+/* libFuzzer target: random bytes as a ray and a block, traced by the intersectors of all three kinds.
  *
- * The target establishes the preconditions of traversal: the kind matches the leaf type of the top level, the height is
- * at most maxLevel, and the block has all bytes of its layout. Frame, nodes, leaves, vertices and ray are arbitrary:
- * traversal must not read outside of the block, must not have undefined behavior, and must terminate. If frame and ray
- * are also valid input of a builder and of an application (FRAME and RAY below)
+ * Preconditions of traversal hold: the kind matches the leaf type of the top level, the height is at most maxLevel, and
+ * the block has all bytes of its layout. Everything else is arbitrary: traversal must not read outside of the block,
+ * must not have undefined behavior, and must terminate. If frame and ray are also valid input of a builder and of an
+ * application (FRAME and RAY below)
  *   - every hit lies between tnear and tfar, and each accepted hit is no farther than the previous one, with finite
  *     parameters, which are inside the block for cLEAF and cVOXEL;
  *   - closest hit and any hit agree on the existence of a hit.

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target of the codec: arbitrary bytes as a file of compressed surfaces, with corrected checksums so that later
-// checks run. A file that cannot be opened or verified throws an Error that names it. Valid blocks decode, even if
-// the file does not verify. A file that verifies has the number of blocks that its records state.
+// Fuzz target of the codec: arbitrary bytes as a file, with corrected checksums so that later checks run. Errors name
+// the file. Valid blocks decode, even if the file does not verify. A file that verifies has as many blocks as its
+// records state.
 
 #include "block_seeds.h"
 #include "kernels/cvert/decoder/decoded_block.h"
@@ -123,7 +123,7 @@ std::string fileOf(uint32_t quads, uint32_t numSteps)
   return content;
 }
 
-// Converts a list to a tree with one node.
+// A list as a tree with one node.
 std::string withTree(std::string file)
 {
   const FileHeader header = at<FileHeader>(file, 0);

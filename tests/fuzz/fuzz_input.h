@@ -23,7 +23,6 @@ namespace cbvh::test {
 // Writes the initial corpus of a target for --seeds=FOLDER. Each target defines it.
 void writeSeeds(const std::string& folder);
 
-// Writes a file of the corpus.
 inline void writeSeed(const std::string& path, const std::string& bytes)
 {
   FILE* file = std::fopen(path.c_str(), "wb");

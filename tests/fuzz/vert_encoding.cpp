@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target: arbitrary vertices for the encoder of cVERT, on or off a lattice, with one or several time steps. At
-// each step decoding must return the same vertices bit by bit, and NaN for vertices that are not finite. The block
-// must be valid and fit into its memory, and encoding twice must give the same bytes.
+// Fuzz target: arbitrary vertices for the encoder of cVERT, on or off a lattice, with one or several time steps.
+// Decoding returns the same vertices bit by bit, and NaN for those that are not finite. The block is valid, fits into
+// its memory, and has the same bytes if encoded again.
 
 #include "fuzz_input.h"
 

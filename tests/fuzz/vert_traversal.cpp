@@ -1,12 +1,11 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* libFuzzer target: random bytes as a ray and a cVERT block, traced for closest hit and any hit.
+/* libFuzzer target: random bytes as a ray and a cVERT block.
  *
- * The target establishes the preconditions of traversal: the block has all bytes that place, words and the raw bit
- * imply, and the padding that decoders may read after it. Lattice, corners, margins, words, fields, vertices and ray
- * are arbitrary: traversal must not read outside, must not have undefined behavior, and must terminate. (Moving blocks
- * are those that pass validation.) Each hit that a filter receives has, for any block,
+ * Preconditions of traversal hold: the block has all bytes that place, words and the raw bit imply, and the padding
+ * that decoders may read after it; moving blocks pass validation. Everything else is arbitrary: traversal must not read
+ * outside, must not have undefined behavior, and must terminate. Each hit that a filter receives has, for any block,
  *   - a distance between tnear and tfar, and each accepted hit is no farther than the previous one,
  *   - parameters of the block's quads;
  * and closest hit and any hit agree on the existence of a hit.

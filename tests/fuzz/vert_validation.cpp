@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Fuzz target: arbitrary bytes as a cVERT block. Blocks that pass validation decode: the traversal's decoder stays
-// within the block and the padding that it may read after it. block_decoding.cpp tests the scalar decoder.
+// Fuzz target: arbitrary bytes as a cVERT block. In valid blocks, the traversal's decoder stays within the block and
+// the padding after it. block_decoding.cpp tests the scalar decoder.
 
 #include "block_seeds.h"
 #include "kernels/cbvh/vert/motion_decoder.h"

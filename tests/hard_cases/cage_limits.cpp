@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: cages at Embree's limits, the longest rings around a vertex, and faces without edges. GRID is tested as
- * well, because these limits are in Embree's own code. */
+/* Hard cases: the longest rings around a vertex, and faces without edges. GRID is tested as well, because these limits
+ * are Embree's. */
 
 #include "hard_cases/hard_case.h"
 #include "support/grid_agreement.h"
@@ -42,7 +42,7 @@ Cage fanCage(unsigned quads, std::initializer_list<unsigned> others)
   return fanCage(sizes);
 }
 
-// Records the faces of all intersections of a ray, not only of the nearest one.
+// The faces of all intersections of a ray.
 struct PassedFaces : RTCIntersectContext
 {
   PassedFaces() { rtcInitIntersectContext(this); filter = take; }

@@ -14,8 +14,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 class HardCages : public HardCase
 {
 protected:
-  // Tests frame levels from one block per face to one block per quad. gap: largest gap between GRID's own vertices,
-  // which limits its accuracy as a reference.
+  // For frame levels from one block per face to one block per quad. gap: largest gap between GRID's own vertices.
   void expectAgreement(const Cage& cage, const std::vector<RTCRayHit>& raysFromInside = {}, float gap = 0)
   {
     for (int frameLevel : {0, 1, 2, 4}) {

@@ -57,8 +57,7 @@ TEST_P(HardDisplacement, Rough)
   expectTightAndNear(displacement, 16);
 }
 
-// If the surface folds, several parts of it share x and y in a block's frame. The hit must be the nearest part, not
-// the first one in traversal order.
+// Folds share x and y in a block's frame: the nearest part counts, not the first one in traversal order.
 TEST_P(HardDisplacement, FoldsAreHitAtNearestPart)
 {
   property(

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: rays that are not finite, alone and together with others, through every function of the API; and
- * directions of all lengths, which scale t and nothing else. */
+/* Hard cases: rays that are not finite, alone and among others, through every function of the API; directions of all
+ * lengths, which scale only t. */
 
 #include "hard_cases/hard_case.h"
 #include "support/odd_rays.h"

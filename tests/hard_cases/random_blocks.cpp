@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random blocks of the encoder: needles, folds, flat blocks, spikes, huge and tiny ones, near and far. The bounds that
- * every ISA decodes contain their vertices. */
+/* Random blocks of the encoder: the bounds that every ISA decodes contain their vertices. */
 
 #include "kernels/cbvh/framed/block_encoder.h"
 #include "support/decoding_forms.h"

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Hard cases: edge rates. The library decides which faces are compressed and which are left to GRID; the property is
- * the same for both. */
+/* Hard cases: edge rates, of faces that are compressed or left to GRID. */
 
 #include "hard_cases/hard_case.h"
 #include "support/edge_rates.h"

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* For programs compiled entirely for one ISA. On a machine without that ISA, ends the program with status 77 and a
- * message before any of its code runs. This file itself is compiled for every machine. */
+/* On a machine without the ISA for which a program is compiled, ends the program with status 77 and a message before
+ * any of its code runs. This file itself is compiled for every machine. */
 
 #include <cstdio>
 #include <cstring>

@@ -6,10 +6,10 @@
  * library.
  *
  * If all planes of a parent are multiples of 2^-12, no operation rounds: planes of nodes are multiples of 1/256 of
- * their parent's extent, planes of lattices multiples of 1/1024. Heights are odd multiples of 3/512 of the parent's
- * extent in a lattice, and of 1/32 of a child's extent in loose leaves, which is a multiple of 1/32 of the parent's.
- * The finest of these are multiples of 2^-22 below 2, which float represents. For such parents both results must be
- * bit-identical, fused or not. For other parents they may round differently, by at most maxRounding. */
+ * their parent's extent, planes of lattices of 1/1024, heights odd multiples of 3/512 in a lattice, and in loose leaves
+ * of 1/32 of a child's extent, a multiple of 1/32 of the parent's. The finest are multiples of 2^-22 below 2, which
+ * float represents. For such parents both results must be bit-identical, fused or not; for others they may round
+ * differently, by at most maxRounding. */
 
 #include "kernels/cbvh/framed/node_decoder4.h"
 #include "support/random.h"
@@ -79,10 +79,9 @@ Lanes decodeLanes(uint32_t word, const uint64_t* heights, const NodeBox& parent,
 
 // --- comparison ----------------------------------------------------------------------
 
-/* Number of roundings that may differ, each by at most half an ulp of a number below 2, i.e. 2^-24. A plane of a box:
- * product, sum and extent on both sides, 6. A height has these, and on both sides the origin of the bins, their size
- * times up to 128, which is a relative error of a number below 2, their thickness, and in a loose leaf three of these
- * at the fourth corner: less than 32. */
+/* Roundings that may differ, each by at most half an ulp of a number below 2, 2^-24. A plane of a box: product, sum and
+ * extent on both sides, 6. A height has these, and on both sides the origin of the bins, their size (times up to 128,
+ * relative), their thickness, and in a loose leaf three of these at the fourth corner: less than 32. */
 constexpr double maxRounding = 32*0x1p-24;
 
 struct Comparison

@@ -4,8 +4,8 @@
 /* Traces rays through blocks of random words with the kernels' intersectors and with the scalar one. Compiled once for
  * every ISA, outside of the library.
  *
- * Children of random words overlap, leaves have steps between them, and rays pass over boxes. Cases of the hit rule and
- * of the traversal order are more frequent than in blocks of the encoder. */
+ * Children of random words overlap, leaves have steps between them, and rays pass over boxes: more cases of the hit
+ * rule and of the traversal order than in blocks of the encoder. */
 
 #include "kernels/common/scene.h"
 #include "kernels/cbvh/framed/block_intersector1.h"
@@ -219,7 +219,7 @@ RayType makeRay(const TestRay& ray)
                  ray.tnear, ray.tfar);
 }
 
-// The library is not linked. Only the table of surfaces of this zeroed scene is read, and it is empty.
+// The library is not linked. Only this scene's table of surfaces is read, and it is empty.
 embree::IntersectContext* contextOfZeros()
 {
   alignas(64) static char scene[sizeof(embree::Scene)];
@@ -243,7 +243,7 @@ void traceSimd(const Block* block, RayType& ray)
 // several times the float error of a ray that begins up to thirty block sizes away, a thousand units from the origin
 constexpr double step = 3e-5;
 
-// Result of the scalar intersector for a ray and for nearby rays: the same hit or a miss for all of them.
+// The scalar intersector's result for a ray and nearby ones: the same hit, or a miss for all.
 struct Answer
 {
   bool stable = true, found;
@@ -386,7 +386,7 @@ double epsilonsOff(const Double3& a, const Double3& b, const double p[3], const 
   return off(0.5*(lower + upper));
 }
 
-// This property closes the gaps between blocks: each block sees a ray with an error less than its epsilon.
+// This closes the gaps between blocks: each block sees a ray with an error below its epsilon.
 TEST(SimdTracing, SegmentsAreWithinEpsilonOfRay)
 {
   Random random(97);
@@ -501,7 +501,6 @@ TEST(SimdTracing, BoxesAreHitAndPassedAsInScalarCode)
   EXPECT_LT(unstable, 1000u);
 }
 
-// Compares everything that hit_rule.h depends on.
 bool sameEvent(const LeafEvent& a, const LeafEvent& b)
 {
   return a.enter == b.enter && a.leave == b.leave && a.changes == b.changes && a.nearEntry == b.nearEntry &&

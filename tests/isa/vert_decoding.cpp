@@ -114,8 +114,8 @@ TEST(VertDecoding, GroupsMatchScalarDecoder)
   EXPECT_GT(withRemainders, 500u);
 }
 
-// A group whose vertices are on few lattice points, so that many are equal, collinear, or coplanar with the ray.
-// Triangles that contain the ray by exact signs must be found, although sides round to 0.
+// Vertices on few lattice points: many are equal, collinear, or coplanar with the ray. Triangles that contain the ray
+// by exact signs must be found, although sides round to 0.
 TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
 {
   using namespace embree::isa::cbvh;
@@ -263,8 +263,8 @@ TEST(VertTriangles, PacketsMatchSingleRays)
 #endif
 }
 
-// Simulates the view of a thread with weakly ordered loads while another thread maps the first file: the addresses
-// contain all blocks, but the function that checks them is not visible yet.
+// As seen by a thread with weakly ordered loads while another thread maps the first file: the function that checks
+// blocks is not visible yet.
 TEST(MappedBlocks, BlockIsUsableBeforeAnyFileIsVisible)
 {
   const uint64_t block[2] = {0, 0};

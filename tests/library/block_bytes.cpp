@@ -1,13 +1,12 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Checksums of the blocks of all generated scenes, for the kinds with frames. They detect unintended changes of the
- * format, of frames and of encoders. After an intended change, the test prints the new table. (codec/vert_bytes.cpp has
- * checksums of cVERT for given vertices.)
+/* Checksums of the blocks of all generated scenes, for the kinds with frames. After an intended change, the test prints
+ * the new table. (codec/vert_bytes.cpp has checksums of cVERT for given vertices.)
  *
- * The input of the encoders depends on the machine: Embree normalizes with the processor's approximate reciprocal
- * square root, and the compiler may fuse multiply and add if the lowest ISA supports it. Therefore the vertices, which
- * cGRID stores exactly, have a checksum as well. If it differs the test is skipped; the first scene decides. */
+ * The vertices depend on the machine: Embree normalizes with the processor's approximate reciprocal square root, and
+ * the compiler may fuse multiply and add. They have a checksum as well. If the first scene's differs, the test is
+ * skipped. */
 
 #include "building/built_scene.h"
 #include "kernels/cbvh/framed/block.h"
@@ -44,7 +43,6 @@ const std::vector<Pinned> pinned = {
   {"trex", 0xbad89acd94cc6d43, {0x497ea27d3adf9b81, 0x217dd004d6878535, 0xc7b49010433bfdc8}},
 };
 
-// FNV-1a
 class Checksum
 {
 public:
@@ -55,7 +53,7 @@ public:
   uint64_t value = 0xcbf29ce484222325u;
 };
 
-// Blocks in an order that does not depend on threads.
+// In an order that does not depend on threads.
 std::vector<const Block*> sortedBlocks(RTCScene scene)
 {
   std::vector<const Block*> blocks = sceneBlocks(scene);

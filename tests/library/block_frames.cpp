@@ -14,8 +14,8 @@ namespace {
 
 using embree::cbvh::Block;
 
-// Cosine of the angle between the z axis of the frame and of the world, for the only block of a sheet in the plane z
-// = 0 that displacement tilts to z = 2 x.
+// Cosine between the z axes of frame and world, for the only block of a sheet in the plane z = 0 that displacement
+// tilts to z = 2 x.
 double uprightness(const char* config)
 {
   Device device(config);

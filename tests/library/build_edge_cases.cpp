@@ -11,8 +11,7 @@
 namespace cbvh::test {
 namespace {
 
-// A face without valid vertices produces no block, and does not affect the next geometry, independently of the tasks
-// that build both.
+// Independently of the tasks that build both.
 TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf");
@@ -38,8 +37,7 @@ TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
     }
 }
 
-// Frame levels for an error bound are chosen once. A displacement function that returns different values later must
-// not cause a buffer overflow.
+// Frame levels for an error bound are chosen once. Other values later must not overflow buffers.
 TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0005,cbvh_exact_faces=0");
@@ -54,7 +52,7 @@ TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater)
   EXPECT_EQ(statisticsOf(scene).numBlocks, 4u);
 }
 
-// Boxes that count calls of their bounds function; enough of them for a tree of their own.
+// Boxes that count calls of their bounds function, enough for a tree of their own.
 RTCGeometry newBoxes(RTCDevice device, unsigned& asked)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
@@ -68,8 +66,8 @@ RTCGeometry newBoxes(RTCDevice device, unsigned& asked)
   return geometry;
 }
 
-// A compressed geometry without faces has no accelerator. This must not cause new accelerators at every commit of a
-// dynamic scene, because other geometries would be rebuilt completely.
+// A compressed geometry without faces has no accelerator. If dynamic scenes created one at every commit, other
+// geometries would be rebuilt.
 TEST(BuildEdgeCases, GeometryWithoutFacesDoesNotCauseRebuilds)
 {
   Device device("threads=1,subdiv_accel=cbvh.leaf");

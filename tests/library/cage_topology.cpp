@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Unusual cages that Embree supports: index buffers longer than the faces, holes, faces without edges, edges shared by
- * three faces, some of them quads. Builds of cVERT and cLEAF, which share borders, must give the same result as for an
- * equivalent simple cage, and closed surfaces. */
+/* Unusual cages that Embree supports: index buffers longer than the faces, holes, faces without edges, edges of three
+ * faces. cVERT and cLEAF, which share borders, must give the result of an equivalent simple cage, and closed
+ * surfaces. */
 
 #include "support/edge_rates.h"
 #include "support/vert_triangles.h"
@@ -122,15 +122,15 @@ TEST_P(CageTopology, OnlyHolesAreOpen)
 
 // --- edges of three faces --------------------------------------------------------------
 
-/* Two chambers on top of each other with a wall between them. The border of the wall belongs to three faces. The wall
- * has n edges; the sides of each chamber are quads, or triangles that meet in a point.
+/* Two chambers with a wall of n edges between them, whose border belongs to three faces. The sides of each chamber are
+ * quads, or triangles that meet in a point.
  *
  *     x---x---x
  *     |   |   |   quads, and a cap of n edges
  *     x---x---x   the wall
  *      \  |  /
  *       \ | /     triangles
- *         x                      */
+ *         x */
 struct Chambers
 {
   unsigned n;
@@ -214,7 +214,6 @@ std::map<std::pair<std::array<float, 3>, std::array<float, 3>>, unsigned> usesOf
   return uses;
 }
 
-// Rays from both chambers at the border of the wall and in random directions.
 void expectNoMisses(const Twins& twins)
 {
   Random random(113);
@@ -251,8 +250,8 @@ std::string describe(const Chambers& c, const SurfaceSettings& settings)
          " above, rate " + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
 }
 
-/* No edge may belong to only one triangle. Then faces have the same vertices on common borders: those of the face with
- * the lowest number of quads. */
+/* No edge may belong to only one triangle: faces have the same vertices on common borders, those of the face with the
+ * fewest quads. */
 TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVertices)
 {
   Device device;
@@ -277,7 +276,6 @@ TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVertices)
   }
 }
 
-// The same without the wall: edges of two faces.
 TEST_P(CageTopology, FacesOnAnEdgeOfTwoShareVertices)
 {
   Device device;

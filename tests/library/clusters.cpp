@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces as clusters of GPU formats: decoders written from the specifications find exactly the triangles that rays
- * hit. */
+/* Clusters of GPU formats: decoders written from the specifications find exactly the triangles that rays hit. */
 
 #include "support/cluster_judge.h"
 #include "support/diced_mesh.h"
@@ -225,7 +224,6 @@ TEST(Clusters, EmptyInputAndUnknownFormatsAreErrors)
   EXPECT_EQ(report.numClusters, 3u);
 }
 
-// The blocks that are being read exist until the call returns.
 TEST(Clusters, CallbackMayReleaseTheGeometry)
 {
   Memory memory;

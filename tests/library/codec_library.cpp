@@ -30,7 +30,7 @@ using cvert::ErrorCode;
 
 typedef std::array<float, 3> Vertex;
 
-// Returns the vertices of the parts of a geometry at a time, as reported by Embree's library.
+// Vertices of the parts of a geometry, as Embree's library reports them.
 std::vector<std::vector<Vertex>> partsOf(RTCGeometry geometry)
 {
   std::vector<std::vector<Vertex>> parts;
@@ -49,8 +49,7 @@ bool isSame(const std::vector<Vertex>& vertices, const cvert::DecodedBlock& deco
   return std::memcmp(vertices.data(), decoded.vertices, vertices.size()*sizeof(Vertex)) == 0;
 }
 
-// Files must have the same blocks and vertices in both libraries. Embree's parts come from the same scalar decoder;
-// tests/isa compares it with the decoders for traversal.
+// Embree's parts come from the same scalar decoder; tests/isa compares it with the decoders for traversal.
 TEST(CodecLibrary, ReadsVerticesThatEmbreeTraces)
 {
   Folder folder;
@@ -127,7 +126,6 @@ struct Sheet
       for (unsigned x = 0; x < quads; x += 16) add(x, y, numSteps);
   }
 
-  // Returns a multiple of 1/8.
   static float heightAt(unsigned x, unsigned y, unsigned step) { return float((x*x + 3*y) % 7)/8 + float(step); }
 
 private:
@@ -255,7 +253,7 @@ TEST(CodecLibrary, ReportsErrors)
     << "the surface is a tree";
 }
 
-// The block is valid, but no ray can hit it at any time. Builders of trees need its box nevertheless.
+// The block is valid, and builders of trees need its box.
 TEST(CodecLibrary, MovingBlockWithoutFiniteVertexIsNotHit)
 {
   const unsigned side = 17, numSteps = 2;

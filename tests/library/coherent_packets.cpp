@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Coherent packets in cases where they could differ from single rays: inactive lanes, rays that start on the surface,
- * filters, and faces that GRID traces. scene_features.cpp tests simple cases. */
+/* Where coherent packets could differ from single rays: inactive lanes, rays that start on the surface, filters, and
+ * faces that GRID traces. scene_features.cpp tests simple cases. */
 
 #include "support/filtered_geometry.h"
 #include "support/random.h"
@@ -112,7 +112,6 @@ void expectHitsOfSingleRays(RTCScene scene, const std::vector<RTCRayHit>& rays, 
   }
 }
 
-// Inactive lanes contain arbitrary memory.
 TEST_P(CoherentPackets, InactiveLanesAreIgnored)
 {
   Scene scene(device);
@@ -219,7 +218,6 @@ TEST_P(CoherentPackets, FilterIsNotCalledAfterAcceptedAnyHit)
   for (const auto& [id, hits] : all.seen) ASSERT_EQ(hits.size(), 1u) << "ray " << id;
 }
 
-// Closest hit and any hit, in any order.
 TEST_P(CoherentPackets, FilterThatRejectsAllSeesSameHitsAsForSingleRays)
 {
   Scene scene(device);
@@ -284,14 +282,13 @@ TEST_P(CoherentPackets, FilterMayTraceRays)
 
 // --- faces that GRID traces ----------------------------------------------------------------------
 
-// Packets use a different test for GRID's triangles: results are not bit-identical, and one ray in 1000 may hit the
-// other side of an edge.
+// Packets test GRID's triangles differently: one ray in 1000 may hit the other side of an edge.
 TEST_P(CoherentPackets, GridFacesInSameSceneMatchSingleRays)
 {
   Scene scene(device);
   addSurface(device, scene, cubeCage(), settings());
   Displacement aside;
-  aside.offset = {0.5f, 0.1f, 0.1f}; // both surfaces intersect each other
+  aside.offset = {0.5f, 0.1f, 0.1f};
   SurfaceSettings ofGrid = settings();
   ofGrid.displacement = &aside;
   ofGrid.compression = RTC_COMPRESSION_NONE;

@@ -15,7 +15,6 @@
 namespace cbvh::test {
 namespace {
 
-// Returns the line that a commit writes to stderr.
 std::string commitLineOf(const std::string& config, const std::function<void(RTCDevice, RTCScene)>& add)
 {
   testing::internal::CaptureStdout();
@@ -34,7 +33,7 @@ std::string commitLineOf(const std::string& config, const std::function<void(RTC
   return begin == std::string::npos ? std::string() : text.substr(begin, text.find('\n', begin) - begin);
 }
 
-// Every type of geometry, static and moving, with Embree's memory for the same type.
+// Every type of geometry, static and moving.
 TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
 {
   Random random(1);
@@ -82,7 +81,6 @@ TEST(CommitLine, ComparesWithEmbreesKernelOfTheSameType)
   }
 }
 
-// Geometries that are not compressed are listed with the reason, for all types.
 TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
 {
   const std::string line = commitLineOf("", [](RTCDevice device, RTCScene scene) {
@@ -108,7 +106,6 @@ TEST(CommitLine, ListsUncompressedGeometriesAndReasons)
     EXPECT_NE(line.find(part), std::string::npos) << line;
 }
 
-// One line per commit: compressed geometries, GRID's memory, and geometries left to GRID with the reason.
 TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
 {
   const auto lineOf = [](const char* environment, const std::string& config, const SurfaceSettings& settings,
@@ -165,7 +162,7 @@ TEST(CommitLine, ReportsCompressedGeometriesAndMemoryOfGrid)
   EXPECT_EQ(kept.find("not compressed"), std::string::npos) << kept;
 }
 
-// The largest distance between a vertex of the application and the stored one, at all time steps.
+// At all time steps.
 TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
 {
   Random random(3);
@@ -191,7 +188,7 @@ TEST(CommitLine, ReportsTheLargestMovementOfAVertex)
     }
 }
 
-// A lattice that is as coarse as the quads is reported once, even if lines about commits are off.
+// Also if lines about commits are off.
 TEST(CoarseLattice, IsReportedOnce)
 {
   Random random(2);

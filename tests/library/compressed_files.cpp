@@ -363,7 +363,6 @@ TEST(CompressedFiles, FunctionsThatNeedACageAreRejectedWithTheReason)
       EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
       EXPECT_NE(device.message.find("loaded from a file"), std::string::npos) << device.message;
     }
-    // unchanged
     rtcCommitGeometry(geometry);
     EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
     if (saveable.moves) {
@@ -450,7 +449,6 @@ TEST(CompressedFiles, SurfacesWithoutFacesAreSavedAndLoaded)
   EXPECT_EQ(device.errors, 0u) << device.message;
 }
 
-// If a save succeeds, a load succeeds.
 TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
 {
   const float infinity = std::numeric_limits<float>::infinity(), largest = std::numeric_limits<float>::max();
@@ -489,7 +487,7 @@ TEST(CompressedFiles, GeometryThatCannotBeLoadedIsNotSaved)
   EXPECT_LT(refused, 60u);
 }
 
-// A scene that compresses other geometries also has a tree for it, without blocks that GRID would trace.
+// A scene that compresses other geometries has a tree for it, too.
 TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
 {
   Folder folder;
@@ -509,7 +507,6 @@ TEST(CompressedFiles, UncompressedGeometryWithoutFacesIsNotSaved)
   EXPECT_TRUE(folder.names().empty());
 }
 
-// Threads trace while others load, save and release the same files, and create geometries of an open one.
 TEST(CompressedFiles, ManyThreadsLoadAndTraceConcurrently)
 {
   Folder folder;

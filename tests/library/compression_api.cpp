@@ -20,7 +20,7 @@
 namespace cbvh::test {
 namespace {
 
-// Returns the representation of a cube according to the statistics of its scene.
+// According to the statistics of the cube's scene.
 std::string representationOf(RTCScene scene)
 {
   const RTCCompressionStatistics s = statisticsOf(scene);
@@ -34,7 +34,7 @@ std::string representationOf(RTCScene scene)
   return name;
 }
 
-// Returns the representation of a cube, by default at level 5, on a device with this configuration.
+// Representation of a cube on a device with this configuration.
 std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
@@ -194,7 +194,7 @@ TEST(Settings, NumbersUseDecimalPointInEveryLocale)
   std::locale::global(before);
 }
 
-// If rtcNewDevice fails there is no device for an error message: it prints a line to stderr and sets the error code.
+// There is no device for an error message: rtcNewDevice prints a line to stderr and sets the error code.
 void expectNoDevice(const std::string& config, const std::string& name, const std::string& value)
 {
   rtcGetDeviceError(nullptr);
@@ -222,7 +222,7 @@ TEST(Settings, UnknownValuesInDeviceStringAreRejectedByNameAndValue)
   expectNoDevice("subdiv_accel=cbvh.leaf,cbvh_max_error=x", "cbvh_max_error", "x");
 }
 
-// Unknown keys of ours are errors that suggest the nearest known key. Embree ignores other unknown keys silently.
+// Embree ignores other unknown keys silently.
 TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
 {
   expectNoDevice("subdiv_accel=cbvh,cbvh_maxerror=0.001", "did you mean cbvh_max_error?", "cbvh_maxerror");
@@ -233,8 +233,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
   expectNoDevice("", "did you mean max_error?", "maxerror=0.001");
 }
 
-// Each kind has three case-insensitive names that are accepted everywhere. "grid" means Embree's GRID in programs
-// that offer both, and cGRID elsewhere.
+// "grid" is Embree's GRID in programs that offer both, and cGRID elsewhere.
 TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
 {
   const std::string kinds[] = {"grid", "voxel", "leaf", "vert"};
@@ -252,7 +251,6 @@ TEST(Settings, NamesOfKindsAreAcceptedEverywhere)
   EXPECT_EQ(representation("subdiv_accel=CBVH"), representation("subdiv_accel=cbvh"));
 }
 
-// A geometry that opts out of compression is left to Embree.
 TEST(Settings, GeometriesCanOptOutOfEveryKind)
 {
   for (const char* name : {"cvert", "vert", "cbvh.vert", "CBVH"}) {
@@ -502,8 +500,8 @@ Sizes measure(RTCCompression kind, const Cage& cage, float rate, const std::stri
   return sizes;
 }
 
-// The mesh's topology and regular patches, which the scene also stores, do not depend on the level. The allocator
-// rounds up by a few percent and by one block per thread.
+// Topology and regular patches, which the scene also stores, do not depend on the level. The allocator rounds up by a
+// few percent and by a block per thread.
 TEST(Memory, StatisticsMatchMemoryMonitor)
 {
   for (RTCCompression kind :
@@ -518,10 +516,9 @@ TEST(Memory, StatisticsMatchMemoryMonitor)
   }
 }
 
-/* In addition to its result, a commit needs one patch per thread, independently of the number of faces: 14 floats per
- * vertex (patch_vertices.h: P, N, u and v, the undisplaced and the displaced vertices) in arrays that grow by doubling,
- * so at most 112 bytes. Blocks are collected and encoded one at a time, 1/16 of the patch each at frame level 2, and
- * the allocator fills its last blocks: 16 more. At this rate the total is 104, with 4 faces as with 36. */
+/* A commit needs one patch per thread, whatever the number of faces: 14 floats per vertex (patch_vertices.h) in arrays
+ * that grow by doubling, so at most 112 bytes. Blocks are encoded one at a time, 1/16 of the patch each at frame level
+ * 2, and the allocator fills its last blocks: 16 more. At this rate the total is 104, with 4 faces as with 36. */
 TEST(Memory, CommitPeakIsResultAndOnePatchPerThread)
 {
   const float rate = 256;
@@ -548,8 +545,8 @@ TEST(Memory, MonitorSeesAllMemory)
   }
 }
 
-// The same for temporary memory: whenever the displacement function is called, when the vertices of a patch exist,
-// malloc must not have allocated more than the monitor knows.
+// When the displacement function is called, the vertices of a patch exist: malloc must not have allocated more than the
+// monitor knows.
 TEST(Memory, MonitorSeesAllMemoryDuringCommit)
 {
   mallopt(M_MMAP_THRESHOLD, 64*1024); // the allocator maps large pieces directly
@@ -590,7 +587,7 @@ struct Progress
 {
   std::vector<double> fractions;
   double cancelAt = 2;
-  std::mutex mutex; // several threads call the function
+  std::mutex mutex;
 
   static bool monitor(void* self, double n)
   {

@@ -29,8 +29,7 @@ bool isAllZero(const RTCCompressionStatistics& s)
          s.maxLeafThickness == 0;
 }
 
-// Both surfaces contribute to each counter: blocks, affine ones, solid leaves, quads that are left out, and quads of
-// GRID. A scene with both must have the sums, except for the tree above them.
+// Both surfaces contribute to each counter. A scene with both must have the sums, except for the tree above them.
 TEST(CompressionStatistics, AddUpOverSurfaces)
 {
   Device device;
@@ -68,7 +67,7 @@ TEST(CompressionStatistics, AddUpOverSurfaces)
   EXPECT_GE(both.topLevelBytes, std::max(alone[0].topLevelBytes, alone[1].topLevelBytes));
 }
 
-// Blocks are aligned to 16 bytes, and the padding counts as part of the block.
+// Blocks are aligned to 16 bytes.
 TEST(CompressionStatistics, BytesOfBlocksIncludePadding)
 {
   Device device;
@@ -153,7 +152,6 @@ TEST(CompressionStatistics, AreRejectedUntilChangesAreCommitted)
   }
 }
 
-// A disabled surface does not request compression: the other surfaces are traced by stock Embree.
 TEST(CompressionStatistics, IgnoreDisabledSurfaces)
 {
   Device device;
@@ -172,7 +170,6 @@ TEST(CompressionStatistics, IgnoreDisabledSurfaces)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Moving geometry is stored as cVERT, independently of the selected kind.
 TEST(CompressionStatistics, CountMovingGeometry)
 {
   for (RTCCompression compression :
@@ -196,7 +193,7 @@ TEST(CompressionStatistics, CountMovingGeometry)
   }
 }
 
-// The spacing follows the edges of each time step. The statistics contain the largest spacing.
+// The spacing follows the edges of each time step.
 TEST(CompressionStatistics, ReportLargestSpacingOfAllTimeSteps)
 {
   Device device;
@@ -246,7 +243,6 @@ TEST(CompressionStatistics, ReportTheSpacingThatAllTimeStepsOfAMeshShare)
   }
 }
 
-// Faces that Embree's subdivision does not evaluate are counted.
 TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
 {
   const auto fan = [](unsigned faces, unsigned corners) { // around vertex 0
@@ -294,7 +290,7 @@ TEST(CompressionStatistics, CountFacesThatEmbreeDoesNotSupport)
     }
 }
 
-// Caches are counted for the blocks that the scene has, and fit into the second-level cache of a core.
+// Caches must fit into the second-level cache of a core.
 TEST(CompressionStatistics, CachesPerThreadDependOnTheKindsOfBlocks)
 {
   const auto bytesOf = [](std::vector<RTCCompression> compressions, bool moves = false) {

@@ -40,7 +40,6 @@ protected:
     EXPECT_NE(device.message.find(path), std::string::npos) << "the message does not name the file: " << device.message;
   }
 
-  // Clears earlier errors.
   void loadInto(RTCScene scene)
   {
     RTCGeometry geometry = rtcLoadCompressedGeometry(device, path.c_str());
@@ -161,7 +160,7 @@ TEST_F(DamagedFiles, InvalidBlockIsLeftOutWithOneError)
   EXPECT_GT(others, 100u);
 }
 
-// A page of zeros, as left by a failed disk: its blocks are invalid and reported by any query.
+// As left by a failed disk: blocks are invalid, and any query reports them.
 TEST_F(DamagedFiles, PageOfZerosIsReported)
 {
   Random random(6);
@@ -240,7 +239,7 @@ TEST_F(DamagedFiles, MutatedFilesAreRejectedOrTracedSafely)
       withErrors += trial.isLoaded && trial.errors;
     }
   }
-  // each of them is hit, otherwise the test is not meaningful
+  // each of them is hit
   EXPECT_GT(loaded, all.size());
   EXPECT_GT(refused, all.size());
   EXPECT_GT(hits, 1000u);
@@ -340,7 +339,7 @@ TEST_F(DamagedFiles, ReadOnlyFileIsOpenedAndKeepsItsMode)
   rtcReleaseGeometry(second);
 }
 
-// The first block that is read is in one of the halves: damage of the other half is detected after some clusters.
+// The first block is in one of the halves: damage of the other one is detected after some clusters.
 TEST_F(DamagedFiles, ClusterReportContainsSumsBeforeTheDamage)
 {
   const RTCCompressedClusterFunction add = [](void* ptr, const RTCCompressedCluster* cluster) {

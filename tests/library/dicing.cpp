@@ -16,7 +16,7 @@ namespace {
 
 const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
 
-// A camera that looks along -z, with pictures of 512 x 512 pixels and a field of view of 90 degrees.
+// Looks along -z, with 512 x 512 pixels and a field of view of 90 degrees.
 RTCDicingArguments cameraAt(float x, float y, float z)
 {
   RTCDicingArguments args;
@@ -159,7 +159,7 @@ TEST(Dicing, MaxRateIsRespected)
   args.maxRates = bounds.data();
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
   args.maxRates = nullptr;
-  args.maxRate = 13; // not a power of two
+  args.maxRate = 13;
   for (float rate : surface.rates(args)) EXPECT_LE(rate, 8.0f);
 }
 
@@ -204,7 +204,6 @@ TEST(Dicing, CameraOnSurfaceAndNonFiniteVerticesGiveValidRates)
   }
 }
 
-// View-dependent rates must not open holes.
 TEST(Dicing, ClosedSurfacesStayClosed)
 {
   Device device("subdiv_accel=cbvh.vert");
@@ -233,7 +232,7 @@ TEST(Dicing, ClosedSurfacesStayClosed)
   }
 }
 
-// Rates do not depend on the common scale of model and camera, nor on the length of directions.
+// The common scale of model and camera, and the length of directions.
 TEST(Dicing, RatesDoNotDependOnTheScale)
 {
   Device device;
@@ -302,7 +301,6 @@ TEST(Dicing, InvalidArgumentsAreRejectedByName)
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
 }
 
-// There is no cage to measure or to traverse.
 TEST(Dicing, GeometriesWithoutCageAreRejected)
 {
   Device device;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Faces of cLEAF that leaves represent badly are stored as cVERT. Checks which faces are chosen, that this fixes their
- * errors, and that there are no gaps between both forms. */
+/* Faces of cLEAF that leaves represent badly are stored as cVERT: which faces these are, that this fixes their errors,
+ * and that no gaps open between both forms. */
 
 #include "support/edge_rates.h"
 #include "support/scene_blocks.h"
@@ -115,7 +115,7 @@ TEST(ExactFaces, SmoothFacesStayLeaves)
   EXPECT_EQ(statisticsOf(scene).numExactQuads, 0u);
 }
 
-// One face of 4 x 4 blocks with folds at two vertices of four blocks: blocks of the quarter that is encoded first, or
+// One face of 4 x 4 blocks with folds at two vertices of four blocks, of the quarter that is encoded first or of
 // others.
 struct FewFolds : public Displacement
 {
@@ -155,7 +155,6 @@ TEST(ExactFaces, FirstQuarterOfPatchDoesNotDecideAlone)
   }
 }
 
-// Displaced so that some faces are folded and others are smooth.
 struct PartlyRough : public Displacement
 {
   static void apply(const RTCDisplacementFunctionNArguments* args)
@@ -170,8 +169,7 @@ struct PartlyRough : public Displacement
   }
 };
 
-// Scenes with blocks of both forms must not leak at their common borders: rays from inside a closed surface at the
-// vertices that exact faces store on their borders, and at random.
+// Rays from inside a closed surface at the vertices that exact faces store on their borders, and at random.
 TEST(ExactFaces, NoGapsBetweenBothForms)
 {
   Device device;

@@ -97,7 +97,7 @@ std::string hexadecimal(uint32_t number)
   return text.str();
 }
 
-// Expects the page to contain a table with these rows and no others. Prints the table to paste if it does not.
+// The page must contain a table with these rows and no others. Prints the table to paste if it does not.
 void expectTable(const std::string& head, const std::vector<std::pair<std::string, std::string>>& rows)
 {
   std::string table = head;
@@ -184,7 +184,7 @@ public:
     EXPECT_EQ(u32(48), crc32c(&bytes[u64(40)], u32(24)*u32(28)));
   }
 
-  // Returns the offsets of blocks in the order of the tree, and their types.
+  // Offsets of blocks in the order of the tree, and their types.
   std::vector<std::pair<uint64_t, uint64_t>> blocksOf(uint64_t record)
   {
     const uint64_t tree = u64(record), treeBytes = u64(record + 8);

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Blocks belong to their geometry. They are built only if the geometry's surface changed, scenes share them, and each
- * scene reports its own IDs. */
+/* Blocks belong to their geometry: they are built only if its surface changed, and scenes share them, each with its own
+ * IDs. */
 
 #include "support/memory.h"
 #include "support/scene.h"
@@ -13,7 +13,6 @@
 namespace cbvh::test {
 namespace {
 
-// Counts evaluations.
 struct CountedDisplacement : Displacement
 {
   std::atomic<size_t> vertices{0};
@@ -187,7 +186,7 @@ TEST(GeometryBlocks, ScenesShareBlocksUnderTheirOwnIDs)
     }
 }
 
-// For coincident surfaces the hit has the lower ID, independently of the order of creation.
+// For coincident surfaces, independently of the order of creation.
 TEST(GeometryBlocks, LowerIDInTheSceneWins)
 {
   for (const char* kind : kinds) {
@@ -217,7 +216,6 @@ TEST(GeometryBlocks, LowerIDInTheSceneWins)
   }
 }
 
-// An instanced scene contains the geometry under another ID.
 TEST(GeometryBlocks, InstancedScenesShareBlocks)
 {
   Device device("subdiv_accel=cbvh.vert");
@@ -241,7 +239,6 @@ TEST(GeometryBlocks, InstancedScenesShareBlocks)
   EXPECT_EQ(hit.hit.instID[0], 4u);
 }
 
-// A scene changes from compressed surfaces to Embree's own and back.
 TEST(GeometryBlocks, IDsAreCorrectInScenesThatStopCompressing)
 {
   Device device;
@@ -357,7 +354,7 @@ void askForRelease(RTCGeometry geometry, Progress* progress = nullptr)
   rtcSetGeometryCompression(geometry, &args);
 }
 
-// Returns a committed geometry whose cage is in released memory of the application. attribute: 8 numbers, or NULL.
+// A committed geometry whose cage is in released memory. attribute: 8 numbers, or NULL.
 RTCGeometry newReleased(Device& device, Displacement& displacement, const float* attribute)
 {
   const Cage cage = cubeCage();
@@ -414,7 +411,6 @@ TEST(ReleasedInput, IsNotReadAgain)
         ASSERT_EQ(a.hit.u, b.hit.u);
       }
       EXPECT_GT(hits, 100u);
-      // operations that do not need the input
       rtcSetGeometryMask(geometry, 2);
       rtcCommitGeometry(geometry);
       expectCommit(device, other);
@@ -508,7 +504,6 @@ TEST(ReleasedInput, IsKeptIfOutOfMemory)
   }
 }
 
-// Without compression the flag has no effect.
 TEST(ReleasedInput, StaysIfNothingIsCompressed)
 {
   Device device;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Random edits of geometries that scenes share, in any order, while another scene is traced. After each edit a scene
- * must give the same results as a scene of newly created geometries: no block may belong to an earlier state.
+/* Random edits of geometries that scenes share, while another scene is traced. After each edit a scene must give the
+ * results of newly created geometries: no block may belong to an earlier state.
  *
  * CBVH_EDITS sets the number of edits, CBVH_EDITS_SEED the seed. */
 
@@ -28,7 +28,6 @@ unsigned numberIn(const char* variable, unsigned otherwise)
 const RTCCompression kinds[] = {RTC_COMPRESSION_VERT, RTC_COMPRESSION_VERT, RTC_COMPRESSION_LEAF,
                                 RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_GRID, RTC_COMPRESSION_NONE};
 
-// A geometry together with a copy of all its settings.
 class EditedSurface
 {
 public:
@@ -50,7 +49,7 @@ public:
     return twin;
   }
 
-  // Edits the model and updates the geometry: everything if its input was released, otherwise only the changes.
+  // Updates everything if the input was released, otherwise only the changes.
   void edit(Random& random)
   {
     const bool isReleased = hasReleased;
@@ -174,7 +173,6 @@ private:
   bool isEnabled = true, asksForRelease = false, hasReleased = false;
 };
 
-// Traces rays through both scenes. Adds the number of hits.
 void expectTwins(RTCScene scene, RTCScene twin, Random& random, unsigned rays, size_t& hits)
 {
   for (RTCRayHit ray : raysAt(random, rays, 1.2f)) {
@@ -188,7 +186,6 @@ void expectTwins(RTCScene scene, RTCScene twin, Random& random, unsigned rays, s
   }
 }
 
-// A thread that traces a scene while other threads commit.
 class Bystander
 {
 public:

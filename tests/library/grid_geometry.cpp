@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compressed grid geometry: hits match Embree's kernel with every function and on every ISA, grids stay closed and
- * stitched, and general behavior of geometries. */
+/* Compressed grid geometry: hits match Embree's kernel with every function and on every ISA; grids stay closed and
+ * stitched. */
 
 #include "support/closed.h"
 #include "support/diced.h"
@@ -120,7 +120,7 @@ TEST_P(GridGeometry, MasksAndFilters)
   ASSERT_LT(depth, 5.2f);
   EXPECT_TRUE(occluded(scene, down));
 
-  // Changes vertices without an update: they become visible only if blocks are rebuilt.
+  // Changed vertices without an update are visible only if blocks are rebuilt.
   float* x = (float*)rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
   for (size_t i = 0; i < diced.vertices.size(); i++) x[3*i + 2] -= 1;
   rtcSetGeometryMask(geometry, 2);
@@ -159,7 +159,6 @@ TEST_P(GridGeometry, MasksAndFilters)
 
 // --- closed -----------------------------------------------------------------------------------
 
-// Rays from inside at vertices and edges of common borders of grids.
 TEST(GridSurfaces, AreClosedBetweenGrids)
 {
   Device device;
@@ -376,7 +375,7 @@ TEST(GridSurfaces, RowsOfIdenticalVerticesAreErrors)
     << device.message;
 }
 
-// Overlapping rows make four billion quads of 131,069 vertices; the commit must react to cancellation.
+// Four billion quads of 131,069 vertices.
 TEST(GridSurfaces, CommitOfOverlappingRowsCanBeCancelled)
 {
   Device device;

@@ -13,7 +13,7 @@
 namespace cbvh::test {
 namespace {
 
-// Heights over the unit square of quadCage, which does not move at its border.
+// Over the unit square of quadCage; 0 at its border.
 float heightAt(float u, float v) { return 0.1f*std::sin(9*u)*std::sin(7*v); }
 
 void lift(const RTCDisplacementFunctionNArguments* args)
@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Compression, HighRates, testing::Values(RTC_COMPRESSION
                            return std::string(info.param == RTC_COMPRESSION_VERT ? "cVERT" : "cLEAF");
                          });
 
-// Position and parameters of hits must match the displacement function: a quad of the longest side is 1/100 wide.
+// A quad of the longest side is 1/100 wide.
 TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
 {
   Device device;
@@ -95,7 +95,7 @@ TEST(HighRatesOfCVERT, ClosedSurfacesShareEveryEdge)
   }
 }
 
-// Above the result are the vertices of a strip, the primitives of the top level, and up to 2 MiB that the BVH's
+// In addition to the result: a strip's vertices, the primitives of the top level, and up to 2 MiB that the BVH's
 // allocator reserves. All of 4096 x 512 quads at once would take 112 MiB.
 TEST(HighRatesOfCVERT, TaskUsesLessThan4MiB)
 {

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Interpolation on faces without a surface: faces with fewer than 3 or more than 16 corners, faces at vertices with too
- * many faces, and holes. Embree's patches do not support the first two: interpolation of such a face is an error. */
+/* Interpolation on faces without a surface. Faces with fewer than 3 or more than 16 corners, or at vertices with too
+ * many faces, are errors, because Embree's patches do not support them. Holes are not. */
 
 #include "support/scene.h"
 
@@ -24,7 +24,7 @@ struct Values
 
 const float untouched = 12345;
 
-// P and its derivatives in a face, or in the first sub-patch of a face that is not a quadrilateral.
+// In a face, or in the first sub-patch of a face without four corners.
 Values interpolate(RTCGeometry geometry, unsigned face, On on, float u = 0.8f, float v = 0.9f)
 {
   Values out;
@@ -102,7 +102,6 @@ RTCGeometry newGeometry(RTCDevice device, const Cage& cage, const Cage* others,
   return geometry;
 }
 
-// Tests each cage uncompressed, compressed, and compressed with released input.
 template<typename Check>
 void forEachForm(const Cage& cage, const Cage* others, const Check& check)
 {
@@ -288,7 +287,6 @@ TEST(Interpolation, DegenerateFacesHaveNoInfluence)
   }
 }
 
-// A hole is interpolated as if its face existed.
 TEST(Interpolation, HolesMatchTheFaceAlone)
 {
   for (const Cage& whole : {cubeCage(), prismCage(3), prismCage(5), sheetCage(3)})

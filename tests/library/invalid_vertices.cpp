@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Displacement functions that return NaN or infinity at some vertices. The quads around them are left out and counted,
- * an error of the device reports them, and everything else is unchanged. */
+/* Displacement functions that return NaN or infinity: the quads around such vertices are left out, counted and reported
+ * as an error; everything else is unchanged. */
 
 #include "support/random.h"
 #include "support/scene.h"
@@ -76,7 +76,7 @@ TEST_P(InvalidVertices, OnlyTheirQuadsAreLeftOut)
 
       const bool hasVertices = GetParam() == RTC_COMPRESSION_GRID || GetParam() == RTC_COMPRESSION_VERT;
       // Rays straight down at the first triangle of each quad. Quads next to a hole may extend into it by a leaf's
-      // overlap. A thick leaf next to a hole may be visible in it.
+      // overlap or thickness.
       for (int y = 0; y < quads; y++)
         for (int x = 0; x < quads; x++) {
           const float u = (x + 0.3f)/quads, v = (y + 0.3f)/quads;
@@ -224,7 +224,7 @@ TEST_P(InvalidVertices, AreReportedOnceWithGeometryAndFace)
   for (RTCGeometry geometry : geometries) rtcReleaseGeometry(geometry);
 }
 
-// A canceled commit reports nothing; the next one must report the vertices.
+// A canceled commit reports nothing.
 TEST_P(InvalidVertices, AreReportedOnceAfterACanceledCommit)
 {
   RecordProperty("property", "vertices that are not finite are an error once, also after a commit that was canceled");
@@ -313,7 +313,6 @@ TEST_P(InvalidVertices, ValidQuadsOfBlocksWithoutFrameAreKept)
   }
 }
 
-// Coordinates that are finite but huge are supported or left out, without a crash.
 TEST_P(InvalidVertices, HugeCoordinatesAreSupportedOrLeftOut)
 {
   RecordProperty("property", "coordinates up to 1e37 are supported or left out: no crash, and hits up to 1e15");

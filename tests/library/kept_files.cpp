@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Files in tests/library/kept_files, which earlier versions of the library wrote: every later version decodes them to
- * the same vertices and finds the same hits. Most other tests read only files that the same build has written. */
+/* Files in tests/library/kept_files, which earlier versions wrote: every later version decodes the same vertices and
+ * finds the same hits. */
 
 #include "kept_hits.h"
 
@@ -138,7 +138,6 @@ TEST(KeptFiles, AreNeverWrittenAgain)
 
 // --- the codec alone --------------------------------------------------------------------------
 
-// A decoded block of any kind.
 struct AnyBlock
 {
   bool isMesh;
@@ -285,9 +284,8 @@ TEST_P(KeptFileHits, AreTheSame)
 
 // --- files of new versions --------------------------------------------------------------------
 
-// Rays whose results do not depend on rounding: hits are not near an edge of their triangle. Vertices that move from
-// one lattice to another are floats at multiples of 1/16 of the time range, so interpolation is exact. geometry: null
-// if its triangles cannot be read.
+// Hits are not near an edge of their triangle. Vertices that move from one lattice to another are floats at multiples
+// of 1/16 of the time range, so interpolation is exact. geometry: null if its triangles cannot be read.
 void addRays(Random& random, RTCScene scene, RTCGeometry geometry, float begin, float end, KeptHits& all)
 {
   unsigned misses = 0;

@@ -107,7 +107,6 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 
-// Blocks of a part of a mesh leave no large remainders of allocations.
 TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
 {
   for (unsigned side : {150, 180, 205, 230, 255, 290, 520}) {

@@ -147,7 +147,6 @@ TEST(LosslessVertices, TakeFewerBytesThanEmbree)
 
 // --- t, u and v, and files -------------------------------------------------------------------------
 
-// Creates the same geometry compressed or for Embree's kernel.
 struct Source
 {
   std::string name;
@@ -269,7 +268,7 @@ std::vector<RTCRayHit> raysAtStored(Random& random, RTCGeometry geometry, float 
   return rays;
 }
 
-// The largest differences: t in its ulps, u and v in ulps of 1.
+// t in its ulps, u and v in ulps of 1.
 struct Differences
 {
   double t = 0, uv = 0;
@@ -306,8 +305,8 @@ void expectWithin(const char* whose, const Found& found, const ExactTriangleHit&
   ASSERT_LE(std::fabs(double(found.v) - exact.v), bound.v) << whose << " v";
 }
 
-/* Compares the hits of both kernels on the same triangle with the exact hit. Excludes rays that are nearly parallel to
- * the plane: our kernel clamps t, and first-order bounds do not hold. More rays: CBVH_RANDOM_GEOMETRIES=2000. */
+/* Compares the hits of both kernels on a triangle with the exact hit, except for rays nearly in its plane: our kernel
+ * clamps t, and first-order bounds do not hold. More rays: CBVH_RANDOM_GEOMETRIES=2000. */
 TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
 {
   Device device(GetParam() + ("," + lossless));
@@ -349,9 +348,9 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
         const ExactTriangleHit exact(rays[i].ray, triangle);
         if (!exact.isMet() || exact.cosine < leastCosine) continue;
         compared++;
-        /* In GRID neighboring faces evaluate their border with differences of some ulps, and vertices have 13 bits of u
-         * and v. Moving vertices are the same floats in both libraries at all times, except that Embree uses a
-         * different interpolation formula for grids: at most three roundings in either. */
+        /* GRID's faces evaluate a border with differences of some ulps, and its vertices have 13 bits of u and v.
+         * Moving vertices are the same floats in both libraries, except that Embree interpolates grids by another
+         * formula: at most three roundings in either. */
         double vertexError[3];
         for (int k = 0; k < 3; k++) {
           float largest = 0;
@@ -379,8 +378,8 @@ TEST_P(Lossless, HitsDifferFromEmbreeOnlyByRounding)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-/* Hits must be bit-identical to those before saving, and geometrically match Embree's. Embree's interpolation between
- * time steps differs between grids and other geometries. */
+/* Hits must be those before saving to the bit, and geometrically match Embree's, which interpolates grids
+ * differently. */
 TEST_P(Lossless, FilesHaveTheSameHits)
 {
   Device device(GetParam() + ("," + lossless));

@@ -199,8 +199,8 @@ TEST(Meshes, RegularPartsAreFoundInAnyOrder)
   EXPECT_LE(statisticsOf(scene).numIrregularQuads, 200u) << "at the poles";
 }
 
-// Blocks are full, and numbers in a pattern need few bytes. Where patches of a ball with different first corners
-// meet, pairs of triangles that cannot be distinguished from a quad may continue into the next patch.
+// Blocks are full, and numbers in a pattern need few bytes. Where patches of a ball meet, pairs of triangles that
+// resemble quads may continue into the next patch.
 TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
 {
   Device device("cbvh_max_error=0.00043"); // 1/36 of an edge of the sheet
@@ -248,7 +248,6 @@ TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
   }
 }
 
-// Vertices that coincide only at the first time step must not be merged.
 TEST(Meshes, VerticesThatSeparateAreNotWelded)
 {
   Device device;
@@ -310,7 +309,7 @@ TEST(Meshes, MixedDiagonalsKeepTheirTriangles)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// A closed mesh has no corner to begin at. The same regions are found, in about the same time.
+// A closed mesh has no corner to begin at.
 TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
 {
   Device device;
@@ -344,8 +343,7 @@ TEST(Meshes, ClosedMeshesAreFoundFromAnyQuad)
   }
 }
 
-// Irregular quads or triangles, and quads that share no vertices, become mesh blocks, also if they move. Small meshes
-// and refitted ones are left to Embree.
+// Also quads that share no vertices, and moving meshes. Small meshes and refitted ones are left to Embree.
 TEST(Meshes, IrregularMeshesBecomeMeshBlocks)
 {
   Device device;
@@ -421,7 +419,7 @@ TEST(Meshes, PointQueriesFindTheTriangleNextToANonFiniteOne)
   EXPECT_FALSE(near.count(2*pair + 1));
 }
 
-// Primitives with invalid indices or vertices that are not finite are not hit, as in Embree; all others are.
+// Invalid indices, and vertices that are not finite, as in Embree.
 TEST(Meshes, InvalidPrimitivesAreLeftOut)
 {
   Device device;
@@ -610,7 +608,6 @@ TEST(Meshes, TrianglesOfHitsAreReported)
       RTCCompressedTriangle t;
       EXPECT_FALSE(rtcGetCompressedTriangle(geometry, unsigned(mesh.size()), 0.3f, 0.3f, nullptr, &t));
 
-      // all stored triangles
       std::set<unsigned> met;
       rtcForEachCompressedPart(geometry, [](void* userPtr, const RTCCompressedPart* part) {
         const unsigned n = part->primitivesPerQuad;

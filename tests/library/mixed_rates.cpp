@@ -67,8 +67,8 @@ struct BorderRecorder : public VertexRecorder
     return out;
   }
 
-  // Points halfway between the borders and those of a finer tessellation. A face that kept all its vertices would
-  // leave a hole there next to a face with this border.
+  // Halfway between these borders and those of a finer tessellation, where a face that kept all its vertices would
+  // leave a hole.
   std::vector<Vec> targetsNextTo(const BorderRecorder& fine) const
   {
     std::vector<Vec> out;
@@ -131,9 +131,8 @@ bool isSameVertex(const Vec& a, const Vec& b)
   return same;
 }
 
-/* Checks a border whose edge has a lower rate than the patch ("Edges of a lower rate" in framed_rays.md). Each vertex
- * of the edge is at the nearest vertex of the patch. The vertices between are evenly spaced on the straight line,
- * shifted outward by at most 2^-20. */
+/* "Edges of a lower rate" in framed_rays.md: each vertex of the edge is at the nearest vertex of the patch. The
+ * vertices between are evenly spaced on the straight line, shifted outward by at most 2^-20. */
 void expectPolyline(const PatchVertices& patch, unsigned side, const std::vector<Vec>& own)
 {
   const unsigned fine = patch.quadsOf(side), coarse = unsigned(own.size()) - 1;
@@ -230,8 +229,7 @@ Vec surfacePoint(RTCScene scene, const Cage& cage, unsigned face, float u, float
   return p;
 }
 
-/* cVERT evaluates borders separately, before any patch. Each border consists of points of the surface (rtcInterpolate)
- * at its own rate, independently of the rates of other edges. */
+/* A border consists of points of the surface (rtcInterpolate) at its own rate, whatever the rates of other edges. */
 TEST(BordersOfMixedRates, CVertEvaluatesBordersAtTheirRates)
 {
   Device device;
@@ -287,8 +285,8 @@ double worstOfParameters(RTCScene scene, const Cage& cage, const std::vector<RTC
   return worst;
 }
 
-/* If both sides of an edge have different rates, a face in cVERT may have a border of a lower rate than its own, with
- * the parameters of that border. GRID's parameters are off by the distance of its triangles from the surface. */
+/* Also where a face has a border of a lower rate than its own. GRID's parameters are off by the distance of its
+ * triangles from the surface. */
 TEST(BordersOfMixedRates, HitsHaveParametersOfTheirPositions)
 {
   Device device;
@@ -323,10 +321,9 @@ unsigned countMisses(RTCScene scene, const std::vector<RTCRayHit>& rays)
   return misses;
 }
 
-/* Rays at the vertices of borders and between them hit, except for rays that pass through because of Embree's triangle
- * test, which cGRID also uses: not more than in GRID. (If most edges have rate 1 there are more, because GRID has only
- * a few triangles there.) The same holds for rays next to borders where the surface rises steeply from an edge of rate
- * 1 to quads of 1/64. */
+/* Rays at the vertices of borders and between them hit, except for those that pass Embree's triangle test, which cGRID
+ * also uses: not more than in GRID, unless most edges have rate 1, where GRID has few triangles. The same holds next to
+ * borders where the surface rises steeply from an edge of rate 1 to quads of 1/64. */
 TEST_P(MixedRates, NeighborsAreClosedWithoutGridFallback)
 {
   Device device;

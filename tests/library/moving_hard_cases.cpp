@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Difficult moving surfaces: closed ones do not leak at any time. Vertices that are not finite at one step, steps in
- * opposite order, and surfaces that turn inside out, collapse, or move far away neither crash nor disappear. */
+/* Difficult moving surfaces: closed ones never leak. Vertices that are not finite at one step, and surfaces that turn
+ * inside out, collapse or move far away, neither crash nor disappear. */
 
 #include "support/diced_mesh.h"
 #include "support/moving_surface.h"
@@ -206,7 +206,6 @@ TEST(MovingHardCases, TimesOfStepsMatchSteps)
 
 enum class Size { Primitive, Block, Many };
 
-// Surfaces of every type.
 std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device, Size size, float begin, float end,
                                                                 unsigned timeSteps = 2)
 {
@@ -233,8 +232,7 @@ std::vector<std::pair<std::string, RTCGeometry>> movingSurfaces(RTCDevice device
   return all;
 }
 
-// Time ranges that end before 0, begin after 1, or touch these limits: the surface is never visible, and no data is
-// read out of bounds.
+// Ranges that end before 0, begin after 1, or touch these limits: nothing is visible or read out of bounds.
 TEST(MovingHardCases, TimeRangesOutsideOfRayTimesCommit)
 {
   const float times[] = {-3, -1, -1e-5f, 0, 1e-5f, 0.5f, 0.99995f, 1, 1.00001f, 1.5f, 2};
@@ -331,7 +329,6 @@ TEST(MovingHardCases, SurfaceOutsideOfRayTimesDoesNotHideOthers)
   }
 }
 
-// Surfaces without a primitive that rays can hit have empty bounds.
 TEST(MovingHardCases, EmptySurfacesHaveEmptyBounds)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compressed moving grids, quads and triangles match Embree's own kernels if vertices are on the lattice at all steps,
- * with every query and on every ISA. */
+/* Moving grids, quads and triangles match Embree's own kernels if vertices are on the lattice at all steps, with every
+ * query and on every ISA. */
 
 #include "support/filtered_geometry.h"
 #include "support/irregular_mesh.h"
@@ -102,7 +102,6 @@ TEST_P(MovingMeshes, LosslessHitsMatchEmbree)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Meshes that do not lie in grids are stored in mesh blocks.
 TEST_P(MovingMeshes, IrregularHitsMatchEmbree)
 {
   for (const char* error : {"", ",cbvh_max_error=0"}) {
@@ -264,7 +263,7 @@ TEST(MovingMeshesInTime, ClosedBallsDoNotLeak)
   }
 }
 
-// Irregular meshes at any precision, welded or not.
+// At any precision, welded or not.
 TEST(MovingMeshesInTime, ClosedIrregularMeshesDoNotLeak)
 {
   Random random(3147);
@@ -485,7 +484,6 @@ TEST(MovingMeshesInTime, TrianglesOfHitsAreReported)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Two grids that touch at the first step and separate afterwards: a ray passes between them.
 TEST(MovingMeshesInTime, GridsThatSeparateAreNotConnected)
 {
   Device device;

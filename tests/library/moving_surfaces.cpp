@@ -102,7 +102,7 @@ Cage cageAt(const Cage& cage, const SurfaceSettings& settings, float time)
   return between;
 }
 
-// Number of hits on another part of the surface, which occur at silhouettes because the lattice moves vertices.
+// Hits on another part of the surface: at silhouettes, because the lattice moves vertices.
 size_t countOthers(RTCScene grid, RTCScene scene, const std::vector<RTCRayHit>& rays, float slack)
 {
   size_t others = 0;
@@ -149,7 +149,6 @@ TEST(MovingSurfacesInTime, PositionsMatchStepsAndSurfacesExistOnlyInTheirRange)
   }
 }
 
-// One scene with surfaces of several numbers of steps and ranges, and static ones.
 TEST(MovingSurfacesInTime, DifferentSurfacesShareAScene)
 {
   Random random(seed + 2);
@@ -210,7 +209,6 @@ TEST(MovingSurfacesInTime, ScenesShareBlocksOfAGeometry)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Edits of any part of the motion take effect with the next commit.
 TEST(MovingSurfacesInTime, EditsTakeEffect)
 {
   Random random(seed + 3);

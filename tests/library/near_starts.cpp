@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays that start just inside a closed surface and leave it through a nearby triangle at a grazing angle, as rays of a
- * renderer with a tiny offset. The test intersects all triangles in double precision: a ray with an odd number of
- * crossings starts inside and must hit. */
+/* Rays that start just inside a closed surface and leave it at a grazing angle, as with a renderer's tiny offset.
+ * Doubles decide: a ray with an odd number of crossings starts inside and must hit. */
 
 #include "support/random.h"
 #include "support/scene.h"

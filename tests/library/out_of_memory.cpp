@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A commit that runs out of memory at any point reports it, loses no data, and the next commit succeeds. */
+/* A commit that runs out of memory at any point reports it and loses no data; the next commit succeeds. */
 
 #include "support/diced_mesh.h"
 
@@ -50,8 +50,8 @@ RTCGeometry newGeometry(RTCDevice device, int type, unsigned timeSteps)
   return newMesh(device, type == 2 ? mesh : trianglesOf(mesh), RTC_COMPRESSION_VERT, 0, timeSteps);
 }
 
-// Changes and commits a geometry and its scene, then commits both again with enough memory. Returns the number of
-// allocations of the first commits.
+// Changes and commits a geometry and its scene, then again with enough memory. Returns the allocations of the first
+// commits.
 long commitWithout(long refusedCall, int type, unsigned timeSteps, RTCSceneFlags flags)
 {
   Monitor monitor;

@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays that start inside a closed surface hit it at every precision of cVERT: by default, with a bound, and lossless.
- * The surfaces are cages, grids, quads and triangles, static and moving. Rays aim at stored vertices and edges,
- * including diagonals, straight on and grazing. Embree's robust kernel traces the stored triangles and decides which
- * points are inside.
+/* Rays from inside closed surfaces hit at every precision of cVERT. The surfaces are cages, grids, quads and triangles,
+ * static and moving. Rays aim at stored vertices and edges, straight on and grazing. Embree's robust kernel decides
+ * which points are inside.
  *
  * CBVH_AIMED_RAYS sets the number of rays for each precision, for example 10000000. */
 
@@ -82,7 +81,7 @@ std::vector<Closed> closedSurfaces(Random& random)
 
 // --- stored triangles ---------------------------------------------------------------------------------
 
-// The stored triangles at a time, oriented outwards, and points to aim at.
+// At a time, oriented outwards, and points to aim at.
 class StoredAt
 {
 public:
@@ -153,7 +152,6 @@ private:
 
 // --- rays -----------------------------------------------------------------------------------------------
 
-// Traces rays at a time, one by one or in packets.
 class TracerAt : public SceneTracer
 {
 public:

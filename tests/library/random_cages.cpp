@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Unvalidated random cages: faces of any number of edges, vertices of many faces, indices out of range, unusual
- * positions, rates, creases and holes. They must not crash, and valid faces must be traced.
+/* Random cages with any error: indices out of range, unusual faces, positions, rates, creases and holes. They must not
+ * crash, and valid faces must be traced.
  *
  *   CBVH_RANDOM_GEOMETRIES=100000 random_cages    for a longer run */
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Grid geometry with random sizes, strides and vertices, mostly invalid. Valid grids are compressed and traced; errors
- * are reported. Memory has exactly the size that the API requires, so that sanitizers detect reads out of bounds.
+/* Random sizes, strides and vertices, mostly invalid. Valid grids are traced; errors are reported. Memory has exactly
+ * the size that the API requires, for sanitizers.
  *
  *   CBVH_RANDOM_GEOMETRIES=100000 random_grids    for a longer run */
 

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Partly regular meshes of quads and triangles with errors: each primitive that Embree traces must be stored exactly
- * once, with its own vertices. Memory has exactly the size that the API requires, so that sanitizers detect reads out
- * of bounds.
+ * once, with its own vertices. Memory has exactly the size that the API requires, for sanitizers.
  *
  *   CBVH_RANDOM_GEOMETRIES=100000 random_meshes    for a longer run */
 

@@ -17,7 +17,7 @@
 namespace cbvh::test {
 namespace {
 
-// Programs that cannot be changed: commits of geometries release their buffers, and later accesses are errors.
+// For programs that cannot be changed: later accesses to buffers are errors.
 TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
 {
   for (bool byEnvironment : {true, false}) {
@@ -58,7 +58,6 @@ TEST(ReleaseInput, IsASettingOfDeviceAndEnvironment)
       rtcCommitScene(scene);
       EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
       EXPECT_TRUE(isHit(intersect(scene, down)));
-      // operations that need the buffers
       for (RTCBufferType type : {RTC_BUFFER_TYPE_VERTEX, indices}) {
         EXPECT_EQ(rtcGetGeometryBufferData(geometry, type, 0), nullptr);
         EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION);
@@ -125,7 +124,7 @@ TEST(ReleaseInput, CallbacksMustNotCommitTheirGeometry)
   }
 }
 
-// Without the setting, the statistics count each buffer once, except for buffers that the application shares.
+// Without the setting: each buffer once, except for shared ones.
 TEST(ReleaseInput, StatisticsCountRemainingBuffers)
 {
   Memory memory;

@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Effects of a save on existing files at its path and next to it: links, devices, files of killed writers, and
- * concurrent writers. */
+/* Saves over existing files: links, devices, files of killed writers, and concurrent writers. */
 
 #include "support/child_process.h"
 #include "support/file_calls.h"
@@ -22,7 +21,6 @@ protected:
   ReplacedFiles() : geometry(newOne()) {}
   ~ReplacedFiles() { rtcReleaseGeometry(geometry); }
 
-  // A geometry with a few blocks.
   RTCGeometry newOne()
   {
     SurfaceSettings settings;

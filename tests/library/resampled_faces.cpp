@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Faces of any edge rates, resampled to whole blocks: as close to the true surface as GRID with the same rates, with a
- * fraction of the memory, and rebuilt when rates change. */
+ * fraction of the memory. */
 
 #include "kernels/cbvh/framed/frame_map.h"
 #include "support/edge_rates.h"
@@ -95,9 +95,9 @@ double distanceAcross(const RTCRayHit& fine, const RTCRayHit& hit)
   return std::fabs(hit.ray.tfar - fine.ray.tfar)*std::fabs(nd)/std::sqrt(nn);
 }
 
-/* Largest distance, along the normal of the finer surface, of the hit leaf from the quads that it represents: in cLEAF
- * half its thickness, measured in z of the frame; in cVOXEL, where rays hit the box when they enter it, its extent. On
- * the border of two leaves the smaller value counts. */
+/* Largest distance of the hit leaf from its quads, along the finer surface's normal: in cLEAF half its thickness,
+ * measured in z of the frame; in cVOXEL, where rays hit boxes on entry, its extent. On borders, the smaller value of
+ * two leaves. */
 double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RTCRayHit& fine, const RTCRayHit& hit)
 {
   using namespace embree::cbvh;
@@ -133,9 +133,8 @@ double leafError(const std::vector<const embree::cbvh::Block*>& blocks, const RT
   return least;
 }
 
-/* Resampling uses finer quads inside and no fans of triangles at borders, so it does not increase the error: cGRID,
- * whose leaves contain the quads, shows this. Leaves of other kinds add an error: quads are distributed evenly over the
- * range of their leaf, so its mean over hits is half of the range. */
+/* Resampling has finer quads inside and no fans at borders, so it does not increase the error, as cGRID shows. Leaves
+ * of other kinds add half of their range on average, because quads are distributed evenly over it. */
 TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
 {
   Device device;
@@ -176,7 +175,6 @@ TEST_P(ResampledFaces, SurfaceIsAsCloseToTrueOneAsGridExceptForLeafError)
   }
 }
 
-// The level of a face is determined by its highest rate, on any of its edges.
 TEST_P(ResampledFaces, EachOfTheFourEdgesDeterminesTheBlocks)
 {
   Device device;
@@ -232,8 +230,7 @@ TEST_P(AnyRates, MemoryIsAFractionOfGrid)
   }
 }
 
-// A box so flat that its sides have no usable frame. Blocks of the sides store exact vertices; they cannot be left to
-// GRID, whose borders differ.
+// A box so flat that its sides have no usable frame. They store exact vertices, because GRID's borders differ.
 TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
 {
   Device device;
@@ -257,7 +254,6 @@ TEST_P(ResampledFaces, BlocksWithoutFrameAreClosedToOthers)
   }
 }
 
-// A commit with new rates gives the same scene as these rates from the start.
 TEST_P(AnyRates, ChangedRatesAreRebuilt)
 {
   Device device;

@@ -25,7 +25,6 @@ protected:
     return rtcResumeCompressedFileWriter(device, path.c_str(), of);
   }
 
-  /* Appends geometry i of the test's geometries. */
   void append(RTCCompressedFileWriter writer, size_t i)
   {
     RTCGeometry geometry = all[i].make(device);
@@ -41,8 +40,7 @@ protected:
     EXPECT_NE(device.message.find(part), std::string::npos) << "the message does not name the file: " << device.message;
   }
 
-  /* Expects that the file contains the first n geometries: hits are bit-identical to those of the original geometries.
-   * */
+  /* The file contains the first n geometries, with equal hits to the bit. */
   void expectWhole(size_t n)
   {
     RTCCompressedFile file = rtcOpenCompressedFile(device, path.c_str());
@@ -79,7 +77,7 @@ protected:
     return bytesOf(part).size();
   }
 
-  /* Expects that the first geometry still exists, and completes the file with the second. */
+  /* The first geometry still exists, and the second completes the file. */
   void finish()
   {
     RTCCompressedFileWriter writer = resume();

@@ -16,7 +16,6 @@
 namespace cbvh::test {
 namespace {
 
-// Largest distance of a point from bounds, over the axes.
 float outside(const RTCBounds& b, const Vec& p)
 {
   return std::max(
@@ -25,8 +24,7 @@ float outside(const RTCBounds& b, const Vec& p)
 
 class SceneBounds : public testing::TestWithParam<RTCCompression> {};
 
-// t and the point computed from it have rounding errors of a few ulps of the distance. The traversal widens rays by
-// the same amount (local_ray.h).
+// t and the point have rounding errors of a few ulps of the distance, by which the traversal widens rays (local_ray.h).
 TEST_P(SceneBounds, ContainEveryHit)
 {
   Device device;
@@ -69,8 +67,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RoundedBounds,
                          testing::Values(RTC_COMPRESSION_GRID, RTC_COMPRESSION_VOXEL, RTC_COMPRESSION_LEAF),
                          [](const auto& info) { return kindName(info.param); });
 
-// Bounds are rounded outwards, not to the nearest float, so that they contain vertices as rounded by a neighboring
-// face, which must catch rays that pass this face.
+// Bounds are rounded outwards: a neighboring face, which must catch rays that pass this one, may round vertices
+// differently.
 TEST_P(RoundedBounds, ContainVerticesAsRoundedByAnyFace)
 {
   Device device;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Features of scenes work for compressed surfaces as for other geometries: settings per geometry, enabling and
- * attaching, instances, masks, filters, packets and streams. */
+/* Scenes of compressed surfaces: settings per geometry, enabling and attaching, instances, masks, filters, packets and
+ * streams. */
 
 #include "support/filtered_geometry.h"
 #include "support/random.h"
@@ -268,7 +268,6 @@ TEST_P(SceneFeatures, FiltersSeeReportedHit)
   EXPECT_GT(hits, 300u);
 }
 
-// Any hit passes the same hits to its filter as closest hit, in any order.
 TEST_P(SceneFeatures, FilterThatRejectsAllLeavesRayUnchanged)
 {
   Scene scene(device);
@@ -291,17 +290,15 @@ TEST_P(SceneFeatures, FilterThatRejectsAllLeavesRayUnchanged)
   EXPECT_GT(seen, 300u);
 }
 
-// A filter that decides by the position of the hit: closest hit finds the nearest accepted hit along the ray; any hit
-// finds one if there is one.
+// The filter decides by the position of the hit. Any hit finds an accepted one if there is one.
 TEST_P(SceneFeatures, NearestAcceptedHitIsFound)
 {
   Scene scene(device);
   addFilteredCube(device, scene, settings(), filter);
   Random random(66);
   unsigned past = 0;
-  // Earlier hits affect leaves at the same position: cLEAF considers heights only up to the end of the ray, and boxes
-  // extend beyond the vertex bounds by which the top level culls. A box is about as large as a quad and as thick as a
-  // leaf.
+  // Earlier hits affect leaves at the same position: cLEAF considers heights up to the end of the ray, and boxes, as
+  // large as a quad and as thick as a leaf, extend beyond the bounds by which the top level culls.
   const float tolerance = GetParam() == RTC_COMPRESSION_GRID ? 1e-5f : 2/16.0f + statisticsOf(scene).maxLeafThickness;
   for (const RTCRayHit& ray : raysAt(random, 2000)) {
     // not along borders of quads
@@ -334,7 +331,7 @@ TEST_P(SceneFeatures, FilterMayRejectEveryOtherHit)
     ASSERT_EQ(isHit(r.hit), r.seen.size() >= 2);
     if (!isHit(r.hit)) continue;
     hits++;
-    bool known = false; // true if the hit is one of the accepted ones
+    bool known = false;
     for (size_t i = 1; i < r.seen.size(); i += 2) known |= isSame(r.seen[i], r.hit);
     ASSERT_TRUE(known);
   }
@@ -483,8 +480,8 @@ void compareAllPackets(RTCScene scene, const std::vector<RTCRayHit>& rays)
   }
 }
 
-// Rays of a picture in order, close enough that many rays intersect the same block. Some look back from the other
-// side; some begin after the surface, end before it, have no range, or do not see the geometry.
+// Rays of a picture, many per block. Some look back from the other side; some begin after the surface, end before it,
+// have no range, or do not see the geometry.
 std::vector<RTCRayHit> pictureRays(Random& random, unsigned side)
 {
   std::vector<RTCRayHit> rays;

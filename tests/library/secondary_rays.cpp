@@ -11,9 +11,8 @@
 namespace cbvh::test {
 namespace {
 
-// Rays that leave a hit with an offset of a hundredth of a quad must see the sky if GRID's rays do. Exceptions are
-// rays that leave their block within half a bin of a leaf, where the thickness of leaves matters: at most one in a
-// thousand.
+// Rays with an offset of a hundredth of a quad must see the sky if GRID's do, except for one in a thousand that leave
+// their block within half a bin of a leaf.
 TEST(SecondaryRays, RaysFromSurfaceDoNotHitItAgain)
 {
   DisplaceFunction waves = [](unsigned, float u, float v, Vec& p) { p[2] = 0.01f*std::sin(9*u + 2*v)*std::cos(11*v); };

@@ -26,7 +26,6 @@ namespace {
 constexpr int level = 5;
 constexpr ImageSize size = {512, 512};
 
-// A scene, its picture in GRID, and an offset of half a quad.
 struct Fixture
 {
   Fixture(const std::string& name, std::optional<float> amplitude)
@@ -109,8 +108,7 @@ double share(const ShadowComparison& c) { return double(c.all.sum())/double(c.ra
 class SelfShadow : public testing::Test
 {
 protected:
-  // Expects that at most `bound` of the rays of cLEAF-only differ from GRID's. exact_faces is off because the tests
-  // are about leaves.
+  // exact_faces is off because the tests are about leaves.
   static void expectAtMost(double bound, const Fixture& f)
   {
     const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf-only"));

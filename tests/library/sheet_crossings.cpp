@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* No ray passes through a displaced sheet: a million rays per representation through random sheets, compared with GRID,
- * as single rays and in coherent packets. Also tests rays that passed in earlier versions. cbvh_bench --check sheets
- * traces more rays. */
+/* A million rays per representation through random displaced sheets, compared with GRID, as single rays and in coherent
+ * packets, and rays that passed in earlier versions. cbvh_bench --check sheets traces more. */
 
 #include "basics/parallel.h"
 #include "measure/sheet_crossings.h"

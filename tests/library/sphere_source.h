@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A source of vertices without buffers: a unit sphere, made of the six faces of a cube whose points are normalized. A
- * short example for kernels/cbvh/surface/source.h. Two faces compute the vertices of their common edge from the same
- * points of the cube, and all vertices are on one lattice, so there is nothing to prepare. */
+/* A short example of a source of vertices (kernels/cbvh/surface/source.h): a unit sphere, made of the six faces of a
+ * cube. Faces compute the vertices of a common edge from the same points of the cube, and all are on one lattice, so
+ * there is nothing to prepare. */
 
 #include "kernels/cbvh/surface/source.h"
 #include "kernels/cbvh/vert/writer.h"

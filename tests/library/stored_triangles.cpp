@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Reading the triangles of compressed surfaces: the triangle of a hit, and all triangles. */
+/* The triangle of a hit, and all triangles. */
 
 #include "support/diced.h"
 #include "support/edge_rates.h"
@@ -218,8 +218,7 @@ TEST(StoredTriangles, GeometriesWithoutTrianglesAreErrors)
   EXPECT_EQ(calls, 3u) << "false ends the calls";
 }
 
-// A callback may release the last reference to the geometry, or commit the geometry without compression: the blocks
-// that are being read exist until the call returns.
+// Release the last reference, or commit without compression: blocks that are being read exist until the call returns.
 TEST(StoredTriangles, CallbackMayReleaseOrCommitTheGeometry)
 {
   struct Callback

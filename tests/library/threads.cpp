@@ -15,7 +15,6 @@ namespace {
 constexpr unsigned threadCount = 4;
 constexpr unsigned surfaceCount = 5; // one per representation
 
-// Adds one surface of each representation, side by side.
 void addSurfaces(RTCDevice device, RTCScene scene, Displacement displacements[surfaceCount])
 {
   int i = 0;
@@ -70,8 +69,7 @@ Answers trace(RTCScene scene, const std::vector<RTCRayHit>& rays)
   return answers;
 }
 
-// Equal results are meaningful only if rays hit: half of the rays at a surface hit it, and the same number is
-// occluded.
+// Otherwise equal results would mean nothing: half of the rays at a surface hit it, and the same number is occluded.
 void expectThatRaysMeetEverySurface(const Answers& answers, size_t rays)
 {
   unsigned sum = 0;

@@ -8,7 +8,7 @@
 namespace cbvh::test {
 namespace {
 
-// Compares the same surface in scenes with and without compression. edgeRates: levels of all edges, if not empty.
+// edgeRates: levels of all edges, if not empty.
 void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool compressed, const char* says,
                          unsigned timeSteps = 1)
 {
@@ -60,7 +60,6 @@ TEST(UncompressedSurfaces, MotionBlurMatchesStock)
   compareUncompressed(8, {}, false, "not compressed: 6 faces that have motion blur, because exact_faces is 0", 2);
 }
 
-// Compressed faces and others in one BVH.
 TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)
 {
   Device device;

@@ -405,8 +405,7 @@ TEST(UpstreamFixes, MovingCagesAreTheSameOnEveryDevice)
     }
 }
 
-// GCC before 14 stores 16 bits of a mask on the stack and reads back 64. Fills the stack, so that the other 48 bits
-// are not zero by chance.
+// GCC before 14 stores 16 bits of a mask on the stack and reads back 64: the other 48 must not be zero by chance.
 [[gnu::noinline]] void fillStack()
 {
   volatile unsigned char bytes[1 << 17];

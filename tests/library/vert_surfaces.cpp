@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Surfaces of cVERT: closed because faces share vertices, within the promised distance of GRID's surface, and traced as
- * the scalar decoder decodes them. */
+/* Surfaces of cVERT are closed, within the promised distance of GRID's, and traced as the scalar decoder decodes
+ * them. */
 
 #include "support/edge_rates.h"
 #include "support/vert_triangles.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double ulp = 0x1p-23;
 
-// Displaces along the face's own normal, which differs from the neighbors' normals at extraordinary vertices.
+// Along the face's own normal, which differs from the neighbors' at extraordinary vertices.
 struct AlongNormals : public VertexRecorder
 {
   float amplitude = 0.1f, jump = 0; // jump: largest difference between the heights of faces
@@ -58,8 +58,7 @@ void commitAlongNormals(RTCDevice device, RTCScene scene, const Cage& cage, cons
   rtcCommitScene(scene);
 }
 
-// Every edge of every triangle must occur in the opposite direction with the same floats. Then no ray can pass
-// between two triangles.
+// Every edge of every triangle must occur in the opposite direction with the same floats.
 TEST(VertSurfaces, ClosedSurfacesShareEveryEdge)
 {
   Device device;
@@ -177,7 +176,6 @@ double distance(const std::array<float, 3>& a, const Vec& b)
   return std::sqrt(d2);
 }
 
-// The largest distance of a stored vertex from GRID's vertex.
 double largestDeviation(RTCScene scene, const EveryVertex& grid)
 {
   double largest = 0;
@@ -195,7 +193,7 @@ double largestDeviation(RTCScene scene, const EveryVertex& grid)
   return largest;
 }
 
-// GRID's surface of a cage, with all vertices recorded, and the settings that give cVERT the same vertices.
+// GRID's surface and vertices, and the settings that give cVERT the same vertices.
 struct Recorded
 {
   EveryVertex grid;
@@ -293,8 +291,7 @@ TEST(VertSurfaces, BordersOfLowerRatesHaveStitchedVerticesOfGrid)
   EXPECT_GT(between, 100u);
 }
 
-// Cosine of a triangle's normal and the normal of GRID's vertices: negative if the triangle is flipped, 0 if it has
-// no area.
+// With the normal of GRID's vertices: negative if the triangle is flipped, 0 if it has no area.
 double normalCosine(const VertTriangle& t, const EveryVertex& grid)
 {
   double normals[2][3];
@@ -387,8 +384,7 @@ TEST(VertSurfaces, SpacingIsAtMostTheBoundInPixelsOfACamera)
 
 // --- rays ----------------------------------------------------------------------------
 
-// The library's hit must be on the decoded triangle, unless the ray is within rounding of an edge, where the other
-// triangle is also valid.
+// The hit must be on the decoded triangle, or on its neighbor within rounding of their edge.
 void expectTriangleHits(RTCScene scene, const std::vector<RTCRayHit>& rays)
 {
   const std::vector<VertTriangle> triangles = vertTriangles(scene);
@@ -466,8 +462,7 @@ void foldAt4(const RTCDisplacementFunctionNArguments* args)
   }
 }
 
-// Triangles of two groups share the edge of a fold. At the same distance the triangle of the first group wins, in any
-// order of traversal.
+// Triangles of two groups share the edge of a fold: the first group's wins, in any order of traversal.
 TEST_P(VertRays, FirstTriangleWinsOnAFold)
 {
   Device device(GetParam());
@@ -490,7 +485,6 @@ TEST_P(VertRays, FirstTriangleWinsOnAFold)
     }
 }
 
-// Expects the same hits as in a newly created scene.
 void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const SurfaceSettings& settings,
                              const std::vector<RTCRayHit>& rays)
 {
@@ -504,7 +498,7 @@ void expectHitsOfAFreshScene(const Device& device, RTCScene scene, const Surface
   }
 }
 
-// Rebuilding a scene places other blocks at addresses whose blocks the threads have decoded.
+// Other blocks are then at addresses whose blocks the threads have decoded.
 TEST(VertCache, IsInvalidatedWhenASceneIsRebuilt)
 {
   Device device;
@@ -528,8 +522,8 @@ TEST(VertCache, IsInvalidatedWhenASceneIsRebuilt)
   EXPECT_EQ(device.takeError(), RTC_ERROR_NONE) << device.message;
 }
 
-// Traces another scene while this one is built, so that a thread caches its blocks, then releases it, so that this
-// scene reuses the memory.
+// Traces another scene during the build, so that a thread caches its blocks, then releases it, so that this scene
+// reuses the memory.
 struct TraceBeforeFirstVertex : public Displacement
 {
   std::function<void()> work;

@@ -1,10 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How far cVERT moves vertices: on each axis by at most half a spacing. The spacing is never coarser than
- * RTCCompressionArguments::maxError asks for, except on an axis where floats themselves are coarser, and there it is
- * never coarser than the step between floats. Vertices are compared with the application's own floats, in long double;
- * no rule of the library is repeated here. */
+/* cVERT moves vertices on each axis by at most half a spacing. The spacing is at most
+ * RTCCompressionArguments::maxError, or the step between floats on an axis where that is larger. Vertices are compared
+ * with the application's floats in long double; no rule of the library is repeated here. */
 
 #include "support/scene.h"
 
@@ -31,7 +30,7 @@ struct Sheet
   size_t quads() const { return size_t(width - 1)*(height - 1); }
 };
 
-// A bumpy sheet of about [-1,1]^2, of vertices in general position; it bends and drifts from step to step.
+// Over about [-1,1]^2; it bends and drifts from step to step.
 Sheet bumpySheet(unsigned side, unsigned numSteps, double scale = 1, const std::array<double, 3>& offset = {0, 0, 0})
 {
   Random random(5);
@@ -64,7 +63,6 @@ const char* nameOf(Kind kind)
 
 constexpr unsigned patchQuads = 16; // per side of grids and of faces of the cage, if the sheet is large enough
 
-// A sheet as a compressed geometry of a kind, and access to its stored vertices.
 class Stored
 {
 public:
@@ -169,7 +167,7 @@ private:
     return size_t(y)*sheet.width + x;
   }
 
-  // Replaces the surface of the cage by the sheet's floats, so that faces have identical shared vertices.
+  // The sheet's floats, so that faces have identical shared vertices.
   static void displace(const RTCDisplacementFunctionNArguments* args)
   {
     const Stored& self = *(const Stored*)args->geometryUserPtr;
@@ -364,7 +362,6 @@ TEST_P(VertexBounds, HoldForAllSpacings)
   }
 }
 
-// Without a spacing of the application the default is at most 1/36 of the quads' edges.
 TEST_P(VertexBounds, HoldForTheDefaultSpacing)
 {
   for (unsigned numSteps : {1u, 3u})
@@ -422,16 +419,14 @@ INSTANTIATE_TEST_SUITE_P(Kinds, VertexBounds, testing::ValuesIn(allKinds), nameO
 
 // --- outliers -------------------------------------------------------------------------------------------
 
-// A block has at most 16 x 16 quads: vertices more than 16 quads away from the outlier, along either side, are in
-// other blocks.
+// Vertices more than 16 quads away from the outlier, along either side, are in other blocks.
 Exempt nearTo(unsigned x0, unsigned y0)
 {
   const auto areNear = [](unsigned a, unsigned b) { return std::max(a, b) - std::min(a, b) <= 16; };
   return [=](unsigned x, unsigned y) { return areNear(x, x0) && areNear(y, y0); };
 }
 
-// quadsOfPatch: 16 or all, so that the outlier is inside a block, between blocks, on the border of a patch, and on
-// its corner.
+// quadsOfPatch: 16 or all, so that the outlier is inside a block, between blocks, and on a patch's border and corner.
 void expectBoundsNextToOutlier(Kind kind, unsigned side, unsigned quadsOfPatch, unsigned numSteps)
 {
   const Sheet sheet = bumpySheet(side, numSteps);

@@ -1,13 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays that start inside a closed surface hit it: closest hit and any hit, as single rays and in coherent packets, for
- * each representation and any levels, also far from the origin. Most rays aim at common borders (leak_rays.h), at
- * vertices that the displacement function returns, so they are exactly on the surface.
+/* Rays from inside a closed surface hit it: closest and any hit, single rays and coherent packets, for each
+ * representation and any levels, also far from the origin. Most aim at vertices on common borders (leak_rays.h) that
+ * the displacement function returns, so they are exactly on the surface.
  *
- * Embree's triangle test misses some of those rays between triangles whose edges it rounds differently. cGRID uses this
- * test, so it may miss as many rays as GRID does. Other representations must not miss any ray. cVERT moves vertices,
- * except for those that are already on its lattice. (Stock GRID misses 1 to 5 percent of these rays.) */
+ * Embree's triangle test misses some of those rays, because it rounds edges differently in their two triangles. cGRID,
+ * which uses it, may miss as many rays as GRID. Other representations must miss none. cVERT moves vertices, except for
+ * those that are already on its lattice. (Stock GRID misses 1 to 5 percent of these rays.) */
 
 #include "basics/parallel.h"
 #include "measure/leak_rays.h"
@@ -57,7 +57,6 @@ struct AimPointRecorder : public VertexRecorder
       .push_back(point);
   }
 
-  // Returns the points in an order that does not depend on threads.
   AimPoints taken()
   {
     const auto key = [](const AimPoint& p) {

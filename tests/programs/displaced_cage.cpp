@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Writes a generated scene of one cage for Embree's own programs, which do not support displacement: its displaced
- * tessellation at some level becomes the cage of a subdivision surface. Prints a camera for their command lines that
- * shows the entire scene.
+/* For Embree's own programs, which do not support displacement: writes the displaced tessellation of a generated scene
+ * as the cage of a subdivision surface. Prints a camera for their command lines that shows the entire scene.
  *
  * usage: displaced_cage SCENE LEVEL FILE.xml */
 

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compares pictures of cbvh_pathtracer's shader with those of the CPU. Both use the same random numbers, so that pixels
- * are equal except for rounding, until a ray takes a different path: it leaves a triangle at a grazing angle and may
- * hit it again, or it hits an edge. About one ray in 5,000 does, and almost none in cVERT. */
+/* Compares pictures of cbvh_pathtracer's shader with the CPU's. Both use the same random numbers: pixels are equal
+ * except for rounding, until a ray takes a different path at an edge or a grazing angle. About one ray in 5,000 does,
+ * and almost none in cVERT. */
 
 #include "path_tracer.h"
 #include "basics/error.h"

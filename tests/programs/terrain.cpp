@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tests cbvh_terrain: sky-view factors of terrains whose factor is known, tiles that form one surface, and invalid
- * arguments. */
+/* cbvh_terrain: known sky-view factors, tiles that form one surface, and invalid arguments. */
 
 #include "basics/image_file.h"
 
@@ -41,7 +40,6 @@ protected:
   }
   ~Terrain() { std::system(("rm -rf " + folder).c_str()); }
 
-  /* Writes a raster of a type to which OpenImageIO converts floats exactly, except for the scale of integers. */
   template<typename T>
   std::string write(OIIO::TypeDesc type, int width, int height, const std::function<double(int x, int y)>& heightAt)
   {
@@ -135,7 +133,7 @@ TEST_F(Terrain, PitSeesTheSkyAboveItsRim)
   }
 }
 
-/* Tiles share their borders: no ray passes between two of them, and all hits match those of an undivided terrain. */
+/* No ray passes between two tiles, and all hits match those of an undivided terrain. */
 TEST_F(Terrain, TilesFormOneSurface)
 {
   const std::string path = write<float>(OIIO::TypeDesc::FLOAT, 121, 101, hills) + " --cell 2 --azimuths 8";

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tests the parts of cbvh_viewer that do not require a window. */
+/* The parts of cbvh_viewer that do not require a window. */
 
 #include "basics/error.h"
 #include "basics/progress.h"
@@ -257,7 +257,7 @@ TEST_F(Pictures, UseOneRayIfHitsHaveNoMean)
   }
 }
 
-/* Linear color: a pixel that is half white and half black is brighter than the mean of the encoded values. */
+/* A pixel that is half white and half black is brighter than the mean of the encoded values. */
 TEST_F(Pictures, AverageLinearColor)
 {
   PictureSettings settings;

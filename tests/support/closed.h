@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Checks that a ball around the origin is closed, with rays from its center. */
+/* A ball around the origin is closed, checked with rays from its center. */
 
 #include "support/query_forms.h"
 

@@ -24,13 +24,12 @@ namespace cbvh::test {
 struct DecodedCluster
 {
   std::vector<std::array<float, 3>> vertices;
-  std::vector<std::array<unsigned, 3>> triangles; // DGF only
-  unsigned primitives = 0;                        // index of the first triangle, DGF only
-  size_t numIndices = 0;                          // number of indices that the strips use
+  std::vector<std::array<unsigned, 3>> triangles;
+  unsigned primitives = 0;                        // index of the first triangle (DGF)
+  size_t numIndices = 0;
   unsigned bitsPerIndex = 0;
 };
 
-// Reads bit fields. Bits are counted from the lowest bit of the first byte.
 class BitReader
 {
 public:
@@ -60,7 +59,7 @@ private:
 
 inline void demand(bool holds, const char* rule) { if (!holds) throw std::runtime_error(rule); }
 
-// The common part of COMPRESSED1 and DGF: an anchor, widths of offsets, and a scale.
+// The common part of COMPRESSED1 and DGF.
 struct LatticeHeader
 {
   int32_t anchor[3];

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Checks that the clusters of a surface contain its triangles: compares the decoded triangles with those that
- * rtcForEachCompressedPart passes to its callback and that rays hit. Throws if they differ. */
+/* The decoded triangles of clusters must be those that rtcForEachCompressedPart returns and that rays hit. Throws if
+ * they differ. */
 
 #include "support/cluster_decoder.h"
 
@@ -18,8 +18,8 @@ namespace cbvh::test {
 
 typedef std::array<float, 3> Corner;
 
-// A set of triangles, represented by sums of hashes and a count because it may be too large to store. Triangles with
-// rotated corners are equal; triangles with reversed corners are different.
+// A set of triangles as sums of hashes and a count, because it may be too large to store. Rotated corners make no
+// difference, reversed ones do.
 struct TriangleSet
 {
   size_t count = 0;
@@ -63,7 +63,7 @@ inline std::array<Corner, 3> triangleOf(const RTCCompressedPart& part, unsigned 
   return {cornerOf(part, x, y), cornerOf(part, x + 1, y), cornerOf(part, x, y + 1)};
 }
 
-// True if a ray may hit the triangle: its vertices are finite and distinct. Clusters contain only such triangles.
+// Finite and distinct vertices. Clusters contain only such triangles.
 inline bool canBeHit(const std::array<Corner, 3>& t)
 {
   for (const Corner& c : t)

@@ -65,7 +65,7 @@ inline NodeBox decodeLattice(Form form, uint32_t word, const NodeBox& parent)
   return box;
 }
 
-// True if exact bounds lie inside decoded ones, computed with the sum that traversal uses.
+// Adds as traversal does.
 inline bool contains(Form form, const NodeBox& box, const ExactBox& exact)
 {
   for (int axis = 0; axis < 3; axis++) {

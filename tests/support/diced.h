@@ -14,7 +14,7 @@
 
 namespace cbvh::test {
 
-// Returns the position of a vertex at a time step.
+// Position of a vertex at a time step.
 typedef std::function<Vec(const Vec& position, unsigned step)> DicedMotion;
 inline std::vector<Vec> movedTo(const std::vector<Vec>& vertices, const DicedMotion& motion, unsigned step)
 {
@@ -42,7 +42,7 @@ struct Diced
     return n;
   }
 
-  // Adds a grid that shares no vertices with other grids.
+  // The grid shares no vertices with other grids.
   void add(unsigned width, unsigned height, const std::function<Vec(unsigned x, unsigned y)>& position)
   {
     grids.push_back({unsigned(vertices.size()), width, (unsigned short)width, (unsigned short)height});
@@ -71,9 +71,8 @@ inline Diced dicedSheet(unsigned n, unsigned quads, double lattice = 0)
   return diced;
 }
 
-// A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube. Each grid has its own vertices; vertices
-// on common borders are the same floats. warp: if above 1, quads in the middle of a side are smaller, much smaller
-// for 3.
+// A closed, bumpy ball: n x n grids of `quads` quads on each side of a cube. Grids have the same floats on common
+// borders, in vertices of their own. warp: above 1, quads in the middle of a side are smaller, much smaller for 3.
 inline Diced dicedBall(unsigned n, unsigned quads, double warp = 1)
 {
   Diced diced;
@@ -110,7 +109,7 @@ inline void commitAs(RTCGeometry geometry, RTCCompression compression, unsigned 
   rtcCommitGeometry(geometry);
 }
 
-// Returns a committed geometry that is not attached. The caller releases it.
+// Returns a committed geometry, which the caller releases.
 inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression compression = RTC_COMPRESSION_INHERIT,
                             unsigned flags = 0, unsigned timeSteps = 1)
 {
@@ -123,7 +122,6 @@ inline RTCGeometry newGrids(RTCDevice device, const Diced& diced, RTCCompression
   return geometry;
 }
 
-// A scene with one committed geometry.
 class GridScene : public Scene
 {
 public:
@@ -134,7 +132,7 @@ public:
   }
 };
 
-// A ray from a random direction through a point inside a random triangle of the grids.
+// From a random direction through a point inside a random triangle.
 inline RTCRayHit rayAt(Random& random, const Diced& diced)
 {
   const RTCGrid& grid = diced.grids[random.below(unsigned(diced.grids.size()))];

@@ -25,13 +25,13 @@ struct DicedMesh
   std::vector<Vec> vertices;
   DicedMotion motion;
   std::vector<std::array<unsigned, 4>> quads;
-  std::vector<std::array<unsigned, 3>> triangles; // if not empty, the mesh consists of these triangles instead of quads
+  std::vector<std::array<unsigned, 3>> triangles; // replace the quads if not empty
 
   bool isTriangleForm() const { return !triangles.empty(); }
   size_t size() const { return isTriangleForm() ? triangles.size() : quads.size(); }
 };
 
-// Position of the n-th of 4^k quads in the order of recursive Catmull-Clark subdivision.
+// Place of the n-th of 4^k quads in the order of recursive subdivision.
 inline std::array<unsigned, 2> recursivePlace(unsigned n)
 {
   const unsigned cornerX[] = {0, 1, 1, 0}, cornerY[] = {0, 0, 1, 1};
@@ -43,8 +43,8 @@ inline std::array<unsigned, 2> recursivePlace(unsigned n)
   return at;
 }
 
-// The quads of grids, grid by grid. Vertices with the same floats are merged. For QuadOrder::Recursive the number of
-// quads along both sides must be a power of two.
+// The quads of grids, grid by grid, with equal vertices merged. QuadOrder::Recursive requires a power of two of quads
+// along both sides.
 inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
 {
   DicedMesh mesh;
@@ -69,7 +69,7 @@ inline DicedMesh meshOf(const Diced& diced, QuadOrder order, Random& random)
   return mesh;
 }
 
-// Splits each quad into two triangles. All first triangles begin at the same corner, and so do all second ones.
+// Two triangles per quad. All first ones begin at the same corner, and so do all second ones.
 inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, unsigned turnOfSecond = 0)
 {
   DicedMesh out;
@@ -83,7 +83,7 @@ inline DicedMesh trianglesOf(const DicedMesh& mesh, unsigned turnOfFirst = 0, un
   return out;
 }
 
-// All first halves of quads and then all second halves, in the order of modifiers that split quads, or the reverse.
+// All first halves of quads, then all second halves, as modifiers that split quads write them, or the reverse.
 inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
 {
   DicedMesh out = mesh;
@@ -94,7 +94,7 @@ inline DicedMesh halvesApart(const DicedMesh& mesh, bool secondsFirst = false)
   return out;
 }
 
-// Faces do not share vertices, which are copies with the same floats, as after a modifier that splits edges.
+// Faces have copies of shared vertices, as after a modifier that splits edges.
 inline DicedMesh unwelded(const DicedMesh& mesh)
 {
   DicedMesh out = mesh;
@@ -130,7 +130,7 @@ inline DicedMesh withTurnedTriangles(DicedMesh mesh, Random& random)
   return mesh;
 }
 
-// Triangles of a mesh in the orders that exporters write.
+// Orders that exporters write.
 struct OrderedMesh
 {
   std::string name;
@@ -173,7 +173,7 @@ inline DicedMesh globe(unsigned columns, unsigned rows)
   return mesh;
 }
 
-// Returns a committed geometry that is not attached. The caller releases it.
+// Returns a committed geometry, which the caller releases.
 inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh,
                            RTCCompression compression = RTC_COMPRESSION_INHERIT, unsigned flags = 0,
                            unsigned timeSteps = 1)
@@ -189,7 +189,6 @@ inline RTCGeometry newMesh(RTCDevice device, const DicedMesh& mesh,
   return geometry;
 }
 
-// A scene with one committed geometry.
 class MeshScene : public Scene
 {
 public:

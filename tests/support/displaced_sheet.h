@@ -35,7 +35,6 @@ inline RTCGeometry newSheet(RTCDevice device, unsigned faces, float x0, float ra
   return geometry;
 }
 
-// Attaches and releases the only geometry of a scene, and commits the scene.
 inline void commit(RTCScene scene, RTCGeometry geometry)
 {
   rtcCommitGeometry(geometry);

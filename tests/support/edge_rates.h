@@ -18,7 +18,7 @@ namespace cbvh::test {
 
 typedef std::function<float(Random&)> DrawRate;
 
-// Draws rates of all edges, the same on both sides of each edge.
+// The same on both sides of each edge.
 inline std::vector<float> drawRates(const Cage& cage, Random& random, const DrawRate& draw)
 {
   std::map<std::pair<unsigned, unsigned>, float> rateOf;

@@ -7,7 +7,6 @@
 
 namespace cbvh::test {
 
-// Sets EMBREE_CBVH for the lifetime of the object.
 class Environment
 {
 public:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Overrides calls of the C library. The loader finds the program's symbols before libc's, so calls of the kernels
- * arrive here. Only one file of a program may include this header. */
+/* Replaces calls of the C library: the loader finds the program's symbols before libc's. Only one file of a program may
+ * include this header. */
 
 #include <atomic>
 #include <csignal>

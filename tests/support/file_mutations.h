@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Mutates files of compressed surfaces, at random positions or in chosen fields. Updates checksums so that later checks
- * are reached. Checks that such a file is either rejected with a reason or traced without harm. */
+/* Files with mutations at random positions or in chosen fields, and fitting checksums so that later checks are reached.
+ * They must be rejected with a reason, or traced without harm. */
 
 #include "kernels/cvert/file/format.h"
 #include "support/query_forms.h"
@@ -29,7 +29,6 @@ inline uint32_t crc32c(const char* data, size_t bytes)
   return ~crc;
 }
 
-// The bytes of a file, and access to its parts.
 class FileBytes
 {
 public:
@@ -52,7 +51,7 @@ public:
            (bytes.size() - at)/sizeof(cvert::FileGeometry) >= size();
   }
 
-  // Updates the checksums of trees, directory and header. Checksums of blocks remain unchanged.
+  // Updates the checksums of trees, directory and header, not those of blocks.
   void fitChecksums()
   {
     using namespace cvert;
@@ -93,7 +92,6 @@ inline void alterWord(Random& random, std::string& bytes, size_t begin, size_t e
   std::memcpy(&bytes[at], &word, width);
 }
 
-// Returns a mutation of an intact file.
 inline std::string mutated(Random& random, const std::string& sound)
 {
   using namespace cvert;

@@ -3,14 +3,11 @@
 
 #pragma once
 
-/* Geometries with filter functions. */
-
 #include "support/same_hits.h"
 
 namespace cbvh::test {
 
-// Adds the cube as the only geometry of a scene, with a filter for closest hit and for any hit, and commits the
-// scene.
+// Commits a scene of the cube with a filter for closest and any hit.
 inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSettings& settings,
                             RTCFilterFunctionN filter)
 {
@@ -22,7 +19,7 @@ inline void addFilteredCube(RTCDevice device, RTCScene scene, const SurfaceSetti
   rtcCommitScene(scene);
 }
 
-// Rejects hits depending on the values that it receives.
+// Rejects hits by all values that it receives.
 inline void filterByValues(const RTCFilterFunctionNArguments* args)
 {
   for (unsigned k = 0; k < args->N; k++)
@@ -31,8 +28,8 @@ inline void filterByValues(const RTCFilterFunctionNArguments* args)
       args->valid[k] = 0;
 }
 
-// Expects the same hits with and without compression from a geometry with a mask and filters, in its own scene and in
-// an instance of it, which moves if the geometry does. newGeometry(compression) returns a geometry without a scene.
+// Expects the same hits with and without compression from a geometry with a mask and filters, in a scene and in an
+// instance, which moves if the geometry does. newGeometry(compression) returns a geometry without a scene.
 template<typename NewGeometry>
 void expectSameFilteredHits(Device& device, const NewGeometry& newGeometry, bool moves,
                             std::vector<RTCRayHit> rays, double slack, size_t maxOthers = 0)

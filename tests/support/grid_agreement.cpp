@@ -29,7 +29,6 @@ void unitNormal(const RTCRayHit& r, double n[3])
   n[0] = x/l; n[1] = y/l; n[2] = z/l;
 }
 
-// Returns the lengths of the shortest and the longest edge.
 std::pair<float, float> edgeLengths(const Cage& cage)
 {
   std::pair<float, float> range(INFINITY, 0);
@@ -45,8 +44,7 @@ std::pair<float, float> edgeLengths(const Cage& cage)
   return range;
 }
 
-// True if GRID has a surface within a distance of a point. Probes start next to the point, because the point may lie
-// in the plane of the surface, outside of its border.
+// Probes start next to the point, because it may lie in the plane of the surface, outside of its border.
 bool isNearGrid(RTCScene grid, const Vec& p, float distance)
 {
   Random random(1);
@@ -67,8 +65,7 @@ bool isNearGrid(RTCScene grid, const Vec& p, float distance)
   return false;
 }
 
-// Position of a hit relative to the leaf that reports its parameters. On common borders there are several such
-// leaves.
+// Position relative to the leaf with the hit's parameters. On borders there are several such leaves.
 struct LeafOfHit
 {
   bool exists = false;
@@ -176,10 +173,9 @@ void expectEqualToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     unitNormal(b, n);
     const double d[3] = {ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z}, length = std::sqrt(dot(d, d));
     const double cosine = std::fabs(dot(d, m))/length;
-    // GRID stores u and v as multiples of 8/65536, which represents levels up to 8 exactly. If GRID splits a face
-    // into 8 x 8 quads its vertices may round differently, and the compiler may fuse operations in only one of two
-    // copies of the same test. This shifts a hit by ulps of t divided by the cosine, and u and v by the same distance
-    // divided by the length of a face.
+    // GRID's u and v are multiples of 8/65536, exact for levels up to 8. Vertices of faces that GRID splits may round
+    // differently, and the compiler may fuse operations in only one copy of the same test. This shifts a hit by ulps of
+    // t divided by the cosine, and u and v by this distance divided by the length of a face.
     ASSERT_LE(std::fabs(b.ray.tfar - a.ray.tfar), 4*ulp*(a.ray.tfar + 1/(cosine*length)))
       << "face " << a.hit.primID << " at " << a.hit.u << ", " << a.hit.v << " is face " << b.hit.primID << " at "
       << b.hit.u << ", " << b.hit.v << ", cosine " << cosine << ", t " << a.ray.tfar;
@@ -200,8 +196,8 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   // Catmull-Clark subdivision shrinks faces of high valence to about half their width.
   const float quad = edgeLengths(cage).second/rate, narrow = 0.5f*edgeLengths(cage).first/rate;
   const std::vector<const Block*> blocks = sceneBlocks(scene);
-  // The two triangles of a quad deviate from its bilinear patch by a quarter of its twist, the mixed derivative of
-  // the displacement. The twist is at most amplitude times twice the frequency squared.
+  // A quad's triangles deviate from its bilinear patch by a quarter of its twist, which is at most twice the amplitude
+  // times the squared frequency.
   const float twist = 0.25f*2*displacement.amplitude*displacement.frequency*displacement.frequency*quad*quad;
   unsigned hits = 0, misses = 0, falseHits = 0, compared = 0, across = 0, otherWay = 0, parameters = 0;
   for (const RTCRayHit& ray : rays) {
@@ -210,7 +206,7 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
     hits += isHit(a);
     if (isHit(a) && !isHit(b)) {
       ASSERT_NE(settings.compression, RTC_COMPRESSION_VOXEL) << "a box contains the surface: no misses";
-      // only at a border or a silhouette, within the distance by which vertices are moved
+      // at a border or a silhouette, within the movement of vertices
       if (settings.compression == RTC_COMPRESSION_VERT) {
         ASSERT_TRUE(isNearGrid(scene, hitPoint(a), vertSlack(scene))) << "a miss far from the surface";
         continue;
@@ -245,8 +241,8 @@ void expectCloseToGrid(RTCScene grid, RTCScene scene, const std::vector<RTCRayHi
   EXPECT_LE(otherWay, compared/100) << "of " << compared << " normals point the other way";
   EXPECT_GE(parameters, compared - compared/10) << "of " << compared << " parameters agree";
   EXPECT_LE(misses, hits/200 + 1);
-  // The sheet is 2 wide. A border of the width of thickness and box overlap covers four times the ratio of that width
-  // to 2. Folds add as much again.
+  // The sheet is 2 wide, so a border as wide as thickness and overlap of boxes covers four times half its width. Folds
+  // add as much again.
   EXPECT_LE(falseHits, hits*std::min(1.0f, 8*(thickness + 0.25f*quad)/2) + 2);
 }
 

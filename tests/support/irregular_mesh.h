@@ -9,7 +9,7 @@
 
 namespace cbvh::test {
 
-// Splits each quad along a random diagonal into two triangles that begin at random corners.
+// Quads split along random diagonals; triangles begin at random corners.
 inline DicedMesh irregularTriangles(const DicedMesh& mesh, Random& random, bool shuffled = true)
 {
   DicedMesh out;
@@ -57,7 +57,6 @@ inline DicedMesh partlyIrregular(const DicedMesh& mesh, Random& random, bool asT
   return out;
 }
 
-// Moves vertices randomly.
 inline DicedMesh jittered(DicedMesh mesh, Random& random, double size, double lattice = 0)
 {
   for (Vec& p : mesh.vertices)
@@ -71,7 +70,7 @@ struct NamedMesh
   DicedMesh mesh;
 };
 
-// Meshes of all kinds that mesh blocks store. If vertices are on a lattice, they are stored exactly.
+// Meshes of all kinds that mesh blocks store, exactly if vertices are on a lattice.
 inline std::vector<NamedMesh> irregularMeshes(Random& random, double lattice)
 {
   const DicedMesh sheet = jittered(meshOf(dicedSheet(1, 50, lattice), QuadOrder::Rows, random), random, 0.01, lattice),

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Finds the leaves that may contain a hit by its parameters, and decodes them depending on the kind of their block:
- * docs/formats/framed_block.md. */
+/* The leaves that may contain a hit, by its parameters, decoded as docs/formats/framed_block.md specifies. */
 
 #include "kernels/cbvh/framed/tree.h"
 #include <embree3/rtcore.h>

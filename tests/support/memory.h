@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Device memory, as reported to the memory monitor. */
-
 #include <atomic>
 #include <limits>
 #include <sys/types.h>

@@ -10,8 +10,7 @@
 
 namespace cbvh::test {
 
-/* True if the message contains all parts, in this order and without overlap. Tests compare the place and the values in
- * a message; its wording may change. */
+/* True if the message contains all parts in this order. Tests compare place and values; the wording may change. */
 inline testing::AssertionResult containsInOrder(const std::string& message, const std::vector<std::string>& parts)
 {
   size_t at = 0;

@@ -34,7 +34,7 @@ struct EncodedBlock
   size_t size() const { return 4*words.size(); }
 };
 
-// Encodes a mesh cluster by cluster. Numbers of triangles are their indices.
+// Cluster by cluster. Numbers of triangles are their indices.
 inline std::vector<EncodedBlock> encode(cvert::MeshMotionEncoder& encoder, const MovingMesh& mesh,
   uint32_t groupTriangles, cvert::MeshStatistics& statistics)
 {
@@ -125,7 +125,7 @@ inline Real bent(const Real& p, double time)
   return {p[0] + 0.02*time*std::sin(3*p[1]), p[1]*(1 + 0.1*time), p[2] + 0.1*time*p[0]*p[0]};
 }
 
-// The i-th sheet of a series: its motions, distances from the origin, numbers of time steps and lattices vary.
+// Motions, distances from the origin, numbers of time steps and lattices vary with i.
 inline MovingMesh sheetOfSeries(Random& random, int i)
 {
   const double far = std::vector<double>{0, 10, 1e4, 1e6}[i/4 % 4];

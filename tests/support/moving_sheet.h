@@ -22,7 +22,7 @@ struct MovingSheet
   typedef std::vector<std::array<float, 3>> Step;
 
   uint32_t quadsX, quadsY;
-  std::vector<float> spacings; // lattice spacing of each step
+  std::vector<float> spacings;
   std::vector<Step> steps;
 
   // A sheet whose kind depends on i. Includes vertices that are not finite and steps at large distances.

@@ -17,7 +17,7 @@ inline Vec twisted(const Vec& p, double angle)
   return {float(c*p[0] - s*p[1]), float(s*p[0] + c*p[1]), float(p[2] + 0.1*angle)};
 }
 
-// All vertices of a surface at a time, and points on the edges between them.
+// Vertices at a time, and points on the edges between them.
 struct MovingTargets
 {
   std::vector<Vec> points;
@@ -62,7 +62,6 @@ inline std::vector<RTCRayHit> raysAtMovingSurface(Random& random, RTCGeometry ge
   return rays;
 }
 
-// Rays with different times.
 inline std::vector<RTCRayHit> timedRays(Random& random, unsigned count)
 {
   std::vector<RTCRayHit> rays = raysAt(random, count);

@@ -18,7 +18,6 @@ namespace {
 using namespace embree::cbvh;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// Traverses the tree of a block with one ray.
 class Walk
 {
 public:
@@ -86,8 +85,8 @@ private:
     }
   }
 
-  // Line test: compares z with the lower and the upper patch where the ray enters and leaves. Three cases: hit at
-  // entry, from above, from below. The interval is one bin of the paper's 4 bits around our surface.
+  // Compares z with both patches where the ray enters and leaves: a hit at the entry, from above, or from below. The
+  // interval is one bin of the paper's 4 bits around our surface.
   void visitLeaf(uint32_t m, const LeafPatch& leaf)
   {
     const NodeBox& box = leaf.box;

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Rays with components that are not finite, and axis-parallel rays, which miss boxes if zeros in a direction are not
- * handled exactly. */
+/* Rays that are not finite, and rays along axes, which miss boxes unless zeros in directions are handled exactly. */
 
 #include "support/random.h"
 #include "support/vertex_recorder.h"
@@ -31,7 +30,6 @@ inline void spoil(RTCRay& ray, Random& random)
   }
 }
 
-// Records all vertices of a surface after displacement.
 struct AllVertices : public VertexRecorder
 {
   std::vector<Vec> vertices;
@@ -40,7 +38,7 @@ struct AllVertices : public VertexRecorder
     for (unsigned i = 0; i < args.N; i++) vertices.push_back({args.P_x[i], args.P_y[i], args.P_z[i]});
   }
 
-  // Returns the vertices in an order that does not depend on threads.
+  // In an order that does not depend on threads.
   std::vector<Vec> taken()
   {
     std::sort(vertices.begin(), vertices.end());
@@ -48,8 +46,8 @@ struct AllVertices : public VertexRecorder
   }
 };
 
-// Block bounds end at vertices. Returns a ray from inside the cube that passes close to a vertex: along an axis,
-// nearly along an axis, or in the plane of two axes.
+// A ray from inside the cube close to a vertex, where bounds of blocks end: along an axis, nearly so, or in the plane
+// of two axes.
 inline RTCRayHit rayNextToVertex(Random& random, const std::vector<Vec>& vertices)
 {
   const unsigned across = random.below(3), other = (across + 1 + random.below(2)) % 3, zeros = 1 + random.below(2);

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Traces the same rays with every function of the API. */
-
 #include "support/scene.h"
 
 #include <cstddef>
@@ -101,8 +99,7 @@ private:
     }
   }
 
-  // Calls closure(word of RTCRayHit, row of a packet). In a packet the words of the ray and of the hit are aligned
-  // separately.
+  // Calls closure(word of RTCRayHit, row of a packet). A packet aligns the words of rays and hits separately.
   template<typename Closure>
   static void forWords(const Closure& closure)
   {

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Cages for tests against the true surface, and points on them. */
-
 #include "support/random.h"
 #include "surface/true_surface.h"
 

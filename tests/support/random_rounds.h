@@ -9,14 +9,14 @@
 
 namespace cbvh::test {
 
-// Number of random geometries in a test. The environment may increase it.
+// CBVH_RANDOM_GEOMETRIES may increase it.
 inline size_t randomRounds(size_t byDefault)
 {
   const char* const many = std::getenv("CBVH_RANDOM_GEOMETRIES");
   return many ? std::strtoull(many, nullptr, 10) : byDefault;
 }
 
-// Seed of a test's random input. It depends on CBVH_RANDOM_SEED, so that several processes can share a long run.
+// Depends on CBVH_RANDOM_SEED, so that several processes can share a long run.
 inline uint32_t randomSeed(uint32_t byDefault)
 {
   const char* const other = std::getenv("CBVH_RANDOM_SEED");

@@ -35,8 +35,7 @@ struct Sheet
 };
 Sheet randomSheet(Random& random, Shape shape, unsigned height, const Placement& at);
 
-// Creates a scene with the sheet as one block, or with GRID for RTC_COMPRESSION_NONE. The sheet must exist until
-// then.
+// Commits the sheet as one block, or as GRID for RTC_COMPRESSION_NONE.
 void commitSheet(RTCDevice device, RTCScene scene, const Sheet& sheet, RTCCompression compression);
 
 enum class RayKind

@@ -57,7 +57,7 @@ double smallestW(const Block* block)
   return smallest;
 }
 
-// Results of the reference for rays within the error of SIMD: whether one of them misses, and the hits per leaf.
+// The reference's hits, for all rays within the error of SIMD.
 struct Answers
 {
   struct OfLeaf
@@ -80,7 +80,6 @@ struct Answers
   }
 };
 
-// A ray, and the error of SIMD for it.
 struct UncertainRay
 {
   const Block* block;
@@ -195,7 +194,7 @@ double distanceTo(const VertTriangle& triangle, const double point[3])
   return above ? std::fabs(dot(q[0], n))/std::sqrt(dot(n, n)) : least;
 }
 
-// True if a ray is nearly parallel to the plane of a triangle. The test divides by this cosine.
+// Nearly parallel to the plane: the triangle test divides by the cosine.
 bool grazes(const RTCRay& r, const double n[3])
 {
   const double d[3] = {r.dir_x, r.dir_y, r.dir_z};
@@ -210,7 +209,7 @@ bool sameHit(const RTCRayHit& a, const RTCRayHit& b)
                         std::fabs(a.hit.u - b.hit.u) <= 4*ulp && std::fabs(a.hit.v - b.hit.v) <= 4*ulp));
 }
 
-// True if a hit is too close to an edge of a triangle to be assigned to one triangle.
+// Too close to an edge to be assigned to one triangle.
 bool nearEdge(double u, double v)
 {
   const double x = u - std::floor(u), y = v - std::floor(v);

@@ -3,22 +3,19 @@
 
 #pragma once
 
-/* Compares the library with the scalar intersector in double precision on the same blocks: closest hit and any hit,
- * parameters and normals.
+/* Compares closest hits and any hit with the scalar intersector in double precision on the same blocks.
  *
- * The results must be equal except for rounding. SIMD code knows a ray inside a block up to the vector "epsilon" of
- * framed/local_ray.h at both ends of its segment, and widens bounds by the same amount. A different result must
- * therefore be the scalar intersector's result for a ray whose ends in the block move by at most that, with bounds
- * widened by 0 to 2 epsilons (one by SIMD itself, one as the error of the moved ray): a miss, or a hit in a leaf with
- * t, u, v and normal of that leaf. Such rays are counted by the decision that rounding affects:
+ * The results must be equal except for rounding. SIMD knows both ends of a ray in a block up to "epsilon" of
+ * framed/local_ray.h, and widens bounds by as much. A different result must therefore be the scalar intersector's for a
+ * ray whose ends move by at most epsilon, with bounds widened by 0 to 2 epsilons (one by SIMD, one for the moved ray):
+ * a miss, or a hit with t, u, v and normal of its leaf. Such rays are counted by the decision that rounding affects:
  *   - hit or miss, for example at silhouettes and borders,
  *   - which of several leaves, for example at edges and where leaves overlap,
  *   - the position on one leaf, for rays that graze it.
  * Triangles of cVERT are intersected with the original ray in double precision. A different result must belong to a
  * triangle whose edge or plane is within the ray's rounding error.
  *
- * The rounding of t itself comes on top: the sum t0 + tau (t1-t0) of a few rounded terms, each as large as the distance
- * to the block. */
+ * In addition, t itself rounds: t0 + tau (t1-t0) has a few terms as large as the distance to the block. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "support/random_sheets.h"
@@ -38,8 +35,7 @@ public:
 
   static void traceByEmbree(RTCScene scene, std::vector<RTCRayHit>& closest, std::vector<RTCRay>& any);
 
-  // Traces random rays of the given kinds at a sheet, with directions of length 1 or of all lengths that Embree
-  // supports. A sheet that is not compressed must have GRID's hits.
+  // Directions have length 1 or all lengths that Embree supports. A sheet that is not compressed must have GRID's hits.
   void trace(Random& random, const Sheet& sheet, const std::vector<RayKind>& kinds, unsigned raysPerKind,
              bool unitLength = true);
 
@@ -50,7 +46,6 @@ public:
   unsigned sheetsOfGrid = 0; // sheets that are not compressed
 
 private:
-  // A ray and its hits.
   struct Answer
   {
     RTCRayHit ray, found, ofGrid;

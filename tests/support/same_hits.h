@@ -31,7 +31,6 @@ inline double angleBetween(const RTCHit& a, const RTCHit& b)
   return std::acos(std::min(1.0, dot/std::sqrt(square(a)*square(b))));
 }
 
-// Cosine of the angle between a ray and the normal of its hit.
 inline double cosine(const RTCRayHit& r)
 {
   const double d[3] = {r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}, n[3] = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};

@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Scalar intersector of a block, a readable reference for the SIMD intersectors: any precision, one child at a time, no
- * mirrored axes, and no nodes skipped because of a closer hit. Its decisions are functions of the codec; this file only
- * traverses.
+/* A readable reference for the SIMD intersectors of a block: any precision, one child at a time, no mirrored axes, no
+ * nodes skipped because of a closer hit. Its decisions are functions of the codec.
  *
  * The SIMD path widens bounds by the float error of its ray. "widening" is the multiple of that error by which this
  * intersector widens: 0 gives the exact result, and SIMD's result lies between the results for 0 and for 2. */
@@ -41,7 +40,7 @@ namespace embree
       ScalarIntersector (const Block* block, Real widening = 0)
         : block(block), layout(block->layout()), kind(block->kind()), widening(widening) {}
 
-      /*! Returns the nearest hit. all: receives every hit of the traversal; may be NULL. */
+      /*! all: receives every hit of the traversal, or NULL. */
       Hit intersect (const Ray& r, std::vector<Hit>* all = nullptr)
       {
         ray = r;

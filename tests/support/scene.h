@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Devices, small cages, displacements and rays for tests of the API. */
-
 #include "support/random.h"
 
 #include <embree3/rtcore.h>
@@ -24,7 +22,7 @@ namespace cbvh::test {
 
 using Vec = std::array<float, 3>;
 
-// A device that stores its last error, counts errors, and tracks the live bytes of the memory monitor.
+// Stores the last error, counts errors and live bytes.
 class Device
 {
 public:
@@ -44,7 +42,7 @@ public:
   operator RTCDevice() const { return device; }
   explicit operator bool() const { return device != nullptr; }
 
-  // Returns the last error and clears it.
+  // Clears the last error.
   RTCError takeError() { rtcGetDeviceError(device); return std::exchange(lastError, RTC_ERROR_NONE); }
   std::string message;
   unsigned errors = 0;
@@ -73,7 +71,7 @@ private:
 struct Cage
 {
   std::vector<Vec> positions;
-  std::vector<unsigned> faces;   // number of vertices per face
+  std::vector<unsigned> faces;
   std::vector<unsigned> indices;
   std::vector<std::array<unsigned, 2>> creases;
   std::vector<float> creaseWeights;
@@ -157,8 +155,8 @@ inline Cage sheetCage(unsigned n)
   return cage;
 }
 
-// P += scale * amplitude * field((P - offset)/scale). The result does not depend on the normal, so neighboring faces
-// displace shared vertices the same way.
+// P += scale * amplitude * field((P - offset)/scale). It does not depend on the normal, so faces displace shared
+// vertices the same way.
 struct Displacement
 {
   float amplitude = 0.05f, frequency = 7;
@@ -213,7 +211,7 @@ struct SurfaceSettings
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
   float maxError = 0;                   // for automatic frame levels; 0: the device's value
-  bool exactFaces = false;              // for cLEAF; the tests are about approximate leaves
+  bool exactFaces = false;              // cLEAF: tests are about approximate leaves
   unsigned timeSteps = 1;
   // of the cage's vertices, before scale and offset; by default 0.1 along x per step
   std::function<Vec(const Vec& position, unsigned step)> motion;
@@ -221,7 +219,7 @@ struct SurfaceSettings
   unsigned mask = ~0u;
 };
 
-// Returns a committed geometry that is not attached. The caller releases it.
+// Returns a committed geometry, which the caller releases.
 inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceSettings& settings)
 {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
@@ -264,7 +262,7 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
   return geometry;
 }
 
-// Attaches and releases a geometry of newSurface.
+// Also releases the geometry.
 inline unsigned attach(RTCScene scene, RTCGeometry geometry)
 {
   const unsigned id = rtcAttachGeometry(scene, geometry);
@@ -277,7 +275,6 @@ inline unsigned addSurface(RTCDevice device, RTCScene scene, const Cage& cage, c
   return attach(scene, newSurface(device, cage, settings));
 }
 
-// A scene with one committed surface.
 class SurfaceScene : public Scene
 {
 public:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Access to the blocks of a committed scene, for tests that compare the library with the reference on the same bytes.
- * Reads internal structures, whose layout is that of the patched tree from which tests and library are built. */
+/* The blocks of a committed scene. Reads internal structures of the patched tree from which tests and library are
+ * built. */
 
 #include "kernels/cbvh/framed/block.h"
 #include "kernels/cvert/format/block.h"
@@ -14,8 +14,7 @@
 
 namespace cbvh::test {
 
-// Returns the blocks of a scene with compressed subdivision surfaces only. The blocks are valid until the next
-// commit.
+// The scene must have compressed subdivision surfaces only. Blocks are valid until the next commit.
 std::vector<const embree::cbvh::Block*> sceneBlocks(RTCScene scene);
 
 // The same for cVERT, whose blocks have a different layout.

@@ -4,8 +4,8 @@
 /* Without compression our library behaves as Debian's libembree3-3: the same rays have the same IDs and misses, and
  * distances that differ by a few ulps.
  *
- * Two libraries with the same name cannot be loaded into one process. Therefore the program runs itself as
- * `stock_equality --trace CONFIG FILE` once for each library directory in LD_LIBRARY_PATH, and compares the results. */
+ * A process cannot load two libraries of the same name. Therefore the program runs itself as `stock_equality --trace
+ * CONFIG FILE` once for each library directory in LD_LIBRARY_PATH, and compares the results. */
 
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
@@ -33,9 +33,8 @@ namespace {
 constexpr unsigned seed = 20180717;
 constexpr unsigned numRays = 1 << 14; // per scene and query
 
-// Upstream evaluates patches in code of the lowest ISA that it is built for. If ours is not Debian's (SSE2), fused
-// multiply-adds give different vertices of the same patch: differences of up to 38 ulps of distance were measured, at
-// 1/8 of the largest coordinate.
+// Upstream evaluates patches in code of its lowest ISA. If ours is not Debian's (SSE2), fused multiply-adds give
+// different vertices: up to 38 ulps of distance were measured, at 1/8 of the largest coordinate.
 constexpr uint32_t maxUlps = SAME_LOWEST_ISA ? 4 : 64;
 
 struct Vec { float x, y, z; };

@@ -12,7 +12,6 @@
 
 namespace cbvh::test {
 
-// Numbers of compared rays and of differences.
 struct Agreement
 {
   size_t rays = 0, hits = 0;

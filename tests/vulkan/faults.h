@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* A Vulkan that fails on request. The library obtains all functions through a wrapper of vkGetInstanceProcAddr, which
- * counts created and destroyed objects, makes a chosen call fail, and changes properties that a device reports. Only
- * one object may exist at a time. */
+/* A Vulkan that fails on request: a wrapper of vkGetInstanceProcAddr counts objects, makes a chosen call fail, and
+ * changes properties of devices. Only one object may exist at a time. */
 
 #include <vulkan/vulkan_core.h>
 

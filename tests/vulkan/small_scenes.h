@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Small scenes that are built quickly, and rays at them. */
-
 #include "support/moving_surface.h"
 #include "support/random.h"
 #include "validated_device.h"
@@ -61,7 +59,7 @@ inline SurfaceSettings displacedSettings(Displacement& displacement, RTCCompress
   return settings;
 }
 
-// A surface of each kind next to each other, each with its own bit of the mask. The displacements must outlive them.
+// Side by side, each with its own bit of the mask. The displacements must outlive them.
 inline void addSurfacesOfAllKinds(RTCDevice device, RTCScene scene, Displacement (&displacements)[5])
 {
   for (unsigned i = 0; i < 5; i++) {
@@ -140,7 +138,7 @@ bool areSame(const std::vector<Ray>& a, const std::vector<Ray>& b)
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()*sizeof(Ray)) == 0);
 }
 
-// Traces rays and replaces them by their hits. Returns false on failure, with unchanged rays.
+// Replaces rays by their hits. Returns false on failure, with unchanged rays.
 inline bool trace(RTCVulkanScene scene, std::vector<RTCRayHit>& rays, RTCVulkanTimes* times = nullptr)
 {
   const RTCVulkanTrace trace = rtcStartVulkanIntersect(scene, rays.data(), rays.size());
@@ -158,7 +156,6 @@ inline std::vector<RTCRayHit> traceAll(RTCVulkanScene scene, std::vector<RTCRayH
   return rays;
 }
 
-// Expects that the hits of a Vulkan device match those of the CPU.
 inline void expectAsOnTheCPU(RTCScene scene, const std::vector<RTCRayHit>& rays, const std::vector<RTCRayHit>& traced)
 {
   for (size_t i = 0; i < rays.size(); i++) {

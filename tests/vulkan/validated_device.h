@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A Vulkan device created by the test, with the validation layer if it is installed. Messages of the layer are
- * collected and fail the test when the device is destroyed. */
+/* A Vulkan device with the validation layer if it is installed, whose messages fail the test when the device is
+ * destroyed. */
 
 #include "support/scene.h"
 
@@ -42,7 +42,7 @@ public:
   Validation(const Validation&) = delete;
   Validation& operator=(const Validation&) = delete;
 
-  // Returns a description of an instance with the layer. It refers to this object.
+  // The result refers to this object.
   VkInstanceCreateInfo extended(VkInstanceCreateInfo info);
 
   // Call after the instance was created, and before it is destroyed.
@@ -63,7 +63,6 @@ private:
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
 };
 
-// Features of the device to enable.
 struct DeviceOptions
 {
   bool hasFloat64 = true;
@@ -91,8 +90,7 @@ public:
   // Handles for rtcNewVulkanDeviceFromHandles.
   RTCVulkanHandles handles{};
 
-  // Destroys the device now. Returns all messages of the layer, including those about objects that were not
-  // destroyed.
+  // Destroys the device now. Returns all messages of the layer.
   std::vector<std::string> destroy();
 
   Validation validation;
@@ -102,7 +100,7 @@ private:
   void open(const Options& options);
 };
 
-// Makes the library store compiled shaders in a folder of the tests instead of the user's.
+// The library then stores compiled shaders in a folder of the tests.
 void useCacheFolderOfTests();
 
 // --- owners of the library's objects ----------------------------------------------------------

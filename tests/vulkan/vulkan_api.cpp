@@ -244,8 +244,7 @@ TEST_F(VulkanAPI, ArgumentsOfRayOrdersAreChecked)
   });
 }
 
-// The API supports more rays than a device supports in one dispatch. Nothing is submitted: the layer checks limits
-// when commands are recorded.
+// More rays than in one dispatch of a device. Nothing is submitted: the layer checks limits when commands are recorded.
 TEST_F(VulkanAPI, ManyRaysAreRecordedWithinDeviceLimits)
 {
   Scene scene(embree);
@@ -315,7 +314,6 @@ TEST_F(VulkanAPI, NullObjectsAreAnErrorOfTheThread)
   }
 }
 
-// A Vulkan device without an RTCDevice also reports errors to the thread.
 TEST_F(VulkanAPI, DeviceWithoutRTCDeviceReportsToTheThread)
 {
   const VulkanDevice mine(rtcNewVulkanDeviceFromHandles(nullptr, &vulkan->handles));
@@ -476,7 +474,6 @@ TEST_F(VulkanAPI, DeviceLivesUntilItIsReleased)
   expectNoError();
 }
 
-// The device has a copy of the scene at the time of the upload.
 TEST_F(VulkanAPI, UploadedSceneDoesNotChangeWithItsSource)
 {
   Scene scene(embree);

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Checks with the validation layer's instrumentation that shaders access memory only inside of buffers. Instrumentation
- * makes shaders many times larger: lavapipe compiles those of cVERT for four minutes, which is too long for a test, and
- * the others in seconds. */
+/* Shaders access memory only inside of buffers, by the validation layer's instrumentation. It makes shaders many times
+ * larger: lavapipe compiles cVERT's for four minutes, too long for a test, and the others in seconds. */
 
 #include "recorded_trace.h"
 #include "small_scenes.h"

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A failing device: makes every call of every fallible Vulkan function fail in turn. The caller gets an error that
- * names the failed operation, nothing leaks, and existing objects continue to work. */
+/* Every call of every fallible Vulkan function fails in turn. Errors name the failed operation, nothing leaks, and
+ * existing objects continue to work. */
 
 #include "faults_fixture.h"
 
@@ -224,7 +224,6 @@ TEST_F(VulkanFaults, AllocationLimitIsReportedWithItsValue)
     << embree.message;
 }
 
-// Blocks are distributed over as many buffers as the limit requires.
 TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 {
   SurfaceSettings settings = smallSurface(RTC_COMPRESSION_GRID);
@@ -256,8 +255,7 @@ TEST_F(VulkanFaults, BlocksUseSeveralBuffersIfTheLimitIsLow)
 }
 
 // Bits of cVERT are read in words, which may extend beyond the last byte of a block. kernels/cbvh allocates memory
-// there, and the next page is imported as well if necessary. Scenes of all sizes, so that some blocks end at the end
-// of a page.
+// there, and the next page is imported if necessary. In scenes of all sizes, some blocks end at the end of a page.
 TEST_F(VulkanFaults, PaddingAfterBlocksIsImportedWithThem)
 {
   if (!vulkan->handles.hasHostImport) GTEST_SKIP() << "the driver does not import memory";

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Loaded geometry has the same hits on the device as before it was saved: in compute shaders, with copied blocks and
- * with blocks used from the mapped file, and in ray queries. */
+/* Loaded geometry has the same hits on the device as before it was saved: in compute shaders, with copied and with
+ * mapped blocks, and in ray queries. */
 
 #include "small_scenes.h"
 #include "vulkan_tracer.h"

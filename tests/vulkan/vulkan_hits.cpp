@@ -1,8 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The same rays have the same hits on the device and on the CPU: every representation, different cages, and other
- * features of scenes. */
+/* Rays have the same hits on the device and on the CPU, in every representation. */
 
 #include "agreement.h"
 #include "support/diced_mesh.h"
@@ -333,7 +332,6 @@ TEST_F(VulkanHits, DirectionLengthDoesNotChangeHits)
   }
 }
 
-// A number of rays that is not a multiple of any group size.
 TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
 {
   const SurfaceScene scene(embree, cubeCage(), settings(RTC_COMPRESSION_LEAF));
@@ -356,7 +354,7 @@ TEST_F(VulkanHits, SortedRaysHaveTheSameHits)
   }
 }
 
-// Three surfaces at the same position: for equal distances both must report the first surface.
+// Three surfaces at the same position.
 TEST_F(VulkanHits, EqualDistancesReportTheSameSurface)
 {
   Scene scene(embree);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Irregular meshes, which are stored in mesh blocks, have the same hits on the device and on the CPU. */
+/* Mesh blocks have the same hits on the device and on the CPU. */
 
 #include "agreement.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -15,7 +15,6 @@
 namespace cbvh::test {
 namespace {
 
-// Numbers of blocks of a scene.
 struct BlockCounts
 {
   size_t grids = 0, meshes = 0;
@@ -128,7 +127,7 @@ TEST_F(VulkanMeshes, InstancesMatchCpu)
   sum.expect();
 }
 
-// The same mesh three times: of hits at equal distances, the CPU and the device must report the same one.
+// The same mesh three times.
 TEST_F(VulkanMeshes, EqualDistancesReportTheSameMesh)
 {
   for (const NamedMesh& shape : irregularMeshes(random, 0)) {
@@ -183,7 +182,7 @@ TEST_F(VulkanMeshes, ClosedSurfacesDoNotLeak)
     }
 }
 
-// Scenes with irregular meshes that move are rejected, and the message names their blocks.
+// The message names the blocks.
 TEST_F(VulkanMeshes, MovingMeshBlocksAreRefused)
 {
   const DicedMesh sheet = meshOf(dicedSheet(1, 30), QuadOrder::Rows, random);

@@ -47,7 +47,7 @@ TEST_F(VulkanMotion, MovingCagesMatchCpu)
   sum.expect();
 }
 
-// Strong random motion: residuals of later steps cannot be predicted from the first, and blocks overlap along rays.
+// Residuals of later steps cannot be predicted from the first, and blocks overlap along rays.
 TEST_F(VulkanMotion, RandomMotionMatchesCpu)
 {
   Agreement sum;

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* An application that adds a compressed scene to its own top level next to its triangles with
- * rtcGetVulkanSceneInstances, and queries it with its own shader, own_top_level.comp. */
+/* An application adds a compressed scene to its own top level next to its triangles, and queries it with its own
+ * shader, own_top_level.comp. */
 
 #include "small_scenes.h"
 #include "recorded_trace.h"

@@ -249,7 +249,6 @@ TEST_F(VulkanRayQuery, EmptyScenesHaveNoHits)
   EXPECT_TRUE(areSame(found, rays));
 }
 
-// An edit builds or updates only the structures of changed geometries.
 TEST_F(VulkanRayQuery, EditUpdatesOnlyChangedStructures)
 {
   Scene scene(embree);

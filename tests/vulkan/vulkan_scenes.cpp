@@ -28,7 +28,7 @@ TEST_F(VulkanScenes, UncommittedScenesAreErrors)
   expectError(RTC_ERROR_INVALID_OPERATION, {"not committed"});
 }
 
-// The scene may belong to another RTCDevice: both devices get the error.
+// The scene may belong to another RTCDevice.
 TEST_F(VulkanScenes, ErrorReachesDevicesOfSceneAndVulkanDevice)
 {
   Device other;
@@ -205,7 +205,7 @@ TEST_F(VulkanScenes, UnsupportedInstancesAreReported)
   EXPECT_TRUE(upload(moving)) << embree.message;
 }
 
-// If an RTCDevice runs out of memory during an upload, nothing leaks.
+// Nothing leaks.
 TEST_F(VulkanScenes, UploadWithoutMemoryOfEmbreeIsAnError)
 {
   struct Limit

@@ -18,7 +18,7 @@ struct Variant
 {
   Representation representation;
   std::string isa;
-  size_t library = 0; // index
+  size_t library = 0;
 };
 
 /* True if at most the libraries differ. */
@@ -37,7 +37,7 @@ struct Batches
 Batches planBatches(const std::vector<Representation>& representations, const std::vector<std::string>& isas,
                     const BuildSize& size, size_t available, const std::vector<bool>& compresses = {true});
 
-/* Upper estimates in bytes: of the baselines, and of these together with a variant that is too large, built by all
+/* Upper estimates in bytes: of the baselines, and of these with a variant that is too large, built by all
  * libraries. */
 size_t baselineBytes(const Batches& batches, const BuildSize& size);
 size_t neededBytes(const Batches& batches, const Variant& tooLarge, const BuildSize& size);

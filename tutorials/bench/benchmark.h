@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Runs all combinations of a command line. */
-
 #include "options.h"
 #include "results.h"
 

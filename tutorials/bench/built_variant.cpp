@@ -34,7 +34,7 @@ size_t leafBytesOfGrids(const PatchLayout& layout)
   return vertices * gridVertexBytes;
 }
 
-/* Bytes of everything that holds vertices, including the buffers of triangles. */
+/* Including the buffers of triangles. */
 size_t leafBytes(const BuiltScene& scene)
 {
   switch (scene.representation().kind)

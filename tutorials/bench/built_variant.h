@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* A variant in memory. */
-
 #include "library.h"
 #include "results.h"
 #include "building/built_scene.h"
@@ -23,7 +21,7 @@ public:
   BuiltVariant(const Model& model, const Variant& variant, BuildSettings settings, const Library& library,
                Group& group);
 
-  /* Makes the variant's library current. */
+  /* Also makes the variant's library current. */
   const BuiltScene& use() const
   {
     scene.get_deleter().library->use();

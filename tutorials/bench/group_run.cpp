@@ -59,7 +59,6 @@ std::vector<int> frameLevels(const std::vector<Representation>& representations)
   return levels;
 }
 
-/* Compares the variants of a group with GRID and its hits. */
 class Comparisons
 {
 public:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* If libraries differ only by optimizations, every ray must have the same hit, for every query that is measured. */
+/* Libraries that differ only by optimizations must find the same hits, for every query that is measured. */
 
 #include "built_variant.h"
 #include "options.h"

@@ -12,7 +12,7 @@
 
 namespace cbvh {
 
-/* All results, with everything that is necessary to repeat them. `complete` is true if all groups are included. */
+/* Includes everything that is necessary to repeat the run. `complete` is true if all groups are included. */
 std::string formatJson(const BenchOptions& options, const Machine& machine, const std::vector<Group>& groups,
                        bool complete);
 

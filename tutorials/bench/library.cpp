@@ -34,7 +34,6 @@ std::string fileAt(const std::string& given)
   throw Error("--library '" + given + "': the folder has no " + libraryFile + ": expected one");
 }
 
-/* Captures std::cout for its lifetime. */
 class OutputCapture
 {
 public:

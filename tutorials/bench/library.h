@@ -22,8 +22,8 @@ public:
    * current. Throws Error if the file is not Embree 3. */
   Library(const std::string& name, const std::string& path);
 
-  /* Makes this library current: it receives all calls of Embree. Objects belong to the library that made them. No
-   * other thread may call Embree during this call. */
+  /* Directs all calls of Embree to this library. Objects belong to the library that made them. No other thread may call
+   * Embree during this call. */
   void use() const;
 
   const std::string& name() const { return label; }

@@ -19,7 +19,7 @@ struct Machine
   std::string commit;            // of the build; ends in "+changes" for a modified working tree
   std::string compiler, flags, buildType;
   std::vector<std::string> isas; // of the library
-  std::string date;              // of the program's start
+  std::string date;
 };
 
 Machine describeMachine();

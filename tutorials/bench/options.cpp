@@ -52,7 +52,6 @@ std::vector<int> parseIntegers(const std::string& option, const std::string& lis
   return numbers;
 }
 
-/* `settings` apply to all scenes. */
 BenchScene parseScene(const std::string& word, const SceneSettings& settings)
 {
   BenchScene scene{word, settings};
@@ -141,7 +140,7 @@ RaySet parseRaySet(const std::string& word)
 struct Words
 {
   std::vector<std::string> files;
-  SceneSettings settings; // of all scenes
+  SceneSettings settings;
   std::string scenes, libraries, levels = "6", representations = defaultRepresentations(), frameLevels = "auto";
   std::string isas = "best", device = "cpu", threads = "1", sets = "coherent,incoherent", queries = "closest";
   std::string modes = "single";

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Lists whose combinations cbvh_bench measures. */
-
 #include "library.h"
 #include "machine.h"
 #include "robustness.h"
@@ -34,7 +32,7 @@ struct BenchOptions
   std::vector<Library> libraries;              // at least one; several have names
   std::vector<std::string> isas;
   std::string device = "cpu"; // tracing device, see BuildSettings
-  std::vector<unsigned> threads; // for tracing
+  std::vector<unsigned> threads;
   std::vector<RaySet> sets;
   std::vector<Query> queries;
   std::vector<TraceMode> modes;

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Measurements of --check. */
-
 #include "building/built_scene.h"
 #include "measure/crossings.h"
 #include "measure/leak_rays.h"
@@ -65,7 +63,6 @@ struct CheckedView
   float footprint;
 };
 
-/* Checks for all representations of a model at a level. */
 class Robustness
 {
 public:

@@ -33,8 +33,7 @@ std::vector<Combination> combine(const BenchOptions& options, const std::vector<
   return combinations;
 }
 
-/* Number of passes, at most 100, for which GRID takes 20 ms, so that reading clocks and waking threads is
- * negligible. */
+/* Passes, at most 100, for which GRID takes 20 ms, so that clocks and waking threads do not matter. */
 unsigned passesFor(double gridSeconds)
 {
   constexpr double sampleSeconds = 0.02, most = 100.0;
@@ -42,15 +41,13 @@ unsigned passesFor(double gridSeconds)
   return unsigned(std::min(most, std::ceil(sampleSeconds / std::max(gridSeconds, shortest))));
 }
 
-/* Returns which of n variants is the k-th of a round: each round begins with another one, and every other round runs
- * backwards. The warm-up round is -1. */
+/* Each round begins with another variant, and every other round runs backwards. The warm-up round is -1. */
 size_t inTurn(size_t k, int round, size_t n)
 {
   const size_t turn = (k + size_t(round + 1)) % n;
   return round % 2 ? n - 1 - turn : turn;
 }
 
-/* The baseline with the same ISA and library. */
 size_t gridOf(const std::vector<BuiltVariant>& batch, const Variant& variant)
 {
   size_t grid = 0;

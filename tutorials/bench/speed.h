@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Measures variants that are in memory together. Each round measures every variant in every combination of view, ray
- * set, query, mode and threads, directly after one another and in changing order. So if the machine slows down, all
- * variants are affected, and ratios are computed within one round. */
+/* Each round measures all variants in memory, in every combination of view, ray set, query, mode and threads, one after
+ * another in changing order. If the machine slows down, it affects all, and ratios are computed within a round. */
 
 #include "built_variant.h"
 #include "options.h"

@@ -11,7 +11,6 @@
 
 namespace cbvh {
 
-/* Lines about machine and build. */
 std::string formatHead(const BenchOptions& options, const Machine& machine);
 
 /* One line per variant, each followed by lines for checks and combinations. */

@@ -8,7 +8,6 @@
 
 namespace cbvh {
 
-/* For all variants of a group. */
 struct ErrorSettings
 {
   const Model& model;

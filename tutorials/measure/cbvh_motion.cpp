@@ -37,7 +37,6 @@ struct Options
 
 constexpr int numQueries = 4; // single rays, bounces, any hit of bounces, packets
 
-/* Speed of `ours` relative to `theirs`. */
 void compareSpeeds(const PictureRays& rays, RTCScene theirs, RTCScene ours, unsigned repeat, double speed[numQueries])
 {
   const struct

@@ -52,7 +52,6 @@ struct Source
   PrepareGeometry prepare;
 };
 
-/* Vertices and faces, as an application passes them. */
 struct Diced
 {
   std::vector<std::vector<Vec3f>> steps; // vertices
@@ -151,8 +150,8 @@ Vec3f terrainAt(Vec3d corner, double cell, int x, int y)
   return {float(corner.x + cell * x), float(corner.y + cell * y), float(corner.z + 100 * fractalNoise(x, y, 0.5, 256))};
 }
 
-/* Vertex of a depth image, in meters: a surface 2 m away, a field of view of 53 degrees, and white noise with a
- * standard deviation of a tenth of a quad. Each time step moves the surface and has new noise. */
+/* A depth image in meters: 2 m away, a field of view of 53 degrees, white noise with a standard deviation of a tenth of
+ * a quad. Each time step moves the surface and has new noise. */
 Vec3f scannedAt(int side, int x, int y, unsigned step)
 {
   const double pixel = 1.0 / side, edge = 2 * pixel, u = (x - 0.5 * side) * pixel, v = (y - 0.5 * side) * pixel;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A scene with one geometry, built several times: seconds and memory of its commits. */
+/* A scene with one geometry, built several times. */
 
 #include "basics/seconds.h"
 #include "building/subdivision_geometry.h"
@@ -18,10 +18,8 @@
 
 namespace cbvh {
 
-/* Commits a geometry and returns it. */
 using CommitGeometry = std::function<GeometryHandle(const RTCCompressionArguments&)>;
 
-/* Allocates the buffers of an application. */
 using PrepareGeometry = std::function<CommitGeometry(EmbreeDevice&)>;
 
 /* For a geometry whose buffers are set. */

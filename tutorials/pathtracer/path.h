@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A path starts at the eye and continues from each hit in a random direction, distributed as diffuse reflection, to
- * find light from the sky and other surfaces. The sun is too small for this, so each hit also traces a shadow ray to
- * a random point of the sun. */
+/* A path starts at the eye and continues from each hit in a random direction, distributed as diffuse reflection. The
+ * sun is too small to be found like this, so each hit also traces a shadow ray to a random point of it. */
 
 #ifndef PATH_H
 #define PATH_H

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Renders sample by sample on the CPU or a Vulkan device, with the same paths and random numbers: pictures differ
- * only by rounding. */
+/* On the CPU and on Vulkan devices, paths and random numbers are the same: pictures differ only by rounding. */
 
 #include "path.h"
 #include "tracing/camera.h"

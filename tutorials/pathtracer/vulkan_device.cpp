@@ -21,7 +21,7 @@ std::string nameOf(VkResult result)
   }
 }
 
-/* First memory type with the needed and, if possible, the preferred properties. */
+/* Preferred properties are optional. */
 uint32_t memoryType(VkPhysicalDevice device, uint32_t allowed, VkMemoryPropertyFlags needed,
                     VkMemoryPropertyFlags preferred)
 {

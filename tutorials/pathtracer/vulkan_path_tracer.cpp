@@ -70,7 +70,6 @@ private:
   }
 };
 
-/* Specialized for a scene. */
 class PathPipeline
 {
 public:

@@ -17,7 +17,6 @@
 namespace cbvh::python {
 namespace {
 
-/* Between checks for signals. */
 constexpr auto patience = std::chrono::milliseconds(50);
 
 std::timed_mutex turn;

@@ -5,9 +5,9 @@
 
 /* Runs long work without the interpreter's lock, with progress and Ctrl-C.
  *
- * The work runs on its own thread, which never uses Python. Between waits, the calling thread acquires the
- * interpreter's lock, checks for signals, and calls the user's `progress`. An exception (KeyboardInterrupt, or one
- * of `progress`) cancels the work and is raised once the work has stopped.
+ * The work has its own thread, which never uses Python. The calling thread waits, from time to time checks for signals
+ * under the interpreter's lock, and calls `progress`. An exception (KeyboardInterrupt, or one of `progress`) cancels
+ * the work and is raised once it has stopped.
  *
  * common/ has only one flag for cancellation, so calls from other threads wait for their turn. */
 
@@ -24,7 +24,6 @@ namespace py = pybind11;
 /* `progress` is None, or receives the name of a phase and the fraction done, 0 to 1. Throws what `work` throws. */
 void runInterruptible(const py::object& progress, const std::function<void()>& work);
 
-/* Returns the result of `work`. */
 template<typename Work>
 auto interruptible(const py::object& progress, const Work& work)
 {

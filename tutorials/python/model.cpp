@@ -128,7 +128,6 @@ std::shared_ptr<const Displacement> displace(const Cage& cage, const Heights& he
 
 const std::vector<std::string> valuesOfMaps{"heights", "object", "tangent"}; // in the order of MapValues
 
-/* One number, or one per direction. */
 Vec2f readRepeat(const py::object& value)
 {
   const Floats given = floats(value, "repeat");

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Builds one representation after the other and traces the same rays through each. */
+/* Builds one representation after the other; all trace the same rays. */
 
 #include "model_view.h"
 #include "speed.h"

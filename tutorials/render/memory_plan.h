@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Decides which representations fit into memory. */
-
 #include "building/memory.h"
 
 #include <cstddef>

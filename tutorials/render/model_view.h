@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* The model, camera and build settings that the options describe. */
-
 #include "options.h"
 
 namespace cbvh {

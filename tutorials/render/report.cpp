@@ -24,7 +24,6 @@ std::string scientific(double value)
   return text;
 }
 
-/* Formats with three decimals below 1 MiB. */
 std::string mebibytes(size_t bytes)
 {
   const double value = double(bytes) / (1 << 20);
@@ -103,7 +102,6 @@ bool hasMeshErrors(const Comparison& c)
   return std::any_of(c.results.begin(), c.results.end(), [](const Result& r) { return r.errors.has_value(); });
 }
 
-/* For HitErrors or TrueErrors. */
 template<typename Errors>
 void errorRow(Table& table, const std::string& name, std::optional<Errors> Result::*errors,
               const std::function<std::string(const Errors&)>& cell)

@@ -9,8 +9,8 @@
 
 namespace cbvh {
 
-/* A description of the run, a Markdown table with a column per representation and about a dozen rows, or all rows if
- * `details`, and the paths of the pictures. */
+/* A description of the run, a Markdown table (about a dozen rows, or all if `details`), and the paths of the
+ * pictures. */
 std::string formatTable(const Comparison& comparison, bool details);
 
 /* The same numbers, unrounded. */

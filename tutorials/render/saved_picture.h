@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Renders files of --save. */
-
 #include "model_view.h"
 
 namespace cbvh {

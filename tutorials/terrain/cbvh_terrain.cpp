@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Computes sky-view factors of an elevation raster. An example for applications with more geometry than memory: it
- * builds one surface per tile, frees the tile's vertices, and traces all tiles as one group. */
+/* Sky-view factors of an elevation raster. An example for more geometry than memory: one surface per tile, whose
+ * vertices are then freed, and one group of all tiles. */
 
 #include "elevation.h"
 #include "embree_terrain.h"
@@ -33,8 +33,8 @@ public:
   explicit CompressedTerrain(const Options& options)
   {
     check(cbvhNewContext(("threads=" + std::to_string(options.threads)).c_str(), nullptr, nullptr, &context));
-    /* A vertex that two tiles share must be the same floats in both, so all tiles use the same spacing. The default
-     * depends on each grid's quads and would leave cracks. */
+    /* All tiles use the same spacing, so that shared vertices are the same floats. The default depends on each grid's
+     * quads and would leave cracks. */
     accuracy.maxError = options.maxError;
   }
   ~CompressedTerrain()
@@ -47,7 +47,7 @@ public:
   CompressedTerrain(const CompressedTerrain&) = delete;
   CompressedTerrain& operator=(const CompressedTerrain&) = delete;
 
-  /* The vertices may be freed afterwards. */
+  /* Vertices may be freed afterwards. */
   void add(const TerrainTile& tile)
   {
     surfaces.push_back(nullptr);

@@ -14,7 +14,6 @@
 
 namespace cbvh {
 
-/* A model that is ready to be shown. */
 struct LoadedModel
 {
   SceneSettings source;                // has an amplitude or scale, see withDefaultAmplitude

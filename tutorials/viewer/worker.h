@@ -51,7 +51,6 @@ public:
     double fraction = 0; // of the phase, in [0,1]
   };
 
-  /* Empty without a task. */
   std::optional<Progress> progress() const;
 
 private:

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A program that uses all features of Embree 4 for subdivision geometry. The first run, without the interposer, stores
- * its hits in a file. The second run, with the interposer, must have the same hits except for the rounding to the
- * lattice. The program does not depend on our code: it uses only the parts of host.h for Embree.
+/* Uses all features of Embree 4 for subdivision geometry. A first run without the interposer stores its hits in a file;
+ * a second run with it must have the same hits except for the rounding to the lattice. Depends only on the parts of
+ * host.h for Embree.
  *
  *   calls FILE          writes FILE if it does not exist, otherwise compares with it */
 
@@ -55,7 +55,6 @@ public:
 
   bool numbersMatter = true;   // compare IDs of geometries
 
-  /* Begins a new section of hits. */
   void begin(const char* use) { uses.push_back({use, now.size()}); }
 
   void conclude()
@@ -487,7 +486,7 @@ void Program::cancelling()
   rtcCommitScene(scene);
   shoot(scene);
 
-  /* If a commit of several threads is canceled, it is canceled for all: waiting threads do not start again. */
+  /* If a commit of several threads is canceled, waiting threads do not start again. */
   struct Joined
   {
     std::atomic<int> waiting{0}, calls{0}, canceled{0};
