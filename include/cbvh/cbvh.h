@@ -20,7 +20,7 @@
  *   if (cbvhIntersect1(group, &ray, NULL)) ...
  *
  * Surfaces are stored as cVERT: the triangles of a fine tessellation with vertices on a lattice, in 2 to 4 bytes per
- * quad. Irregular triangles need about 7 bytes each.
+ * quad. Irregular triangles mostly need 7 to 8 bytes each.
  *
  * Functions return an error code, CBVH_OK on success. cbvhGetErrorText returns the message of the last error. New
  * objects have a reference count of 1.

@@ -83,7 +83,11 @@ namespace embree
     {
       switch (value) {
       case Value::Isa:
-        return { "sse","sse2","sse3","ssse3","sse41","sse4.1","sse42","sse4.2","avx","avxi","avx2","avx512" };
+        return { "sse","sse2","sse3","ssse3","sse41","sse4.1","sse42","sse4.2","avx","avxi","avx2","avx512",
+#if defined(__aarch64__)
+                 "neon", // Embree treats unknown values as sse2, which selects NEON
+#endif
+        };
       case Value::Frequency: return { "simd128","simd256","simd512" };
       case Value::Quality: return { "low","medium","high" };
       case Value::SceneFlags: return { "dynamic","compact","robust" };
