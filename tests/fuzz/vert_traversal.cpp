@@ -12,7 +12,7 @@
  *
  * --seeds=DIRECTORY writes blocks of the encoder with rays as the initial corpus. */
 
-#include "fuzz_support.h"
+#include "fuzz_traversal.h"
 #include "kernels/cvert/encoder/motion_encoder.h"
 #include "kernels/cvert/decoder/validate.h"
 #include "kernels/cbvh/traversal/kind_visitors1.h"
@@ -70,85 +70,22 @@ size_t blockBytes(const uint8_t* data, size_t size)
   return bytes <= size ? std::max(bytes, tableEnd) : 0;
 }
 
-// For other kinds of rays Embree reports no hits, or arbitrary ones.
-bool isSound(const RayBytes& ray)
-{
-  double length = 0;
-  for (float d : ray.dir) length = std::fmax(length, std::fabs(d));
-  return isFinite(ray.org) && isFinite(ray.dir) && length >= 1e-18f && ray.tnear >= 0 && ray.tnear <= maxCoordinate &&
-         ray.tfar >= ray.tnear;
-}
-
-// A context whose filter receives every candidate.
-struct Trace : RTCIntersectContext
-{
-  const VertHeader* block;
-  bool sound, accepts;
-  size_t hits = 0;
-  float tnear, tfar;
-
-  Trace(const VertHeader* block, const RayBytes& ray, bool sound, bool accepts)
-    : block(block), sound(sound), accepts(accepts), tnear(ray.tnear), tfar(ray.tfar)
-  {
-    rtcInitIntersectContext(this);
-    filter = [](const RTCFilterFunctionNArguments* args) { ((Trace*)args->context)->see(args); };
-  }
-
-  void see(const RTCFilterFunctionNArguments* args)
-  {
-    // each triangle of a group once, including degenerate ones in blocks of the encoder
-    REQUIRE(++hits <= 32*vertLayout(block->region, block->boxForm).groups);
-    const float t = ((const RTCRay*)args->ray)->tfar;
-    const RTCHit& hit = *(const RTCHit*)args->hit;
-    const float u = 0.5f*float(vertCornerU(edgesOf(block))), v = 0.5f*float(vertCornerV(edgesOf(block)));
-    REQUIRE(hit.u >= u && hit.v >= v && std::isfinite(hit.u) && std::isfinite(hit.v));
-    if (sound) REQUIRE(t >= tnear && t <= tfar);
-    if (accepts) tfar = t;
-    else args->valid[0] = 0;
-  }
-};
-
 template<typename RayType>
-bool intersect(RayType& ray, IntersectContext* context, VertRay& pre, const VertHeader* block)
+bool intersect(RayType& ray, IntersectContext* context, const VertHeader* block)
 {
+  VertRay pre;
   return isMoving(block->boxForm) ? intersectMovingVert(ray, context, pre, block)
                                   : intersectVert(ray, context, pre, block);
 }
 
 void trace(RTCScene scene, const RayBytes& bytes, const VertHeader* block)
 {
-  const bool sound = isSound(bytes);
-  const Ray ray = bytes.ray();
   invalidateThreadCaches();
-  bool found[2];
-  for (bool accepts : {true, false}) {
-    Trace closest(block, bytes, sound, accepts);
-    RayHit hit(ray);
-    hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    IntersectContext context((Scene*)scene, &closest);
-    VertRay pre;
-    intersect(hit, &context, pre, block);
-    REQUIRE((hit.geomID == 0) == (accepts && closest.hits));
-    if (sound) REQUIRE(hit.tfar == (accepts ? closest.tfar : bytes.tfar));
-
-    Trace any(block, bytes, sound, accepts);
-    Ray occluded(ray);
-    context.user = &any;
-    VertRay anyPre;
-    const bool isOccluded = intersect(occluded, &context, anyPre, block);
-    REQUIRE(isOccluded == (accepts && any.hits));
-    REQUIRE((closest.hits != 0) == (any.hits != 0));
-    found[accepts] = any.hits;
-  }
-  REQUIRE(found[true] == found[false]);
-
-  // without a filter, values that only filters receive are not computed
-  RTCIntersectContext plain;
-  rtcInitIntersectContext(&plain);
-  IntersectContext context((Scene*)scene, &plain);
-  Ray occluded(ray);
-  VertRay pre;
-  REQUIRE(intersect(occluded, &context, pre, block) == found[true]);
+  // each triangle of a group once, including degenerate ones in blocks of the encoder
+  const HitLimits limits = {32*vertLayout(block->region, block->boxForm).groups,
+                            0.5f*float(vertCornerU(edgesOf(block))), 0.5f*float(vertCornerV(edgesOf(block)))};
+  traceAndCompare(scene, bytes, limits,
+                  [&](auto& ray, IntersectContext* context) { return intersect(ray, context, block); });
 }
 
 enum Surface { WAVES, SPIKES, FLAT, HOLES, SURFACES };

@@ -1,0 +1,79 @@
+// Copyright 2026 The Embree CBVH authors
+// SPDX-License-Identifier: Apache-2.0
+
+/* libFuzzer target: random bytes as a ray and a mesh block. Blocks must be valid, as before traversal. Decoders of this
+ * instruction set equal the scalar decoder. Traversal must not read outside, must not have undefined behavior, and must
+ * terminate; fuzz_traversal.h checks its hits. */
+
+#include "fuzz_traversal.h"
+#include "mesh_seeds.h"
+#include "kernels/cbvh/traversal/kind_visitors1.h"
+#include "kernels/cvert/decoder/decoded_mesh.h"
+
+#include <algorithm>
+
+namespace cbvh::test {
+
+void writeSeeds(const std::string& folder)
+{
+  forEachMeshSeed([&](const std::string& name, const void* block, size_t bytes) {
+    writeSeedsWithRays(folder + "/" + name, block, bytes);
+  });
+}
+
+namespace {
+
+using namespace embree::isa;
+using namespace embree::cbvh;
+using embree::isa::cbvh::CachedMeshBlock;
+using embree::isa::cbvh::intersectMesh;
+using embree::isa::cbvh::intersectMovingMesh;
+using embree::isa::cbvh::VertRay;
+
+bool areEqual(float a, float b) { return memcmp(&a, &b, sizeof(a)) == 0 || (std::isnan(a) && std::isnan(b)); }
+
+void compareWithScalarDecoder(const MeshHeader* block)
+{
+  const MeshView view(block);
+  const CachedMeshBlock cached(VertRay(), (const VertHeader*)block);
+  REQUIRE(cached.boxes().lanes == (1u << view.groups) - 1);
+  for (uint32_t g = 0; g < view.groups; g++) {
+    const DecodedMeshGroup group(view, g);
+    for (uint32_t t = 0; t < group.numTriangles; t++) {
+      const MeshTriangles& half = cached.triangles(g, t/16);
+      REQUIRE((half.lanes >> t % 16) & 1);
+      for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
+          REQUIRE(areEqual(half.vertices.at[k][half.corners[c][t % 16]], group.corners[c][k][t]));
+    }
+  }
+}
+
+template<typename RayType>
+bool intersect(RayType& ray, IntersectContext* context, const MeshHeader* block)
+{
+  VertRay pre;
+  return isMovingMesh(block) ? intersectMovingMesh(ray, context, pre, block) : intersectMesh(ray, context, pre, block);
+}
+
+} // namespace
+} // namespace cbvh::test
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+  using namespace ::cbvh::test;
+  static const World world;
+  RayBytes ray;
+  if (!ray.read(data, size, sizeof(MeshHeader))) return 0;
+  std::vector<uint8_t> padded(data, data + size);
+  padded.resize(size + readPastVert);
+  const ExactMemory memory(padded.data(), padded.size(), 16);
+  MeshHeader* const block = (MeshHeader*)memory.get();
+  if (validateMesh(block, size)) return 0;
+  block->surface = 0;
+  invalidateThreadCaches();
+  if (!isMovingMesh(block)) compareWithScalarDecoder(block);
+  traceAndCompare(world.scene, ray, {meshTriangles(block->counts), 0, 0},
+                  [&](auto& at, IntersectContext* context) { return intersect(at, context, block); });
+  return 0;
+}
