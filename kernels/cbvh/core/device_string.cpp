@@ -12,7 +12,7 @@ namespace embree
 {
   namespace
   {
-    /*! How a value is checked here. Builds check the names of accelerators and builders. */
+    /*! Checks of values. Builds check the names of accelerators and builders. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
@@ -61,7 +61,6 @@ namespace embree
       return key == std::end(keys) ? nullptr : key;
     }
 
-    /*! Levenshtein distance of two words. */
     size_t distance (const std::string& a, const std::string& b)
     {
       std::vector<size_t> row(b.size()+1);
@@ -155,7 +154,7 @@ namespace embree
       at = std::min(text.find_first_not_of(blanks,end),text.size());
       std::string value;
       if (at < text.size() && text[at] == '=') {
-        /* ends at a comma or blank, except for blanks around | */
+        /* a value ends at a comma or blank, except for blanks around | */
         for (at++; at < text.size() && text[at] != ','; at++) {
           if (!std::strchr(blanks,text[at])) { value += text[at]; continue; }
           const size_t next = text.find_first_not_of(blanks,at);
