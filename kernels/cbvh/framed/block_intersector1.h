@@ -18,8 +18,8 @@ namespace embree
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! Returns true if a hit was accepted. Any-hit queries end with the first one. Not inlined, so that traversal
-         *  keeps its ray in registers. */
+        /*! Returns true if a hit was accepted. Any-hit queries end with the first. Not inlined, so that traversal keeps
+         *  its ray in registers. */
         template<typename RayType>
         static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state,
                                           const Block* block)

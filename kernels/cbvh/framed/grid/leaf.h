@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID: 2 x 2 quads with full-precision vertices, and the triangles of Embree's GRID. */
+/* Leaves of cGRID: 2 x 2 quads of full-precision vertices, with the triangles of Embree's GRID. */
 
 #include "../block.h"
 #include "../../embree/traversal.h"
@@ -16,8 +16,8 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Maps barycentric coordinates to parameters of the face. GridSOA::MapUV uses stored parameters instead. Lanes
-       *  are in the order of GridSOA's loaders. */
+      /*! Maps barycentric coordinates to face parameters, which GridSOA::MapUV loads instead. Lanes are in the order of
+       *  GridSOA's loaders. */
       template<typename Loader>
       struct GridMapUV
       {
