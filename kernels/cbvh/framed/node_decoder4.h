@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Decoders of nodes (node.h) and of cLEAF groups (leaf/format.h), for four children at once. `first`: index in the
- * output. */
+/* Decodes four children of nodes (node.h) and of cLEAF groups (leaf/format.h). `first`: index in the output. */
 
 #include "node_cache.h"
 #include "node_tables.h"
@@ -30,7 +29,7 @@ namespace embree
         return box;
       }
 
-      /*! lower, upper: in parent extents. */
+      /*! In parent extents. */
       template<int N>
       __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower,
                                       const vfloat4& upper, const NodeBox& parent)
@@ -58,7 +57,7 @@ namespace embree
         __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first)
           : boxes(boxes), surfaces(surfaces), first(first) {}
 
-        /*! bits: heights of the group. */
+        /*! bits: heights. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);
@@ -78,7 +77,7 @@ namespace embree
           for (int i=0; i<4; i++) vfloat4::store(rows[first+i],leaf[i]);
         }
 
-        /*! q: in bins, at the corners of the leaves. base: z of height 0. */
+        /*! q: in bins, at the leaves' corners. base: z of height 0. */
         __forceinline void storeSurfaces (const vfloat4 q[4], const vfloat4& bin, const vfloat4& base, float thickness)
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
@@ -126,7 +125,7 @@ namespace embree
           for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCorner[k])));
         }
 
-        /*! Extracts 4 integers from 16 bytes. control: as for _mm_shuffle_epi8. */
+        /*! control: as for _mm_shuffle_epi8. */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
 #if defined(CBVH_BYTE_SHUFFLES)
