@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Grids that an application diced: the grids of a grid geometry, or the regions of a mesh (quad_regions.h). GridSource
+/* Grids that an application diced: a grid geometry's grids, or a mesh's regions (quad_regions.h). GridSource
  * (building/grid_source.h) makes patches of them. Both classes have these members, all thread-safe:
  *
  *   typedef Mesh, Grid
@@ -40,8 +40,7 @@ namespace embree
   {
     static_assert(minGridSide == QuadRegions::minRegionSide,"minGridSide must equal QuadRegions::minRegionSide");
 
-    /*! Vertices: has width and height, in vertices, and vertex(x,y), the number of a vertex in the geometry's
-     *  buffer. */
+    /*! Vertices: has width and height, in vertices, and vertex(x,y), a vertex's number in the geometry's buffer. */
     template<typename Vertices>
     struct DicedGrid : public Vertices
     {
@@ -96,7 +95,7 @@ namespace embree
       }
       bool number (size_t, cbvh::QuadNumbers&) const { return false; }
 
-      /*! Vertices outside of the buffer are errors, unlike for Embree's other types. */
+      /*! Unlike in Embree's other types, vertices outside of the buffer are errors. */
       static const bool reportsInvalid = true;
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned) {
@@ -114,7 +113,7 @@ namespace embree
       struct Corners
       {
         const Quads* mesh;
-        const unsigned* quadsOfRegion;     //!< quads of the region, row by row
+        const unsigned* quadsOfRegion;     //!< row by row
         unsigned width, height; //!< in vertices
 
         size_t vertex (unsigned x, unsigned y) const
@@ -152,7 +151,7 @@ namespace embree
         return true;
       }
 
-      /*! As in Embree, which skips such quads silently. */
+      /*! Embree skips such quads silently. */
       static const bool reportsInvalid = false;
 
       static size_t bytesInEmbree (size_t quadsX, size_t quadsY, unsigned numTimeSteps) {
