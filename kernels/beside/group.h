@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces that are traced together: a scene of the kernels. */
+/* Surfaces traced together: a scene of the kernels. */
 
 #include "surface.h"
 
@@ -17,7 +17,7 @@ struct CbvhGroupTy : embree::beside::Counted
   const RTCScene scene;
   std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
   std::vector<size_t> firstPrimitive;   // per surface, then the total
-  CbvhStatistics statistics = CbvhStatistics(); // statistics of the last commit
+  CbvhStatistics statistics = CbvhStatistics(); // of the last commit
   bool isCommitted = false;
   void* userPtr = nullptr;
 
@@ -27,5 +27,5 @@ private:
   void keepStatistics();
 
   std::vector<RTCGeometry> attached;   // per surface
-  size_t unsupportedFaces = 0;         // number of faces that the last commit left out
+  size_t unsupportedFaces = 0;         // left out by the last commit
 };
