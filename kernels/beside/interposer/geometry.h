@@ -28,7 +28,7 @@ public:
   Substituted(const Substituted&) = delete;
   Substituted& operator=(const Substituted&) = delete;
 
-  /* Of the next commit. */
+  /* Input of the next commit. */
   Input input;
   /* OfInput requires a new build, OfLook does not. */
   enum Change { OfInput = 1, OfLook = 2 };

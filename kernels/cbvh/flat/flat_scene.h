@@ -70,8 +70,7 @@ namespace embree
       /* of an instance */
       float worldToLocal[12];    //!< columns x, y, z, translation; undefined for moving instances
       const float* localToWorld; //!< inverse per time step, linear between steps
-      float begin, end;          //!< times of the first and last step, outside of which a moving instance does not
-                                 //!< exist
+      float begin, end;          //!< times of the first and last step; a moving instance exists only between them
       RTCScene instanced;
       float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
     };

@@ -112,7 +112,7 @@ struct Block : public BlockHeader
   uint32_t height () const { return heightOf(info); }
   BlockLayout layout () const { return blockLayout(kindOf(info),height()); }
 
-  /*! Of the patch, not the block. */
+  /*! Size of the patch, not the block. */
   uint32_t quadsX () const { return (lastXOf(tiling)+1u) << height(); }
   uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
 

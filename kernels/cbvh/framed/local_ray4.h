@@ -51,7 +51,7 @@ namespace embree
         }
       };
 
-      /*! Of a block's map from world space to the frame. */
+      /*! Stretch of a block's map from world space to the frame. */
       struct BlockStretch
       {
         vfloat4 withW; //!< of x, y and z, each plus the stretch of W

@@ -72,7 +72,7 @@ namespace embree
                       | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
-    /*! Of a parent, sorted by size, then by code. */
+    /*! z intervals of a parent, sorted by size, then by code. */
     class IntervalsOf
     {
     public:

@@ -11,7 +11,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Of cVERT or cGRID. */
+    /*! A triangle of cVERT or cGRID. */
     struct StoredTriangle
     {
       float vertices[3][3]; //!< in the geometry's space

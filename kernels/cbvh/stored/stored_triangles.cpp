@@ -46,7 +46,7 @@ namespace embree
         for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
-      /*! Of a block's quads in their patch. */
+      /*! Position of a block's quads in their patch. */
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];

@@ -28,7 +28,7 @@ namespace embree
       bool isFused;
     };
 
-    /*! Of cVERT, cGRID, or a mesh. */
+    /*! A block of cVERT or cGRID, or a mesh block. */
     struct StoredBlock
     {
       const void* data;

@@ -88,10 +88,10 @@ namespace embree
       for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
-    /*! Sets each edge's number of quads, from n x n cells of samples. The patch is divided into up to 4 x 4 parts, each
-     *  of which needs the quadratic mean over the part: quads are uniform in parameter space, so quads on steep
-     *  displacement are longer. Because parts can be at different distances, each edge gets the maximum of the adjacent
-     *  half of the patch. */
+    /*! Sets each edge's number of quads, from n x n cells of samples. Divides the patch into up to 4 x 4 parts. A part
+     *  needs the quadratic mean over its cells: quads are uniform in parameter space, so quads on steep displacement
+     *  are longer. Parts can be at different distances, so each edge gets the maximum of the adjacent half of the
+     *  patch. */
     void need (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;

@@ -317,7 +317,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Of primitives that can be hit. Set by prepare(); users reorder them. */
+      /*! Primitives that can be hit. Set by prepare(); users reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

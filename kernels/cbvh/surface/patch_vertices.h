@@ -47,7 +47,7 @@ namespace embree
       float (*undisplaced ())[3] { return (float(*)[3])interleaved.data(); }
       float (*displaced ())[3] { return (float(*)[3])(interleaved.data() + 3*count); }
 
-      /*! Of the displaced vertices. False if one is not finite. */
+      /*! Bounds of the displaced vertices. Returns false if one is not finite. */
       bool bound (float lower[3], float upper[3]) { return cbvh::boundVertices(displaced(),count,lower,upper); }
 
       size_t width = 0, height = 0; //!< in vertices

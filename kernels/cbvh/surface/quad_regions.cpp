@@ -17,8 +17,8 @@ namespace embree
      *  a seed to the right and up by a column or row at a time, as square as it can. Large regions are taken first, so
      *  that a row of quads at a pole does not separate the columns above it.
      *
-     *  Other seeds first move left and down until the next quad is not free. The position of a region is then
-     *  independent of which of its quads comes first, and closed meshes, which have no corners, are filled too. */
+     *  Other seeds first move left and down until the next quad is not free. The position of a region is then the same
+     *  for each of its quads as seed, and closed meshes, which have no corners, are filled too. */
     class RegionFinder
     {
     public:

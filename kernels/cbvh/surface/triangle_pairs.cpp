@@ -241,7 +241,7 @@ namespace embree
         return mate;
       }
 
-      /*! Of the pairs that two edges create, from a sample. */
+      /*! Statistics of the pairs that two edges create, from a sample. */
       struct Pairing
       {
         Edges edges;

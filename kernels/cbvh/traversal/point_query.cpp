@@ -69,7 +69,7 @@ namespace embree
         /*! largest distanceOf within reach */
         float reach () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
-        /*! Of children: squared for a sphere, outside of the query's box otherwise. */
+        /*! Distances of children: squared for a sphere, outside of the query's box otherwise. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
           return distanceOf(outside(query->p.x,node->lower_x,node->upper_x),
             outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));

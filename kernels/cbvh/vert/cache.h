@@ -108,7 +108,7 @@ namespace embree
       StepCells steps[2];        //!< at both ends; unused for a raw step
     };
 
-    /*! Of a group in world space, at the ends of a segment. */
+    /*! Vertices of a group in world space, at the ends of a segment. */
     struct SegmentVertices
     {
       SegmentKey key;            //!< of the group

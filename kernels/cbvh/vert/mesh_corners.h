@@ -32,7 +32,7 @@ namespace embree
           }
         }
 
-        /*! Of triangles n to n+vectorWidth-1. */
+        /*! Corner c of triangles n to n+vectorWidth-1. */
         __forceinline void get (uint32_t n, int c, vfloatV& cornerX, vfloatV& cornerY) const
         {
           const uint8_t* const lanes = corners[c]+n;

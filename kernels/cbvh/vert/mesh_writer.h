@@ -23,7 +23,6 @@ namespace embree
         cbvh::BuildStatistics& statistics)
         : from(from), surface(surface), store(store), statistics(statistics) {}
 
-      /*! Of a full group. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
 
       /*! Writes a cluster of MeshClusters. The caller must flush the store after a part's last cluster: the part's

@@ -24,7 +24,7 @@ namespace embree
     {
       static const int lanes = 32;
 
-      /*! Of the upper corner, 0 to 1, by [0: cells of 4 groups, 1: cells of quads][quads along the side, minus
+      /*! Weights of the upper corner, 0 to 1, by [0: cells of 4 groups, 1: cells of quads][quads along the side, minus
        *  1][lane]. */
       float weightX[2][16][lanes];
       float weightY[2][16][lanes];
@@ -45,7 +45,7 @@ namespace embree
         alignas(32) int32_t shift[4*rows];      //!< field's first bit in its byte
         alignas(16) int32_t factor[4*rows];     //!< moves a field's first bit to bit 7
         uint8_t offset[rows];                   //!< from the start of the first field
-        /*! Of each row's field in the fifth column, if there is one. */
+        /*! Byte and bit of each row's field in the fifth column, if there is one. */
         uint8_t columnOffset[rows], columnShift[rows];
       };
 

@@ -61,7 +61,7 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Of hits' distances. */
+        /*! Range of hits' distances. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];

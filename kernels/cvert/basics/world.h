@@ -10,7 +10,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Of finite coordinates; Embree's bound for rays and boxes. */
+  /*! Bound of finite coordinates, as in Embree's rays and boxes. */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;

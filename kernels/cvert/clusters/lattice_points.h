@@ -117,7 +117,7 @@ namespace cvert
       return true;
     }
 
-    /*! Of offsets, 1 to 16. */
+    /*! Bits of offsets, 1 to 16. */
     uint32_t bits (int k) const { return upper[k] > lower[k] ? bitsOf(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

@@ -10,7 +10,7 @@
 
 CVERT_BEGIN
 
-/*! Of a step that is not raw. */
+/*! Cell of a step that is not raw. */
 struct CodedCell
 {
   uint32_t word;

@@ -64,7 +64,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Of fields and remainders; null for a raw step. */
+    /*! End of fields and remainders; null for a raw step. */
     const uint8_t* end = nullptr;
 
   private:

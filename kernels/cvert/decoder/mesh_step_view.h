@@ -34,7 +34,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Of the step. */
+    /*! Size of the step. */
     uint32_t bytes () const { return (layout.fields + (fieldBegin[first.groups]+7)/8 + 3) & ~3u; }
 
     void vertex (uint32_t v, float out[3]) const

@@ -170,7 +170,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static uint16_t toGrid (float x) { return uint16_t(std::min(std::max(x+8192.0f,0.0f),65535.0f)); }
 
-    /*! Of at most `unit` items. */
+    /*! Splits into parts of at most `unit` items. */
     template<typename OnPart>
     static void split (Item* items, size_t count, size_t unit, const OnPart& onPart)
     {

@@ -143,7 +143,7 @@ namespace cvert { inline namespace CVERT_ISA
       return corner;
     }
 
-    /*! Of up to `count` triangles. */
+    /*! Adds a group of up to `count` triangles. */
     void addGroup (const MeshTriangle* triangles, uint32_t count)
     {
       uint8_t local[maxGroupTriangles][3];
@@ -446,7 +446,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< as a vertex of the block
     uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt with the corner
     uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< in that attempt
-    /*! Of the corners of triangles from idsBegin on; null if positions identify vertices. */
+    /*! IDs of corners of triangles from idsBegin on; null if positions identify vertices. */
     const uint32_t (*ids)[3] = nullptr;
     const MeshTriangle* idsBegin = nullptr;
     uint32_t idOfCorner[3*maxMeshTriangles+3*maxGroupTriangles];

@@ -82,7 +82,7 @@ namespace cvert { inline namespace CVERT_ISA
       return header.bytes;
     }
 
-    /*! Of `vertices`. Returns the step's end. */
+    /*! Encodes a step of `vertices`. Returns its end. */
     uint8_t* writeStep (uint8_t* const out)
     {
       MeshStep step;
@@ -137,7 +137,7 @@ namespace cvert { inline namespace CVERT_ISA
       int32_t base[maxMeshGroups];  //!< the least of a group
       uint32_t bits[maxMeshGroups]; //!< of a field, 0 to 30 or 32
 
-      /*! Of signed bases. */
+      /*! Bits of signed bases. */
       uint32_t baseBits (uint32_t groups) const
       {
         uint32_t most = 0;

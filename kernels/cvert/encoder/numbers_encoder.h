@@ -11,7 +11,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Of a patch. */
+  /*! Primitive numbers of a patch's quads. */
   struct QuadNumbers
   {
     uint32_t form;                 //!< without pattern; without turns if `turns` has them

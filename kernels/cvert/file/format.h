@@ -13,12 +13,12 @@
 
 namespace cvert
 {
-  /*! Of this layout and docs/formats/file.md. Blocks have their own versions. */
+  /*! Version of this layout and docs/formats/file.md. Blocks have their own versions. */
   static const uint32_t fileVersion = 1;
   static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' }; // transfers in text mode damage it
   static const uint32_t fileByteOrder = 0x01020304u;
 
-  /*! Of blocks with frames, which this library copies but does not decode. */
+  /*! Version of blocks with frames, which this library copies but does not decode. */
   static const uint32_t fileFramedVersion = 1;
 
   /*! Trees and blocks begin at multiples of this. */

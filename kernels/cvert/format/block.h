@@ -33,7 +33,7 @@
 
 CVERT_BEGIN
 
-/*! Of this format (docs/formats/block.md). Changes that affect readers increment it. */
+/*! Version of this format (docs/formats/block.md). Changes that affect readers increment it. */
 CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 
 /*! Decoders will always read versions from this one on. */
@@ -442,7 +442,7 @@ inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
   return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]);
 }
 
-/*! Of the first step, without numbers of quads and padding. */
+/*! Bytes of the first step, without numbers of quads and padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);

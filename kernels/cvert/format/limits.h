@@ -9,7 +9,7 @@
 
 CVERT_BEGIN
 
-/*! Of an edge; also the most quads per side of a patch. */
+/*! Largest rate of an edge, and most quads per side of a patch. */
 CVERT_CONSTANT uint32_t maxVertRate = 4096u;
 
 /*! In memory and in files, in bytes. */

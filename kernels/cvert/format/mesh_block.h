@@ -79,7 +79,7 @@ CBVH_FUNCTION uint32_t meshMarkOfForm () {
     | (kindOfMesh & 8u) << 27;
 }
 
-/* Of any block, from its words 12 and 13. */
+/* From words 12 and 13 of any block. */
 CBVH_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
 CBVH_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
@@ -195,7 +195,7 @@ CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t
   return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
-/*! Of a group: a base, then a number per triangle. */
+/*! Bits of a group's numbers: a base, then a number per triangle. */
 CBVH_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
@@ -265,7 +265,7 @@ static_assert(sizeof(cvert::MeshHeader) == cvert::meshHeaderBytes, "header of a 
 
 CVERT_BEGIN
 
-/*! Of any version. Reads 56 bytes. */
+/*! Accepts any version. Reads 56 bytes. */
 inline bool isMeshBlock (const void* block)
 {
   uint32_t words[2];

@@ -24,7 +24,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Of mesh blocks that move, and of files with such blocks. Older readers reject it. */
+  /*! Version of mesh blocks that move, and of files with such blocks. Older readers reject it. */
   static const uint32_t movingMeshFormatVersion = 7;
 
   static const uint32_t meshStepBytes = 68;

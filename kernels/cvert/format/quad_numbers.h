@@ -92,7 +92,7 @@ struct QuadPrimitive
   uint32_t form; //!< of its block, with this triangle's turn
 };
 
-/*! Of a primitive of the application. */
+/*! Parameters on a primitive of the application. */
 struct OwnParameters { float u, v; };
 
 /*! Converts the parameters a, b of a quad. form: see QuadPrimitive. */

@@ -355,7 +355,7 @@ CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar
   return !(exact >= Wide(tnear)) ? hitIsOutside : CVERT_LIKELY(t < tfar) ? hitIsNearest : farther;
 }
 
-/*! Of a scene. */
+/*! Identifies a triangle of a scene. */
 struct TriangleKey
 {
   uint32_t geomID, primID;

@@ -103,7 +103,7 @@ private:
   VkPipeline orderPipelines[4] = {};
 };
 
-/* Of trace.comp. order: 0 if rays are not sorted. */
+/* Push constants of trace.comp. order: 0 if rays are not sorted. */
 struct TraceArguments
 {
   VkDeviceAddress scene, rays, order;

@@ -33,7 +33,7 @@ private:
   void* loader = nullptr;
 };
 
-/* Of a physical device. */
+/* Properties of a physical device. */
 struct Capabilities
 {
   RTCVulkanDeviceInfo info;

@@ -63,7 +63,7 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
   }
 }
 
-/* Of rtcBuildBVH, in Embree's memory. Children are NULL if that memory ran out. */
+/* A node or leaf of rtcBuildBVH, in Embree's memory. Children are NULL if that memory ran out. */
 struct BuildNode
 {
   bool isLeaf;

@@ -21,10 +21,10 @@ namespace embree
     /*! Relative to the side of a square with the quad's area. */
     static constexpr double maxLeafThickness = 0.25;
 
-    /*! Of a leaf past an edge where the surface ends or bends, relative to the leaf's extent. */
+    /*! Distance that a leaf extends past an edge where the surface ends or bends, relative to the leaf's extent. */
     static constexpr double maxOverhang = 1.0/16;
 
-    /*! Of a patch's quads, and of its edges where the surface ends or bends. */
+    /*! Fractions of a patch's quads, and of its edges where the surface ends or bends. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
     /*! Sufficient sample of a patch. */
