@@ -20,10 +20,9 @@ namespace embree
      *  or not finite, an invalid camera if maxPixelError is not 0, and an exactFaces above 1. */
     void validate (const CompressionSettings& settings);
 
-    /*! Sets how a geometry is stored from its next commit (releasesInput) or its scene's next commit on. Existing
-     *  blocks are then rebuilt. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry, and for
-     *  geometry loaded from a file. After an error the geometry keeps its settings. Thread safety: no other thread may
-     *  use the geometry during this call. Cost: constant. */
+    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry,
+     *  and for geometry loaded from a file. After an error the geometry keeps its settings. Thread safety: no other
+     *  thread may use the geometry during this call. Cost: constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
     /*! True if a geometry is stored as blocks and did not change since they were built. Thread safety: no other thread
