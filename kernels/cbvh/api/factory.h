@@ -10,25 +10,23 @@ namespace embree
 {
   class Scene;
 
-  /*! True if a value of subdiv_accel requests compression, for example "cbvh", "cbvh.vert" or "cvert";
-   *  case-insensitive. */
+  /*! Case-insensitive; for example "cbvh", "cbvh.vert" or "cvert". */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
   /*! True if a scene that keeps its accelerators needs new ones: it got its first compressed surface, or lost its
    *  last. */
   bool isCompressionOutdated (Scene* scene);
 
-  /*! True if a subdivision surface of the scene has motion blur and is not compressed. */
+  /*! True if an uncompressed subdivision surface of the scene has motion blur. */
   bool hasUncompressedMotion (Scene* scene);
 
   /*! Reports the errors of the last build to the device, once. Call it on the committing thread: devices store errors
    *  per thread, and any thread may have run the build. */
   void reportBuildErrors (Scene* scene);
 
-  /*! Returns an accelerator for all static subdivision surfaces of a scene, or null if none is compressed. The caller
-   *  owns the result. */
+  /*! For all static subdivision surfaces of a scene; null if none is compressed. The caller owns the result. */
   Accel* createCompressedAccel (Scene* scene);
 
-  /*! Like createCompressedAccel, for all moving compressed surfaces. */
+  /*! Same for moving surfaces. */
   Accel* createCompressedMotionAccel (Scene* scene);
 }

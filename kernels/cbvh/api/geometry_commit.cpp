@@ -25,8 +25,7 @@ namespace embree
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
 
-    /*! Runs closure as the commit of a scene does: denormals are zero, and tasks are isolated from the
-     *  application's. */
+    /*! Like the commit of a scene: denormals are zero, and tasks are isolated from the application's. */
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
@@ -162,8 +161,7 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Compresses a geometry if it requests compression (asks) and rejectionReason is null. An empty reason is not
-     *  printed. */
+    /*! Compresses a geometry if it requests compression (asks) and rejectionReason is null. Prints no empty reason. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* rejectionReason, const char* primitives)
     {
       geometry->setCompressed(asks && !rejectionReason);
@@ -173,7 +171,7 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! Builds the blocks of a geometry that releases its input. Returns true if the input must be released now. */
+    /*! For geometries that release their input. Returns true if the input must be released now. */
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);

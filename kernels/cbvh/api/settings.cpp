@@ -33,7 +33,7 @@ namespace embree
     return text;
   }
 
-  /*! Parses, for example, "cvert", "vert" or "cbvh.vert", case-insensitive. */
+  /*! For example "cvert", "vert" or "cbvh.vert"; case-insensitive. */
   static bool parseKind (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
@@ -66,7 +66,7 @@ namespace embree
   /*! Unknown keys of a device string, until verify() is called. */
   static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
-  /*! Returns, for example, "cbvh.grid, cbvh.voxel or cbvh.leaf". */
+  /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string keys;

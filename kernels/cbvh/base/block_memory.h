@@ -30,7 +30,7 @@ namespace embree
       /*! Allocates with the alignment of blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
-      /*! Must be called after the last allocation. */
+      /*! Call it after the last allocation. */
       void end ();
 
     private:

@@ -38,7 +38,7 @@ namespace embree
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! Returns room for a block, valid until the next call. */
+      /*! The result is valid until the next call. */
       uint8_t* begin (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));

@@ -13,7 +13,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A hit for Embree's single-hit epilogues. */
       struct SurfaceHit1
       {
         float u, v, t;
@@ -47,7 +46,7 @@ namespace embree
         return Occluded1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! Reports hits of several rays. Returns the rays that accepted. hit() returns u, v, t and Ng. */
+      /*! Returns the rays that accepted their hit. hit() returns u, v, t and Ng. */
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {

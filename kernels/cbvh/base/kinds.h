@@ -33,7 +33,6 @@ CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u
 /*! Blocks with frames support patches of up to 2^maxLevel quads per side. */
 CVERT_CONSTANT uint32_t maxLevel = 8u;
 
-/*! Layout of a block with a frame. */
 struct KindFormat
 {
   uint32_t leafLevels;    //!< log2 of the quads per side of a leaf in large enough blocks

@@ -36,7 +36,7 @@ namespace embree
       uint32_t value;
     };
 
-    /*! Maps surface numbers to geometry IDs of a scene. Each hit looks up an ID. */
+    /*! Geometry IDs of a scene by surface number. Each hit looks up an ID. */
     class SurfaceIDs
     {
     public:

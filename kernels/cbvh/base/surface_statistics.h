@@ -29,9 +29,9 @@ namespace embree
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
       size_t numExactQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
-      size_t numFlippedQuads = 0;      //!< traced normal is more than 90 degrees from the vertices' normal
-      size_t numMeshQuads = 0;         //!< quads of quad meshes in blocks, and pairs of triangles
-      size_t numIrregularQuads = 0;    //!< part of numMeshQuads in no grid of at least 4 x 4 quads
+      size_t numFlippedQuads = 0;      //!< traced normal more than 90 degrees from the vertices' normal
+      size_t numMeshQuads = 0;         //!< in blocks: quads of quad meshes, pairs of triangles
+      size_t numIrregularQuads = 0;    //!< part of numMeshQuads in no grid of 4 x 4 quads or more
       size_t numMovingQuads = 0;       //!< quads with several time steps
       size_t motionBytes = 0;          //!< part of leafBytes for time steps after the first
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
@@ -45,8 +45,7 @@ namespace embree
       float maxBorderMismatch = 0;
     };
 
-    /*! Calls sum(a.x,b.x) for each summed member x, and largest(a.x,b.x) for each maximum. A, B: CompressionStatistics,
-     *  or structs with members of the same names. */
+    /*! Calls sum(a.x,b.x) for each summed member x and largest(a.x,b.x) for each maximum. */
     template<typename A, typename B, typename Sum, typename Largest>
     void forEachMember (A& a, const B& b, const Sum& sum, const Largest& largest)
     {

@@ -20,7 +20,7 @@ namespace embree
     /*! Bits of a mask. */
     enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8, meshMotionCache = 16 };
 
-    /*! Bytes per thread of the caches in a mask of ThreadCaches. */
+    /*! caches: mask of ThreadCaches. */
     size_t threadCacheBytes (unsigned caches);
 
     /*! Call it after blocks are built and before they are traced. */
@@ -28,7 +28,7 @@ namespace embree
 
     extern std::atomic<unsigned> cacheGeneration;
 
-    /*! Not yet reduced to the number of entries. */
+    /*! Must be reduced to the number of entries. */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
     /*! Like hashOfBlock, but consecutive `bytes` bytes of memory have consecutive values, so that neighboring blocks
@@ -61,7 +61,7 @@ namespace embree
     class ThreadCache : public Entries
     {
     public:
-      /*! Returns the calling thread's cache, without outdated entries. */
+      /*! The calling thread's cache, without outdated entries. */
       static __forceinline ThreadCache& ofThread ()
       {
         ThreadCache* cache = current;

@@ -199,7 +199,7 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! Returns the number of nodes outside of surfaces. */
+      /*! Returns the nodes outside of surfaces. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);

@@ -33,7 +33,7 @@ namespace embree
       LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1
       size_t bytes = 0;                  //!< of the nodes
 
-      /*! Returns the root of a tree over the blocks. progress() may throw. */
+      /*! progress() may throw. */
       template<typename Progress>
       NodeRef build (Device* device, FastAllocator& memory, const mvector<Block>& blocks, const Progress& progress)
       {
@@ -112,7 +112,7 @@ namespace embree
       class Knots
       {
       public:
-        /*! first, last: ends of the range, in steps */
+        /*! first, last: in steps. */
         Knots (const Block& block, int k, bool isUpper, double first, double last)
           : block(block), k(k), isUpper(isUpper), first(first), last(last) {}
 
@@ -227,7 +227,7 @@ namespace embree
           {
             const NodeRecord& child = children[i];
             node->setRef(i,child.ref);
-            vfloat4* const planes = &node->lower_x; // lower and upper per axis, then their differences
+            vfloat4* const planes = &node->lower_x; // lower and upper planes per axis, then their differences
             for (int k=0; k<3; k++) {
               const Planes lower(child.lbounds.bounds0.lower[k],child.lbounds.bounds1.lower[k],child.dt,false),
                 upper(child.lbounds.bounds0.upper[k],child.lbounds.bounds1.upper[k],child.dt,true);

@@ -17,7 +17,7 @@ namespace embree
   /*! Returns the most similar known key. */
   std::string nearestDeviceKey (const std::string& word);
 
-  /*! Returns the first of `words` that begins with `word`, otherwise the most similar one. */
+  /*! Returns the first word that begins with `word`, otherwise the most similar one. */
   std::string nearestWord (const std::string& word, const std::vector<std::string>& words);
 
   /*! Checks all keys, and values whose errors Embree ignores. Returns an empty string, or a message with the first

@@ -19,8 +19,7 @@ namespace embree
       std::string text;
     };
 
-    /*! Returns the exception of the enclosing catch block. Exceptions that are not Embree's become
-     *  RTC_ERROR_UNKNOWN. */
+    /*! Call it in a catch block. Exceptions that are not Embree's become RTC_ERROR_UNKNOWN. */
     CaughtError caughtError ();
 
     [[noreturn]] void invalidArgument (const std::string& text);

@@ -18,7 +18,7 @@ namespace embree
 {
   namespace core
   {
-    /*! firstSize: sizeof in the first version with the struct. */
+    /*! firstSize: sizeof in the first version that has the struct. */
     template<typename T> struct GrowingStruct;
 
     /*! lastOfFirst: last member in the first version. Use in namespace embree::core. */

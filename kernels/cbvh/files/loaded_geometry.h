@@ -51,7 +51,6 @@ namespace embree
     const BBox1f ownTimes; //!< times of the first and last step
   };
 
-  /*! Throws if a geometry was loaded from a file. */
   inline void requireEditable (Geometry* geometry) {
     if (dynamic_cast<const LoadedGeometry*>(geometry))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::rejectionReason);

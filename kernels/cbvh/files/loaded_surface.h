@@ -17,11 +17,11 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Returns geometry i. Throws cvert::Error if its tree or a moving block is damaged. */
+    /*! Throws cvert::Error if the geometry's tree or a moving block is damaged. */
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
                                                       size_t i);
 
-    /*! Reads a whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
+    /*! Reads the whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
     void verifyFile (const cvert::File& file);
   }
 }

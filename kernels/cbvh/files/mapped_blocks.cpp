@@ -114,7 +114,7 @@ namespace embree
         return Place{ nullptr, 0, nullptr };
       }
 
-      /*! Returns a list of all mapped blocks and `another`. The mutex must be locked. */
+      /*! All mapped blocks and `another`. The mutex must be locked. */
       static std::shared_ptr<const List> listOf (const MappedBlocks* another)
       {
         const std::shared_ptr<List> made = std::make_shared<List>();

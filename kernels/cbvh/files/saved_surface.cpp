@@ -24,7 +24,6 @@ namespace embree
 
     namespace
     {
-      /*! Stores a surface in the order of the file. */
       class Layout
       {
       public:

@@ -35,7 +35,7 @@ namespace embree
       float begin[4], end[4];
     };
 
-    /*! A block, or a grid of GRID. */
+    /*! A compressed block, or a grid of GRID. */
     struct FlatBlock
     {
       const void* data;  //!< aligned to 16 bytes

@@ -39,7 +39,7 @@ namespace embree
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
-        /*! Distance by which hits are compared (nearest_hit.h). */
+        /*! See nearest_hit.h. */
         __forceinline Real comparedT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Intersects a single ray with a block, for closest hit and any hit. */
-
 #include "voxel/visitor1.h"
 #include "leaf/visitor1.h"
 #include "grid/visitor1.h"

@@ -44,7 +44,7 @@ namespace embree
           return at;
         }
 
-        /*! tile() for the last level of cLEAF. */
+        /*! For the last level of cLEAF. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
@@ -61,7 +61,7 @@ namespace embree
           return has(at,number) && (at.decoded >> (child >> 2)) & 1u;
         }
 
-        /*! Decodes the grandchildren below the children in `mask`. */
+        /*! Decodes the children of the children in `mask`. */
         __forceinline void need (Tile& at, uint32_t mask)
         {
           mask &= ~at.decoded;
@@ -79,7 +79,6 @@ namespace embree
           return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1;
         }
 
-        /*! Index of the first child's word. */
         static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
 
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)

@@ -92,13 +92,13 @@ namespace embree
       return plane;
     }
 
-    /*! False if no homography is good enough. */
+    /*! False if no homography is accurate enough. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       double a[4], b[4];
       for (int i=0; i<4; i++) { a[i] = dot(p[i],plane.e1); b[i] = dot(p[i],plane.e2); }
 
-      /* Convexity test with twice the area of each corner triangle. */
+      /* Convexity: compares twice the area of each corner triangle. */
       const int ring[4] = { 0, 1, 3, 2 };
       double area = 0, smallest = DBL_MAX;
       for (int i=0; i<4; i++) {

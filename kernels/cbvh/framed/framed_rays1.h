@@ -41,7 +41,7 @@ namespace embree
           }
         }
 
-        /*! Returns the final tfar, after the traversal. */
+        /*! Call it after the traversal. Returns the final tfar. */
         __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
 
       private:

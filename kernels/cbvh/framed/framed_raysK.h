@@ -37,7 +37,7 @@ namespace embree
           }
         }
 
-        /*! Sets the final tfar, after the traversal. */
+        /*! Call it after the traversal. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
 
       private:

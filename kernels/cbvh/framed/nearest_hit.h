@@ -26,7 +26,7 @@ namespace embree
         float own = pos_inf; //!< distance of the hit itself
         const Block* block = nullptr;
 
-        /*! True if the stored hit takes precedence over another. tfar: the ray's, whose hit can be of another kind. */
+        /*! tfar: the ray's, whose hit can be of another kind. */
         __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
           return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own

@@ -79,7 +79,7 @@ namespace embree
           return 0u;
         }
 
-        /*! For a tile above the root, in whose box the ray is. */
+        /*! For a tile above the root, whose box the ray intersects. */
         __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;

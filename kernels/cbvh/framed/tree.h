@@ -36,7 +36,7 @@ inline Heights heightsOf (const Block* block, uint32_t m)
   return heights;
 }
 
-/*! Child c of node m of a level. parent: the node's bounds. */
+/*! parent: bounds of node m. */
 inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);

@@ -89,7 +89,7 @@ namespace embree
         return true;
       }
 
-      /*! The vertices of the last patch as its face evaluates them; null if they were evaluated with another number of
+      /*! Vertices of the last patch as its face evaluates them; null if they were evaluated with another number of
        *  quads. Requires plan.sharesBorders(). */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;

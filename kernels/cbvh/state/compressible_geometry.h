@@ -79,7 +79,7 @@ namespace embree
     /*! True if blocks are traced instead of Embree's representation. */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
-    /*! Takes the geometry from Embree's kernels, or returns it. */
+    /*! False returns the geometry to Embree's kernels. */
     void setCompressed (bool compressed) { gtype = compressed ? GTY_COMPRESSED : ownType; }
 
     /*! Counts compressed geometry as subdivision surfaces, whose trees contain its blocks. */
@@ -96,7 +96,7 @@ namespace embree
     void requireInput (RTCBufferType type) const;
   };
 
-  /*! Returns null for types that cannot be compressed. */
+  /*! Null for types that cannot be compressed. */
   inline CompressibleGeometry* compressible (Geometry* geometry)
   {
     switch (int(geometry->getType())) {
@@ -107,8 +107,8 @@ namespace embree
     }
   }
 
-  /*! Returns a geometry that a scene's tree of moving, or static, blocks may contain, else null. It must be enabled,
-   *  and either compressed or a static subdivision surface. */
+  /*! Null unless a scene's tree of moving, or static, blocks may contain the geometry: it must be enabled, and
+   *  compressed or a static subdivision surface. */
   inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;

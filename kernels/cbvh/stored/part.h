@@ -15,7 +15,7 @@ namespace embree
     struct StoredTriangle
     {
       float vertices[3][3]; //!< in the geometry's space
-      /*! Parameters of the vertices, between which parameters of hits are interpolated. */
+      /*! Parameters at the vertices; those of hits are interpolated between them. */
       float u[3], v[3];
     };
 

@@ -121,7 +121,7 @@ namespace embree
         return !block.isVert() || VerticesAtTime::isPresent(block.vert(),time);
       }
 
-      /*! Calls closure(number, corners) for a mesh block's triangles. */
+      /*! Calls closure(number, corners). */
       template<typename Closure>
       void forEachTriangle (const MeshHeader* block, const TraversalTime& time, const Closure& closure)
       {

@@ -42,7 +42,7 @@ namespace embree
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 
-    /*! Index for looking up triangles, created by the first call. Thread-safe. */
+    /*! The first call builds the index. Thread-safe. */
     const cbvh::BlockIndex& index () const;
 
   private:
@@ -54,7 +54,7 @@ namespace embree
     /*! True if one of a scene's moving, or static, surfaces is compressed. */
     bool hasCompressedGeometry (const Scene* scene, bool moves);
 
-    /*! Sets a scene's table from surface numbers to geometry IDs. Thread-safe. */
+    /*! Thread-safe. */
     void updateSurfaceIDs (Scene* scene);
 
     /*! The first call assigns the number. Thread-safe. */

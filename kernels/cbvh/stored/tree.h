@@ -26,8 +26,7 @@ namespace embree
       return n;
     }
 
-    /*! Returns the root of a tree over `prims`, whose IDs are references of leaves. Sets `nodes` to the number of
-     *  nodes. progress() may throw. */
+    /*! `prims`: their IDs are references of leaves. nodes: set to the number of nodes. progress() may throw. */
     template<typename Progress>
     inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
                                     size_t& nodes)

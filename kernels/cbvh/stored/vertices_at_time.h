@@ -46,7 +46,7 @@ namespace embree
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
-      /*! True if the block exists then, or does not move. */
+      /*! Also true if the block does not move. */
       static bool isPresent (const VertHeader* block, const TraversalTime& at) {
         return !isMoving(block->boxForm) || cbvh::isPresent(motionOf(block),at.time);
       }
@@ -69,7 +69,7 @@ namespace embree
 
       bool moves () const { return isMovingMesh(view.block); }
 
-      /*! True if the block exists then, or does not move. */
+      /*! Also true if the block does not move. */
       static bool isPresent (const MeshHeader* block, const TraversalTime& at) {
         return !isMovingMesh(block) || cbvh::isPresent(motionOfMesh(block),at.time);
       }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Measures how many quads a patch needs, from one point per four quads. */
+/* Measures how many quads a patch needs, at one point per four quads. */
 
 #include "dicing_view.h"
 

@@ -46,7 +46,7 @@ namespace embree
     /*! first: the face's first half-edge. */
     inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
-      if (corners < 3) return false; // a single corner has no next edge
+      if (corners < 3) return false; // the only corner has no next edge
       const HalfEdge* edge = first;
       while (!isUnsupportedAtVertex(edge))
         if ((edge = edge->next()) == first) return true;

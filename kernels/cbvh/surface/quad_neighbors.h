@@ -35,7 +35,7 @@ namespace embree
     NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
       : quads(quads), numVertices(numVertices), out(out) {}
 
-    /*! Returns false, without neighbors, if a sample shows that few quads are regular. */
+    /*! Returns false, and finds no neighbors, if few quads of a sample are regular. */
     bool run ()
     {
       if (!findCorners()) return false;

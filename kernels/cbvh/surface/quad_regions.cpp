@@ -287,7 +287,7 @@ namespace embree
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
 
-    /*! Nearly all blocks are full: little can be gained. */
+    /*! Nearly all blocks are full, so little can be gained. */
     bool isGood (const QuadRegions& found)
     {
       const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;

@@ -11,7 +11,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Queries a CompressedTree. True if a call of the application's function changed the query. */
+      /*! True if a call of the application's function changed the query. */
       bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context);
     }
   }

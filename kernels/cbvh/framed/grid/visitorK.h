@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID for packets, ray by ray. */
+/* Intersects leaves of cGRID ray by ray. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"

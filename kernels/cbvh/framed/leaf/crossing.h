@@ -13,8 +13,6 @@
 
 CBVH_BEGIN
 
-/* --- height of a ray over a bilinear patch ------------------------------------------- */
-
 /*! f(k) = f0 + k (f1-f0) + saddle k (1-k), where k is 0 at the entry and 1 at the exit. */
 CVERT_REAL struct Parabola
 {

@@ -28,7 +28,7 @@ namespace embree
         return add(m,quads,encodeGroup(box,quads),box);
       }
 
-      /*! For groups m to m+3, the children of a node. */
+      /*! For the children of a node, groups m to m+3. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.isWhole()) {

@@ -87,7 +87,7 @@ namespace embree
       }
     };
 
-    /*! The two edges of a row or column: lines 0 and 2 are sides, 1 is the middle. */
+    /*! Two edges of a row or column: lines 0 and 2 are sides, 1 is the middle. */
     struct GroupLine
     {
       int vertex[3];

@@ -34,7 +34,7 @@ namespace embree
     {
       uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, loose or solid
       uint32_t edges = 0, poorEdges = 0; //!< where the surface ends or bends
-      uint32_t flippedQuads = 0;         //!< normal is off by more than 90 degrees
+      uint32_t flippedQuads = 0;         //!< normal is off by over 90 degrees
 
       void merge(const LeafFit& other)
       {
