@@ -13,7 +13,7 @@ using namespace embree::beside;
 
 namespace {
 
-thread_local std::string lastText;       // of cbvhGetErrorText
+thread_local std::string lastText;       // text of cbvhGetErrorText
 thread_local Failure ofEmbree = {CBVH_OK, ""}; // of Embree, not yet returned by a function
 thread_local bool isTaken = false;             // this thread is in a function that returns such errors
 
@@ -61,7 +61,7 @@ CbvhContextTy::~CbvhContextTy()
 
 Failure CbvhContextTy::takeError() const
 {
-  rtcGetDeviceError(device); // also clears it
+  rtcGetDeviceError(device); // the call also clears the error
   return std::exchange(ofEmbree, Failure{CBVH_OK, ""});
 }
 

@@ -84,7 +84,7 @@ struct CbvhContextTy : embree::beside::Counted
   /* Returns and clears this thread's last error of Embree's API. */
   embree::beside::Failure takeError() const;
 
-  /* Throws that error, if any. */
+  /* Throws the error that takeError() returns, if there is one. */
   void check() const;
 
   /* Stores an error for cbvhGetErrorText, and notifies the application. */
@@ -134,7 +134,7 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 
 inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* tell() for functions without a context. */
+/* As tell(), for functions without a context. */
 CbvhError refuse(const char* text);
 
 }} // namespace embree::beside

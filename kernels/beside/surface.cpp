@@ -115,7 +115,7 @@ void Input::checkParameters(unsigned int primID, float u, float v) const
     + std::to_string(primID) + ": ";
   const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
   if (other == nonQuads.end() || other->first != primID) {
-    const float tolerance = 1e-3f; // for rounded parameters of hits
+    const float tolerance = 1e-3f; // because parameters of hits are rounded
     if (!(u >= -tolerance && u <= 1 + tolerance && v >= -tolerance && v <= 1 + tolerance))
       throwInvalidArgument(given + "expected 0 to 1");
     return;

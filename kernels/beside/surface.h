@@ -16,7 +16,7 @@
 
 namespace embree { namespace beside {
 
-/* With the data of its callbacks. */
+/* A geometry, with the data of its callbacks. */
 struct Input
 {
   RTCGeometry geometry;
@@ -25,13 +25,13 @@ struct Input
   size_t numEdges = 0;                // one per index of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
-  std::vector<unsigned int> widths;   // per attribute
+  std::vector<unsigned int> widths;   // width of each attribute
   // of cages with attributes: faces without 4 corners, and their numbers of corners
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
-  CbvhProgressFunction progress = nullptr; // during a commit
+  CbvhProgressFunction progress = nullptr; // set during a commit
   void* progressPtr = nullptr;
 
-  /* For functions of the core. */
+  /* The geometry, for functions of the core. */
   embree::Geometry* inner() const { return (embree::Geometry*)geometry; }
 
   /* Throws unless the face exists, and u and v are its parameters, numbered as in hits. */
@@ -92,17 +92,17 @@ private:
 
   void commitInput();
 
-  /* For the next commit. */
+  /* Settings of the next commit. */
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
   /* Throws, and replaces nothing, if the device reported an error. */
   void setPending(InputPtr input);
 
-  InputPtr current, pending;    // committed, and of the next commit
+  InputPtr current, pending;    // input that is committed, and of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
   bool isLossless = false, committedLossless = false;
   unsigned int mask = ~0u, appliedMask = ~0u; // set value, and the committed geometry's
-  std::atomic<bool> isChanging{false}; // while a Change exists
+  std::atomic<bool> isChanging{false}; // set while a Change exists
   std::atomic<bool> isPendingInUse{false}; // callbacks of the pending input may be called
 };

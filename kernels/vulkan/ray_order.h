@@ -10,8 +10,8 @@
 
 CBVH_BEGIN
 
-CVERT_CONSTANT uint32_t orderThreads = 256u;                   //!< per workgroup
-CVERT_CONSTANT uint32_t orderKeys = 16u;                       //!< per thread
+CVERT_CONSTANT uint32_t orderThreads = 256u;                   //!< threads per workgroup
+CVERT_CONSTANT uint32_t orderKeys = 16u;                       //!< keys per thread
 CVERT_CONSTANT uint32_t orderTile = orderThreads*orderKeys;    //!< keys per workgroup
 CVERT_CONSTANT uint32_t orderDigitBits = 4u;
 CVERT_CONSTANT uint32_t orderDigits = 16u;

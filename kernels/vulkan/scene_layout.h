@@ -27,11 +27,11 @@ struct SceneData
 {
   CBVH_ADDRESS nodes;
   CBVH_ADDRESS movingNodes;
-  CBVH_ADDRESS blocks;       //!< BlockData
+  CBVH_ADDRESS blocks;       //!< address of BlockData
   CBVH_ADDRESS cells;        //!< pairs: index in `blocks` and vertex (cell of GRID), or geomID and primID (triangle)
-  CBVH_ADDRESS geometries;   //!< GeometryData
+  CBVH_ADDRESS geometries;   //!< address of GeometryData
   uint32_t root;             //!< reference
-  float lower[3], upper[3];  //!< of the scene
+  float lower[3], upper[3];  //!< bounds of the scene
   uint32_t padding[3];
   /* only for ray queries */
   CBVH_ADDRESS topLevel;     //!< acceleration structure
@@ -50,7 +50,7 @@ CVERT_CONSTANT uint32_t leafBoxBytes = 32u;
 /*! Boxes of a top-level instance. */
 struct PlacedBoxes
 {
-  CBVH_ADDRESS boxes;        //!< LeafBox
+  CBVH_ADDRESS boxes;        //!< address of LeafBox
   uint32_t instID;           //!< Embree's instance; all bits set for the scene itself
   uint32_t firstGeometry;    //!< see GeometryData
 };
@@ -68,11 +68,11 @@ struct BlockData
 struct GeometryData
 {
   CBVH_ADDRESS vertices, indices;
-  uint32_t vertexStride, indexStride;  //!< words
+  uint32_t vertexStride, indexStride;  //!< in words
   uint32_t mask;
   uint32_t isRobust;         //!< test triangles as in Embree's robust scenes
   float worldToLocal[12];    //!< 3x4, column by column
-  uint32_t root;             //!< of the instanced scene
+  uint32_t root;             //!< root of the instanced scene
   uint32_t firstGeometry;    //!< index in `geometries` of the instanced scene's geometry 0
   /* moving instance; linear between the steps */
   uint32_t numSteps;         //!< 1 if static

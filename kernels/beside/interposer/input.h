@@ -29,7 +29,7 @@ struct Input
 {
   RTCGeometryType type;
   RTCGeometry original;
-  void* const* userData;         // the application's, for displacement
+  void* const* userData;         // the application's user data, for displacement
   unsigned int numTimeSteps = 1;
   float begin = 0, end = 1;      // time range
   float tessellationRate = 2;

@@ -18,13 +18,13 @@ namespace interposer {
 
 struct Scene;
 
-/* With a substitute, or an instance. */
+/* A geometry with a substitute, or an instance. */
 struct Geometry
 {
   RTCGeometry handle;
   size_t references = 1;
   std::unique_ptr<Substituted> substituted;
-  std::vector<Scene*> scenes;       // instanced by the geometry
+  std::vector<Scene*> scenes;       // scenes that the geometry instances
 };
 
 struct Attachment

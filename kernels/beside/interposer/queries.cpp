@@ -83,7 +83,7 @@ void bound(const RTCBoundsFunctionArguments* args)
   RTCBoundsFunctionArguments changed = *args;
   changed.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
   if (changed.geometryUserPtr) { cbvhBoundGeometry(&changed); return; }
-  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty
+  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty bounds
 }
 
 void intersect(const RTCIntersectFunctionNArguments* args)

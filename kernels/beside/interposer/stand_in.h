@@ -18,7 +18,7 @@ struct StandIn
 {
   CbvhGroup group;               // NULL until built
   RTCGeometry original;          // the application's geometry
-  void* userData;                // of the original
+  void* userData;                // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;
   bool takesArgumentFilters;     // see rtcSetGeometryEnableFilterFunctionFromArguments
 };

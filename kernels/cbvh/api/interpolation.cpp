@@ -12,7 +12,7 @@ namespace embree
 {
   namespace
   {
-    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< unused by Embree
+    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< a value that Embree does not use
 
     /*! Vertex rings of other types have at most 4 quads, or are not read. */
     bool mayBeUnsupported (HalfEdge::PatchType type) {
@@ -49,7 +49,7 @@ namespace embree
     void requireSubPatch (const SubdivMesh::Topology& topology, unsigned face, float u, float v)
     {
       const HalfEdge* const edge = topology.getHalfEdge(face);
-      if (likely(edge->patch_type != HalfEdge::COMPLEX_PATCH)) return; // has four corners
+      if (likely(edge->patch_type != HalfEdge::COMPLEX_PATCH)) return; // the face has four corners
       const unsigned corners = edge->numEdges();
       if (corners == 4) return;
       if (u >= 0.0f && u < 8.0f && v >= 0.0f && v < 8.0f && unsigned(0.5f*u) + 4*unsigned(0.5f*v) < corners) return;

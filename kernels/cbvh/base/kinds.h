@@ -39,7 +39,7 @@ struct KindFormat
   uint32_t minNodeLevels; //!< minimum levels of nodes; in smaller blocks, leaves are parts of a quad
   uint32_t groupBytes;    //!< per group of 2 x 2 leaves, which is one node word of the last level; 0 for no groups
   uint32_t vertexBytes;
-  uint32_t padding;       //!< at the end of the block
+  uint32_t padding;       //!< bytes that decoders read after the last leaf
 };
 
 /*! Indexed by kind. */
@@ -66,7 +66,7 @@ struct KindDescription
 {
   Kind kind;
   const char* key;           //!< "cbvh.KEY" in device strings, KEY in EMBREE_CBVH, "cKEY" in command lines
-  const char* name;          //!< in messages
+  const char* name;          //!< name in messages
   bool alignsToLimit;        //!< frames align to the corners before displacement, otherwise after it
   bool supportsHoles;        //!< leaves can leave out a quad
   bool hasThickness;         //!< leaves are inexact, with a bound on their thickness

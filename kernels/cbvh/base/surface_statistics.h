@@ -22,7 +22,7 @@ namespace embree
       size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
       size_t uncompressedBytes = 0;    //!< grids of numUncompressedQuads
       size_t numBlocks = 0;
-      size_t numQuads = 0;             //!< in blocks
+      size_t numQuads = 0;             //!< quads in blocks
       size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by GRID
       size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
       size_t numAffineBlocks = 0;      //!< blocks whose projective frame became affine

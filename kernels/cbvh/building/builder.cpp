@@ -65,7 +65,7 @@ namespace embree
         CompressibleGeometry* geometry;
         unsigned geomID;
         Number number;
-        CompressionPlan plan;                        //!< of the blocks
+        CompressionPlan plan;                        //!< plan of the blocks
         std::shared_ptr<const SurfaceBlocks> blocks; //!< null until built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)
@@ -132,7 +132,7 @@ namespace embree
         return surfaces;
       }
 
-      /*! 0: blocks must be built. */
+      /*! 0 for surfaces whose blocks must be built */
       static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
       {
         std::vector<uint64_t> builds;
@@ -199,7 +199,7 @@ namespace embree
           report->errors.push_back(describeInvalid(surface));
       }
 
-      /*! Returns the nodes outside of surfaces. */
+      /*! Returns the number of nodes outside of surfaces. */
       size_t buildTopLevel ()
       {
         BBox3fa bounds(empty);
@@ -225,7 +225,7 @@ namespace embree
         return nodes;
       }
 
-      /*! Returns the bytes of nodes. */
+      /*! Returns the size of the nodes in bytes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);

@@ -103,7 +103,7 @@ namespace embree
       cbvh::BuildStatistics all;                                         //!< sum over `compressed`
       /*! Number of uncompressed primitives, by type and reason. */
       std::map<std::pair<std::string,std::string>,size_t> left;
-      size_t notRequested = 0;                                           //!< subdivision surfaces
+      size_t notRequested = 0;                                           //!< number of subdivision surfaces
     };
   }
 }

@@ -31,7 +31,7 @@ namespace embree
       };
 
       LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1
-      size_t bytes = 0;                  //!< of the nodes
+      size_t bytes = 0;                  //!< size of the nodes
 
       /*! progress() may throw. */
       template<typename Progress>
@@ -112,7 +112,7 @@ namespace embree
       class Knots
       {
       public:
-        /*! first, last: in steps. */
+        /*! first, last: range of times, in steps. */
         Knots (const Block& block, int k, bool isUpper, double first, double last)
           : block(block), k(k), isUpper(isUpper), first(first), last(last) {}
 
@@ -173,7 +173,7 @@ namespace embree
               });
             if (count == 0) planes[0] = knots.anywhere(); // no ray hits the block in this range
             const double slope = count > 1 ? (planes[1]-planes[0])/(positions[1]-positions[0]) : 0.0;
-            double outside = 0; // of the knots from the line
+            double outside = 0; // largest distance of a knot outside of the line
             knots.forEach([&](double position, double plane) {
                 const double line = planes[0] + slope*(position-positions[0]);
                 outside = std::max(outside,isUpper ? plane-line : line-plane);

@@ -39,7 +39,7 @@ namespace embree
     /*! Bytes reserved per block: a cLEAF block of 16 x 16 quads, which most cVERT blocks do not reach. */
     static const size_t expectedBlockBytes = 928;
 
-    /*! About a block of 256 triangles. */
+    /*! About the size of a block of 256 triangles. */
     static const size_t expectedMeshBlockBytes = 1664;
 
     /*! Less than the blocks of most parts of a mesh (irregular_blocks.h). */

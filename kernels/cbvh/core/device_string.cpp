@@ -106,7 +106,7 @@ namespace embree
       const std::vector<std::string> words = wordsOf(key.value);
       if (words.empty()) return "";
       for (char& c : value)
-        if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // as Embree does
+        if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // Embree ignores case, too
       for (size_t at = 0; at <= value.size(); ) {
         const size_t end = key.value == Value::SceneFlags ? std::min(value.find('|',at),value.size()) : value.size();
         const std::string word = value.substr(at,end-at);

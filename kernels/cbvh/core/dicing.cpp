@@ -102,7 +102,7 @@ namespace embree
             for (size_t f=r.begin(); f!=r.end(); f++)
             {
               const unsigned n = mesh->faceVertices[f];
-              if (!isa::canBeEvaluated(mesh->getHalfEdge(0,f),n)) continue; // left out by commits
+              if (!isa::canBeEvaluated(mesh->getHalfEdge(0,f),n)) continue; // commits leave out such faces
               float* const out = &rates[first[f]];
               for (unsigned step=0; step<mesh->numTimeSteps; step++)
               {

@@ -56,7 +56,7 @@ namespace embree
       /*! As rtcCommitCompressedFile. */
       void commit ();
 
-      Device* const device;  //!< referenced
+      Device* const device;  //!< holds a reference
 
     private:
       std::unique_ptr<cvert::FileWriter> writer;
@@ -65,13 +65,13 @@ namespace embree
     /*! Entry of a file's directory. */
     struct FileDescription
     {
-      RTCGeometryType type;                    //!< of the saved geometry
-      RTCCompression compression;              //!< of the saved geometry
+      RTCGeometryType type;                    //!< type of the saved geometry
+      RTCCompression compression;              //!< representation of the saved geometry
       unsigned primitiveCount, timeStepCount;
       float begin, end;                        //!< times of the first and last step
       /*! Bounds of everything that rays can hit, at all times; empty if lower is above upper. */
       float lower[3], upper[3];
-      size_t bytes;                            //!< in the file
+      size_t bytes;                            //!< size in the file
     };
 
     /*! An open file. Any number of threads may use it. Loaded geometries keep it mapped. */
@@ -102,7 +102,7 @@ namespace embree
        *  damaged. */
       void verifyAll () const;
 
-      Device* const device;  //!< referenced
+      Device* const device;  //!< holds a reference
 
     private:
       const std::shared_ptr<const cvert::File> file;

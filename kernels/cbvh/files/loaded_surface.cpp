@@ -41,7 +41,7 @@ namespace embree
         ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
-      /*! pages: null without private pages. */
+      /*! pages: null if the surface has no private pages. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;

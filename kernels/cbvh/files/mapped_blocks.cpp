@@ -66,7 +66,7 @@ namespace embree
       {
         uint64_t generation = 0;
         std::shared_ptr<const List> list;
-        Place last = { nullptr, 0, nullptr }; //!< of the last block
+        Place last = { nullptr, 0, nullptr }; //!< place of the last block
       };
 
       static bool isGood (const void* block, BlockForm form)
@@ -140,11 +140,11 @@ namespace embree
         generation.fetch_add(1);
       }
 
-      static MutexSys mutex;                    //!< protects the next four
+      static MutexSys mutex;                    //!< protects the next four members
       static MappedBlocks* first;
-      static std::shared_ptr<const List> list;  //!< null without memory for it
+      static std::shared_ptr<const List> list;  //!< null if there was no memory for it
       static size_t hullBegin, hullEnd;
-      static std::atomic<uint64_t> generation;  //!< counts changes
+      static std::atomic<uint64_t> generation;  //!< incremented by each change
       static __thread Known* known __attribute__((tls_model("initial-exec")));
     };
 

@@ -63,11 +63,11 @@ namespace embree
       bool isTraced;             //!< a FlatScene supports it: static, compressed, or an instance with linear motion
       bool hasFilter;
       uint64_t build; //!< equal if a compressed surface has the same blocks in several scenes; otherwise 0
-      /* of triangles */
+      /* number of triangles */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
       size_t vertexStride, numVertices, indexStride, numTriangles;
-      /* of an instance */
+      /* members of an instance begin here */
       float worldToLocal[12];    //!< columns x, y, z, translation; undefined for moving instances
       const float* localToWorld; //!< inverse per time step, linear between steps
       float begin, end;          //!< times of the first and last step; a moving instance exists only between them
@@ -79,13 +79,13 @@ namespace embree
     {
       uint32_t root;             //!< reference, or emptyReference
       uint32_t depth;            //!< nodes on the longest path to a leaf
-      float lower[3], upper[3];  //!< at all times
+      float lower[3], upper[3];  //!< bounds at all times
     };
 
     struct FlatScene
     {
       uint32_t version;
-      bool isRobust;             //!< RTC_SCENE_FLAG_ROBUST
+      bool isRobust;             //!< the scene has RTC_SCENE_FLAG_ROBUST
       FlatTree still, moving;    //!< static and moving surfaces
 
       FlatNode* nodes;

@@ -29,12 +29,12 @@ CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 struct BlockLayout
 {
   uint32_t nodeLevels;
-  uint32_t leaves;      //!< along a side
+  uint32_t leaves;      //!< number along a side
   uint32_t nodes;       //!< number of node words
   uint32_t leafOffset;
   uint32_t leafBytes;
   uint32_t bytes;       //!< of the block, a multiple of 4
-  uint32_t stride;      //!< from block to block
+  uint32_t stride;      //!< distance from one block to the next
 };
 
 CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
@@ -73,7 +73,7 @@ CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, ui
 }
 CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
 CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
-CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }   //!< in blocks
+CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }   //!< position in blocks
 CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
 /*! cLEAF: edges on the block's border are within this fraction of their leaves' boxes, from the outer side. */

@@ -42,7 +42,7 @@ namespace embree
 
       /*! For blocks of this height, 16-byte aligned. */
       static size_t scratchBytes(uint32_t height) {
-        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // has the smallest cells
+        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cLEAF has the smallest cells
         return geometry.layoutScratch(nullptr);
       }
 
@@ -72,7 +72,7 @@ namespace embree
         memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) // any frame around the vertices
+        if (!ok) // a frame that only contains the vertices
           for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
         const FrameLanes lanes(frame.columns);
@@ -87,7 +87,7 @@ namespace embree
       bool isDegenerate() const
       {
         const uint32_t side = 1u << cellLevels, cells = side*side;
-        const double limit = 2*minQuadArea/cells; // of twice the area
+        const double limit = 2*minQuadArea/cells; // limit of twice the area
         if (frame.degenerate) return true;
         uint32_t small = 0, valid = 0;
         for (uint32_t y=0; y<side; y++)

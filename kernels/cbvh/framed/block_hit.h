@@ -19,7 +19,7 @@ namespace embree
       struct LeafHit
       {
         Real s;
-        Real u, v;                 //!< in the leaf
+        Real u, v;                 //!< position in the leaf
         Real slopeX, slopeY;
         Bool fromAbove, fromBelow; //!< side of the ray's origin; neither is set if it is unknown
       };
@@ -27,11 +27,11 @@ namespace embree
       template<typename Real>
       struct HitRay
       {
-        Real P[3], D[3];       //!< in the frame
+        Real P[3], D[3];       //!< position and direction in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
         Real scale, rcpDir2;
-        Real tnear, tfar;      //!< before any hit
+        Real tnear, tfar;      //!< the ray's values before any hit
         Real enter;            //!< where the ray enters the block's bounds
 
         __forceinline Real distanceAt (const Real& s) const {
@@ -98,7 +98,7 @@ namespace embree
         }
 
         const Block* block;
-        const float leafSize; //!< in quads
+        const float leafSize; //!< side of a leaf, in quads
       };
     }
   }

@@ -31,7 +31,7 @@ namespace embree
         const FrameRays<K>& frameRays;
         BlockTiles& tiles;
         vfloat<K> sBest;
-        vbool<K> open;   //!< that continue
+        vbool<K> open;   //!< rays that continue
         vbool<K> isHit;
 
         __forceinline BlockVisitorK (Rays& rays, IntersectContext* context, const RayStates<K>& state,

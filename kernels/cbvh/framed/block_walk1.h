@@ -39,8 +39,8 @@ namespace embree
 
         struct Level
         {
-          TileHits hits;  //!< not visited yet
-          uint32_t m;     //!< of the tile
+          TileHits hits;  //!< nodes that were not visited yet
+          uint32_t m;     //!< index of the tile's node in its level
           uint32_t number;
           NodeEntries::Tile* tile;
         };

@@ -43,7 +43,7 @@ namespace embree
         BlockTiles& tiles;
         Visitor& visitor;
         const int first, last;
-        uint32_t flip;         //!< of x and y, see FrameRay
+        uint32_t flip;         //!< descending axes x and y, see FrameRay
 
       public:
         __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
@@ -124,7 +124,7 @@ namespace embree
         {
           Tile& tile = tileOf(level,m);
           const uint32_t number = tile.number;
-          if (unlikely(tile.isAboveRoot())) { // rays are in its box
+          if (unlikely(tile.isAboveRoot())) { // all rays are in the box of the tile
             intersectChildren(level,m,number,tile.present,0,lanes);
             return;
           }
@@ -149,7 +149,8 @@ namespace embree
             const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter may trace rays
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter may trace rays,
+                                                                                             // which replace it
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else intersectTile(level+2,16*m+4*c+i,hit);

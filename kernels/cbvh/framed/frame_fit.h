@@ -83,7 +83,7 @@ namespace embree
       const double ll = length(longest);
       if (ln > 1e-9*length(d1)*length(d2) && ln > 0)
         plane.n = (1.0/ln)*plane.n;
-      else // collapsed
+      else // the corners are collapsed
         plane.n = ll > 0 ? anyOrthogonal((1.0/ll)*longest) : Double3{0,0,1};
       Double3 e1 = a - dot(a,plane.n)*plane.n;
       if (!(length(e1) > 1e-9*ll)) e1 = cross(b,plane.n);

@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! n.p + d. */
+    /*! The linear form n.p + d. */
     struct Form
     {
       Double3 n;

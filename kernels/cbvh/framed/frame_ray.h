@@ -40,7 +40,7 @@ namespace embree
           }
         }
 
-        /*! First child along the ray. */
+        /*! Number of the first child along the ray. */
         __forceinline uint32_t flipXY () const { return flip & 3u; }
         __forceinline bool descends () const { return (flip & 4u) != 0u; }
 
@@ -82,7 +82,7 @@ namespace embree
 
       struct BoxMasks
       {
-        uint32_t hit;    //!< that the segment intersects
+        uint32_t hit;    //!< boxes that the segment intersects
         uint32_t passed; //!< that it overlaps in x and y, but misses
       };
 

@@ -70,8 +70,8 @@ CVERT_REAL struct WorldRay
 CVERT_REAL struct Segment
 {
   Real P0[3], P1[3];
-  Real epsilon[3];   //!< see above
-  Real t0, t1;       //!< at both ends
+  Real epsilon[3];   //!< see the top of this file
+  Real t0, t1;       //!< parameters of the ray at both ends
   Real w0, w1;
   bool startClipped; //!< starts at tnear, inside the box
   bool endClipped;   //!< ends at tfar, inside the box

@@ -26,8 +26,8 @@ namespace embree
         float scale;    //!< t = t' * scale, t' along dir
         float rcpScale;
         float rcpDir2;
-        float scaledTnear; //!< in t'
-        float tfar;        //!< before any hit
+        float scaledTnear; //!< tnear in units of t'
+        float tfar;        //!< the ray's tfar before any hit
         float enter;       //!< lower bound of the distance to the block's bounds
         mutable NearestHit nearest;
 
@@ -79,7 +79,7 @@ namespace embree
         /*! Lanes x, y, z; W, which is undefined after the division. */
         vfloat4 P0, P1;
         vfloat4 epsilon;
-        float t0, t1;     //!< ends, in t'
+        float t0, t1;     //!< ends of the segment, in units of t'
         float w0, w1;
         bool startClipped; //!< see Segment
         bool endClipped;

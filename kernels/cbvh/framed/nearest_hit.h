@@ -22,7 +22,7 @@ namespace embree
        *  then by the order of faces and blocks. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< by which hits are compared
+        float t = pos_inf;   //!< distance by which hits are compared
         float own = pos_inf; //!< distance of the hit itself
         const Block* block = nullptr;
 

@@ -24,8 +24,8 @@ namespace embree
       /*! Per leaf: lower x and y of its box, and reciprocals of its extents in x and y. */
       alignas(64) float footprint[16][4];
       float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3] at (u,v) in the box
-      float reach[16];                //!< half the thickness, in z
-      uint32_t solid, empty;          //!< masks
+      float reach[16];                //!< half the thickness of each leaf, in z
+      uint32_t solid, empty;          //!< masks of leaves
     };
 
     class NodeEntries
@@ -36,7 +36,7 @@ namespace embree
         NodePlanes<16> grandchildren; //!< 4 c + i is child i of child c
         NodePlanes<4> children;
         const void* block;
-        uint32_t number;              //!< in its block, see BlockTiles
+        uint32_t number;              //!< number of the tile in its block, see BlockTiles
         uint32_t decoded;             //!< children whose children are decoded
         uint32_t present;             //!< grandchildren that exist: all, except in tiles above the root
 

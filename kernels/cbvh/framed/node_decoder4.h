@@ -29,7 +29,7 @@ namespace embree
         return box;
       }
 
-      /*! In parent extents. */
+      /*! lower, upper: in parent extents. */
       template<int N>
       __forceinline void storePlanes (NodePlanes<N>& out, uint32_t first, int axis, const vfloat4& lower,
                                       const vfloat4& upper, const NodeBox& parent)
@@ -57,7 +57,7 @@ namespace embree
         __forceinline GroupDecoder4 (NodePlanes<16>& boxes, LeafSurfaces& surfaces, uint32_t first)
           : boxes(boxes), surfaces(surfaces), first(first) {}
 
-        /*! bits: heights. */
+        /*! bits: heights of the group. */
         __forceinline void decode (uint32_t word, uint64_t bits, const NodeBox& parent)
         {
           if (likely(!(bits >> 63))) decodeLattice(word,bits,parent);

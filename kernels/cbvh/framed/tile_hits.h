@@ -90,7 +90,7 @@ namespace embree
           swapOverlapping();
         }
 
-        BoxRanges<16> ranges; //!< by grandchild
+        BoxRanges<16> ranges; //!< ranges of the grandchildren
 
       private:
         static const uint32_t childSwap = 16u;

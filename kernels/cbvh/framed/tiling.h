@@ -25,7 +25,7 @@ namespace embree
     struct PatchTiling
     {
       unsigned height = 0;
-      unsigned x = 0, y = 0; //!< blocks
+      unsigned x = 0, y = 0; //!< number of blocks along u and v
       Vec2i quads = Vec2i(0); //!< quads of all blocks together
 
       size_t size () const { return size_t(x)*size_t(y); }

@@ -104,10 +104,10 @@ namespace embree
         cbvh::Kind kind;
         PatchTiling tiling;
         unsigned height;
-        unsigned index, x, y;   //!< in the tiling
+        unsigned index, x, y;   //!< position of the block in the tiling
         uint32_t sharpSides = 0;
         cbvh::BlockLayout layout;
-        float corners[4][3];    //!< to which the frame is aligned
+        float corners[4][3];    //!< corners to which the frame is aligned
 
         Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
           : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x),
@@ -243,8 +243,8 @@ namespace embree
       PatchVertices* patchVertices = nullptr;
       bool isStitched = false;       //!< an edge has a lower rate than the quads
       std::vector<BBox3fa> blocks;   //!< by position in the tiling; empty for blocks that were not encoded
-      mvector<float> own;            //!< as the patch's face evaluates them
-      mvector<float> vertices;       //!< of one block
+      mvector<float> own;            //!< vertices as the patch's face evaluates them
+      mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
       mvector<Vec3fa> encoded;       //!< of a patch, or a trial block
     };

@@ -87,7 +87,7 @@ namespace embree
       (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives;
     }
 
-    const GType ownType;             //!< at creation
+    const GType ownType;             //!< type at creation
     CompressionSettings compression; //!< set by rtcSetGeometryCompression
     SurfaceState surface;
 

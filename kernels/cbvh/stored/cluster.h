@@ -54,7 +54,7 @@ namespace embree
     struct ClusterReport
     {
       size_t numClusters = 0, numTriangles = 0;
-      size_t numVertices = 0;      //!< in each cluster that has them
+      size_t numVertices = 0;      //!< counts a vertex in each cluster that has it
       size_t bytes = 0;
       size_t indexBytes = 0;       //!< 3 per triangle, except for whole grids and DGF
       size_t numClustersOf[numClusterReasons] = {};  //!< by ClusterReason

@@ -12,9 +12,9 @@ namespace embree
   /*! Results of a build other than its BVH. */
   struct CompressionReport
   {
-    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< with parts in the BVH
+    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< surfaces with parts in the BVH
     cbvh::CompressionStatistics statistics;
-    std::vector<std::string> errors; //!< that did not stop the build
+    std::vector<std::string> errors; //!< errors that did not stop the build
     MutexSys mutex;                  //!< protects errors, which any thread that joins a commit may read
 
     void clear ()
@@ -33,7 +33,7 @@ namespace embree
         bool moves)
       : AccelInstance(accel,builder,intersectors), report(report), moves(moves) {}
 
-    std::unique_ptr<CompressionReport> report; //!< of the last build
+    std::unique_ptr<CompressionReport> report; //!< report of the last build
     const bool moves;
   };
 }

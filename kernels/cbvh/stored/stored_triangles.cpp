@@ -50,7 +50,7 @@ namespace embree
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
-        float corner[2];   //!< of the patch
+        float corner[2];   //!< corner of the patch, in parameters of the face
         bool isCut;        //!< the block stores edges
         VertEdges edges;
 
@@ -248,7 +248,7 @@ namespace embree
           }
           /* barycentric distance of the hit from the triangle */
           const double area = (s[1]-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(t[1]-t[0]);
-          if (area == 0) return; // collapsed at a stitched edge
+          if (area == 0) return; // the triangle is collapsed at a stitched edge
           const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area,
             w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));

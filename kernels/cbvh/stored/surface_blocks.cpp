@@ -22,7 +22,7 @@ namespace embree
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;
       uint32_t usedNumbers = 0;
-      std::set<uint32_t> fileNumbers;    //!< in use
+      std::set<uint32_t> fileNumbers;    //!< numbers of files in use
     }
 
     SurfaceNumber::SurfaceNumber (uint32_t fileNumber)
@@ -155,7 +155,7 @@ namespace embree
     if (const cbvh::BlockIndex* made = blockIndex) return *made;
     const cbvh::BlockIndex* made = new cbvh::BlockIndex(*this), * other = nullptr;
     if (blockIndex.compare_exchange_strong(other,made)) return *made;
-    delete made; // another thread was faster
+    delete made; // another thread has already built one
     return *other;
   }
 }

@@ -25,7 +25,7 @@ namespace embree
     SurfaceBlocks (Device* device, const std::shared_ptr<const cbvh::SurfaceNumber>& number);
     ~SurfaceBlocks ();
 
-    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< stored in the blocks
+    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< number stored in the blocks
     const uint64_t build;                              //!< unique in the process, from 1
     cbvh::BlockMemory memory;
 
@@ -37,8 +37,8 @@ namespace embree
      *  blocks. Accessed with atomic_load and atomic_store, because scenes may be built concurrently. */
     mutable std::shared_ptr<const mvector<cbvh::StepBox>> boxes;
     BVH4::NodeRef root;       //!< tree over all parts, for scenes without other surfaces; empty if there are few parts
-    BBox3fa bounds;           //!< of everything that rays can hit
-    size_t numPrimitives;     //!< blocks and grids
+    BBox3fa bounds;           //!< bounds of everything that rays can hit
+    size_t numPrimitives;     //!< number of blocks and grids
     cbvh::SurfaceStatistics statistics;
     std::shared_ptr<const cbvh::MappedBlocks> mapped;  //!< null unless loaded from a file
 

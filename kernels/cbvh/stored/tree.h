@@ -13,7 +13,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! In blocks. */
+    /*! Maximum number of blocks in a part. */
     static const size_t blocksOfPart = 16;
 
     /*! Counts the nodes of a tree whose leaves are marked as barriers, and removes the marks. */

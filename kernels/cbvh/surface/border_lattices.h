@@ -166,7 +166,7 @@ namespace embree
       }
 
     private:
-      enum { ofGrid = 127 }; //!< no lattice; greater than all exponents
+      enum { ofGrid = 127 }; //!< stands for no lattice; greater than all exponents
 
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {

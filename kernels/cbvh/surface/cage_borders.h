@@ -117,7 +117,7 @@ namespace embree
       }
 
     private:
-      static const size_t maxKept = 1 << 15; //!< at all time steps
+      static const size_t maxKept = 1 << 15; //!< limit for all time steps together
       static const size_t fewVertices = 9*9;  //!< in patches whose lines cost as much as the patch
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
@@ -263,9 +263,9 @@ namespace embree
       const SubdivMesh* const mesh;
       CageTopology topology;
       BorderLattices lattices;
-      size_t numPoints = 0, numKept = 0; //!< per time step
-      mvector<size_t> firsts;            //!< by half-edge
-      mvector<float> points;             //!< step by step
+      size_t numPoints = 0, numKept = 0; //!< counts per time step
+      mvector<size_t> firsts;            //!< index of the first point, by half-edge
+      mvector<float> points;             //!< points, step by step
       mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty unless the surface is small
       mvector<float> kept;               //!< of a small surface, step by step
     };

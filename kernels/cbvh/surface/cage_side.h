@@ -15,8 +15,8 @@ namespace embree
     {
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction, see CageBorders
-      bool reversed;              //!< against the owner's direction
-      int exponent;               //!< of the interior's lattice
+      bool reversed;              //!< the side runs against the owner's direction
+      int exponent;               //!< exponent of the interior's lattice
       unsigned rate;
 
       /*! k: 0 to rate, counted around the patch. */

@@ -32,7 +32,7 @@ namespace embree
       struct Edge
       {
         unsigned ownRate;      //!< in this face; noRate if the edge takes no part
-        unsigned rate;         //!< in all faces
+        unsigned rate;         //!< rate in all faces
         uint32_t owner;        //!< half-edge of the edge's owner
         uint32_t cornerOwner;  //!< half-edge, at the same vertex, of the corner's owner
         bool isTracedByGrid;   //!< at least one patch of the face
@@ -51,7 +51,7 @@ namespace embree
         joinNonManifold();
       }
 
-      size_t numEdges () const { return edges.size(); } //!< half-edges
+      size_t numEdges () const { return edges.size(); } //!< number of half-edges
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
@@ -60,7 +60,7 @@ namespace embree
       bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
 
-      /*! If the face takes part. */
+      /*! Calls closure only if the face takes part. */
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
@@ -155,7 +155,7 @@ namespace embree
           if (edges[i].ownRate != noRate && !first[i].hasOpposite())
             borders.push_back({ uint64_t(first[i].getEdge()),i });
         std::sort(borders.begin(),borders.end());
-        std::map<unsigned,std::set<uint32_t>> owners; // of corners, by vertex
+        std::map<unsigned,std::set<uint32_t>> owners; // owners of corners, by vertex
         for (size_t begin=0, end=0; begin<borders.size(); begin=end)
         {
           while (end < borders.size() && borders[end].first == borders[begin].first) end++;

@@ -14,7 +14,7 @@ namespace embree
     float position[3] = { 0,0,0 };
     float direction[3] = { 0,0,1 };    //!< towards the picture's center; any length
     float up[3] = { 0,1,0 };           //!< up in the picture; any length, not parallel to direction
-    bool orthographic = false;         //!< ignores position
+    bool orthographic = false;         //!< the picture does not depend on `position`
     /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;
     /*! In pixels. 0: everything is inside of the picture; direction and up are ignored. */

@@ -95,7 +95,7 @@ namespace embree
     bool hasPicture;
     double transform[12];
     double size = 0.0;
-    Double3 normals[4];   //!< of the picture's borders, outwards
+    Double3 normals[4];   //!< normals of the picture's borders, outwards
     double offsets[4];
   };
 }

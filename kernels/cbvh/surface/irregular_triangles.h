@@ -217,7 +217,7 @@ namespace embree
       float spacing () const { return spacingOfLattice; }
 
       const TrianglesOfMesh mesh;
-      size_t numInvalid = 0;               //!< because of indices or vertices
+      size_t numInvalid = 0;               //!< primitives with an invalid index or vertex
 
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;

@@ -136,9 +136,9 @@ namespace embree
         mesh->displFunc(&args);
       }
 
-      mvector<float> arrays;      //!< P, N, u and v
+      mvector<float> arrays;      //!< arrays of P, N, u and v
       size_t stride = 0;
-      bool stitched = false;      //!< an edge has a lower rate
+      bool stitched = false;      //!< an edge has a lower rate than the patch
     };
 
     /*! Rows and columns of a patch, evaluated one by one, or copied from all vertices. */
@@ -167,7 +167,7 @@ namespace embree
         }
         const size_t width = quads[0]+1, height = quads[1]+1;
         if (alongU) return { all+at*width,width };
-        float (*column)[3] = evaluator.undisplaced(); // unused memory
+        float (*column)[3] = evaluator.undisplaced(); // memory that is not used otherwise
         for (size_t y=0; y<height; y++) memcpy(column[y],all[y*width+at],sizeof(*column));
         return { column,height };
       }

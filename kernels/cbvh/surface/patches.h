@@ -14,7 +14,7 @@ namespace embree
     /*! For a face without edges, Embree returns a half-edge of the next face. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
-    /*! At any time step. */
+    /*! True if the face has a surface at any time step. */
     inline bool hasSurface(const SubdivMesh* mesh, size_t face)
     {
       if (!hasEdges(mesh,face)) return false;

@@ -20,7 +20,7 @@ namespace embree
     enum : unsigned { none = ~0u };
     enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
 
-    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< or `none`
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< quad, or `none`
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
     size_t numLeftOut = 0;
     bool formsDiffer = false;                        //!< neighbors may have different forms

@@ -178,10 +178,10 @@ namespace embree
       const QuadNeighbors& neighbors;
       QuadRegions& out;
       cbvh::UnmonitoredVector<uint8_t> flags;
-      size_t steps = 0;                     //!< left for seeds
+      size_t steps = 0;                     //!< steps that seeds may still move
       unsigned pass = 0;
       bool marksAll = false;                //!< also marks quads of regions that are too small
-      std::vector<unsigned> corners, edges; //!< created while taking regions
+      std::vector<unsigned> corners, edges; //!< seeds that arise while regions are taken
       unsigned region[maxSide*maxSide];     //!< quads of the growing region
       unsigned width = 0, height = 0;
     };

@@ -36,7 +36,7 @@ namespace embree
           for (int i=0; i<4; i++) v[i] = (*welded)[v[i]];
       }
 
-      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID
+      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID of the quad
       unsigned second (size_t quad) const { return unsigned(quad); }
 
       /*! See cvert/format/quad_numbers.h. */
@@ -55,7 +55,7 @@ namespace embree
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
       unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
 
-      /*! number(pair) without a second triangle. */
+      /*! number(pair) if there is no second triangle. */
       unsigned second (size_t pair) const
       {
         if (seconds) return (*seconds)[pair];
@@ -93,7 +93,7 @@ namespace embree
         const unsigned first = number(pair), other = second(pair);
         unsigned a[3], b[3], turns = 0;
         triangle(first,a);
-        if (other == first) { // a single triangle: v2 is v1
+        if (other == first) { // for a single triangle, v2 equals v1
           v[0] = a[0]; v[1] = v[2] = a[1]; v[3] = a[2];
           return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
         }
@@ -118,8 +118,8 @@ namespace embree
   {
     struct Region
     {
-      size_t first;           //!< of its quads
-      unsigned width, height; //!< in quads
+      size_t first;           //!< index of the region's first quad
+      unsigned width, height; //!< size in quads
     };
 
     /*! Quads per side. A region has one lattice, but the size of quads may change along it. */
@@ -130,12 +130,12 @@ namespace embree
     static const unsigned minRegionSide = 4;
 
     cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh
-    size_t numRegular = 0;                   //!< regions without irregular quads
+    size_t numRegular = 0;                   //!< number of regions without irregular quads
     cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
     bool formsDiffer = false;  //!< triangles of a region's quads begin at different corners
-    bool isOutOfMemory = false; //!< while finding the regions
+    bool isOutOfMemory = false; //!< memory ran out while regions were searched
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
     bool areAllIrregular = false; //!< no regions, and `loose` is empty
     size_t numLeftOut = 0;    //!< primitives with an index that is not a vertex; rays miss them

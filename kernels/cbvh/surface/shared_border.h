@@ -39,7 +39,7 @@ namespace embree
     struct SharedVertex
     {
       float position[3]; //!< before rounding
-      int exponent;      //!< of its lattice, or exactLattice
+      int exponent;      //!< exponent of its lattice, or exactLattice
 
       SharedVertex () {}
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
@@ -72,7 +72,7 @@ namespace embree
       for (int s=0; s<4; s++)
       {
         const bool alongU = s % 2 == 0;
-        const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // of the side
+        const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // row or column of side s
         if (alongU ? at < part.y0 || at > part.y1 : at < part.x0 || at > part.x1) continue;
         const auto side = patch.side(s,step);
         const unsigned fine = alongU ? quadsX : quadsY;

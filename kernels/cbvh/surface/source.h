@@ -95,7 +95,7 @@ namespace embree
       unsigned primID;
       unsigned corner[2];   //!< primitive's parameters at the patch's corner, times 2
       unsigned quads[2];    //!< along u and v: higher rates of opposite edges
-      const float* rate;    //!< of the four sides, integers
+      const float* rate;    //!< rates of the four sides; integers
       const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is one primitive
     };
 

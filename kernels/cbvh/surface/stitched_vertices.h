@@ -35,7 +35,7 @@ namespace embree
                         unsigned numSteps)
         : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
 
-      /*! In the table. */
+      /*! Finds stitched vertices, and marks their entries in the table. */
       template<typename Progress>
       void find (size_t gridsPerTask, const Progress& progress)
       {
@@ -66,7 +66,7 @@ namespace embree
         auto hasPrecedence = [](const Stitched& s, Entry e) { return s.vertex < e; };
         const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,hasPrecedence)->edge;
         const cbvh::Double3 a = stored(edge.begin,step,depth+1);
-        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same parameter at all steps
+        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // same parameter at all steps
       }
 
     private:
@@ -148,7 +148,7 @@ namespace embree
           for (; next != open.end() && next->begin == from; next++)
           {
             const bool isLast = next->end == edge.end;
-            if (from == edge.begin && isLast) continue; // the edge itself
+            if (from == edge.begin && isLast) continue; // skips `edge` itself
             const double s = isLast ? 1.0 : parameterOn(edge,at(next->end));
             if (s < tNearest && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
           }

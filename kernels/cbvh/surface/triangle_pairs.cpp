@@ -47,11 +47,11 @@ namespace embree
 
       struct Triangle
       {
-        unsigned v[3]; //!< welded
+        unsigned v[3]; //!< welded vertices
         unsigned number;
       };
 
-      /*! Listed at its lower vertex. */
+      /*! Half-edge in the list of its lower vertex. */
       struct Half
       {
         unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
@@ -146,7 +146,7 @@ namespace embree
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! Counts to ends of ranges. */
+      /*! Replaces counts by the ends of their ranges. */
       static void sumUp (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
@@ -246,7 +246,7 @@ namespace embree
       {
         Edges edges;
         size_t paired = 0, lower = 0; //!< in pairs; in pairs whose first triangle has the lower number
-        double length = 0;            //!< sum of squares
+        double length = 0;            //!< sum of squared lengths
       };
 
       /*! looked: size of the sample. */
@@ -310,7 +310,7 @@ namespace embree
               && (half % 3 != edges.second || other % 3 != edges.first)) return false;
           return mates[half/3] == none && mates[other/3] == none && half/3 != other/3;
         };
-        std::vector<unsigned> found; // shared, of first triangles
+        std::vector<unsigned> found; // shared half-edges of first triangles
         auto take = [&](unsigned half) {
           mates[half/3] = opposite[half]/3;
           mates[opposite[half]/3] = second;
@@ -345,7 +345,7 @@ namespace embree
       cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
       cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: of the half-edges of each vertex
       cbvh::UnmonitoredVector<Half> halves;        //!< by lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< or `none`
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
@@ -355,8 +355,8 @@ namespace embree
     {
       const size_t numVertices = mesh->numVertices();
       const bool areFew = numVertices < 4096;
-      auto isLookedAt = [&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }; // 1 in 64
-      cbvh::UnmonitoredVector<uint8_t> counts; // modulo 256
+      auto isLookedAt = [&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }; // one vertex in 64
+      cbvh::UnmonitoredVector<uint8_t> counts; // triangles per vertex, modulo 256
       cbvh::resizeToFit(counts,numVertices);
       std::fill(counts.begin(),counts.end(),uint8_t(0));
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };

@@ -48,7 +48,7 @@ namespace embree
         unsigned at[3]; //!< see bitsOf()
       };
 
-      /*! Equal if the floats are. */
+      /*! Bits that are equal if the floats are equal. */
       static unsigned bitsOf (float x)
       {
         unsigned bits;
@@ -137,7 +137,7 @@ namespace embree
       size_t numBuckets = 1;
       unsigned bucketBits = 0;
       cbvh::UnmonitoredVector<Entry> entries;
-      cbvh::UnmonitoredVector<unsigned> ends; //!< of each task's entries, by bucket
+      cbvh::UnmonitoredVector<unsigned> ends; //!< ends of each task's entries, by bucket
     };
   }
 

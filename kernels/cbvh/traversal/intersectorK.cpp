@@ -106,7 +106,7 @@ namespace embree
       }
     }
 
-    /*! Rays that can hit anything. */
+    /*! Active rays that may hit something. */
     template<int K>
     __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) {
       return (mask == vint<K>(-1)) & cbvh::mayHit(rays);
@@ -156,8 +156,8 @@ namespace embree
     private:
       struct Traced
       {
-        uint32_t alone; //!< not yet traced
-        vbool<K> ended; //!< of an any-hit query, with a hit
+        uint32_t alone; //!< rays that are not yet traced
+        vbool<K> ended; //!< any-hit rays that found a hit
       };
 
       /*! Traces rays with the same direction signs together. */

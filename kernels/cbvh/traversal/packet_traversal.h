@@ -34,7 +34,7 @@ namespace embree
         {
           vfloat<K> enter;
           NodeRef node;
-          float first; //!< smallest distance
+          float first; //!< smallest entry distance
         };
 
       public:

@@ -63,7 +63,7 @@ namespace embree
 
       struct BlockBounds : public VertAxes, public BlockReach
       {
-        float slack[3];             //!< largest error, by axis
+        float slack[3];             //!< largest error of each axis
       };
 
       /*! False if a ray misses the bounds between tNear and tFar, as most rays do that hit no group. */
@@ -119,7 +119,7 @@ namespace embree
         uint32_t form;
 
       public:
-        bool raw; //!< an end is raw: no bounds
+        bool raw; //!< an end is raw: the segment has no bounds
 
         __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
         {

@@ -26,24 +26,24 @@ namespace embree
     struct VertAxes
     {
       int axis;        //!< 3 for none, as in raw blocks
-      float origin[3]; //!< of the block
+      float origin[3]; //!< origin of the block
       float extent[3]; //!< at least the distance of vertices and planes from the origin
       float shear[3];  //!< factors of world coordinates, relative to the origin, in the sheared coordinate
     };
 
     struct GroupBoxes : public VertAxes
     {
-      uint32_t lanes;        //!< with a group
+      uint32_t lanes;        //!< mask of lanes with a group
       GroupPlanes planes[3]; //!< by axis
     };
 
     /*! For a raw block, only axes, lanes and planes are set. */
     struct VertBoxes : public GroupBoxes
     {
-      uint32_t words[16];    //!< of each group's cell
+      uint32_t words[16];    //!< word of each group's cell
       uint16_t fields[16];   //!< offset in the block of each group's fields
-      CellCoordinates corners; //!< of the groups
-      const void* block;     //!< whose boxes these are
+      CellCoordinates corners; //!< corners of the groups
+      const void* block;     //!< block that the boxes belong to
     };
     static_assert(sizeof(VertBoxes) == 12*64,"VertBoxes must occupy exactly 12 cache lines");
 
@@ -95,15 +95,15 @@ namespace embree
     struct StepCells
     {
       alignas(64) uint16_t fields[16]; //!< offset in the step of each group's fields
-      uint32_t words[16];              //!< of each group's cell
-      CellCoordinates corners;         //!< of the groups
+      uint32_t words[16];              //!< word of each group's cell
+      CellCoordinates corners;         //!< corners of the groups
     };
 
     /*! Data of a segment that groups share. Boxes are interpolated between its ends. */
     struct SegmentBoxes : public GroupBoxes
     {
-      SegmentKey key;            //!< of the block
-      float origins[2][3];       //!< of the block, at both ends
+      SegmentKey key;            //!< key of the block
+      float origins[2][3];       //!< origins of the block, at both ends
       GroupPlanes ends[2][3];    //!< at both ends, by axis; GroupBoxes::planes is unused
       StepCells steps[2];        //!< at both ends; unused for a raw step
     };
@@ -111,7 +111,7 @@ namespace embree
     /*! Vertices of a group in world space, at the ends of a segment. */
     struct SegmentVertices
     {
-      SegmentKey key;            //!< of the group
+      SegmentKey key;            //!< key of the group
       CellVertices ends[2];
     };
 

@@ -53,7 +53,7 @@ namespace embree
             + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
         }
 
-        /*! corner 11 */
+        /*! Coordinate of corner 11. */
         __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
 
       private:

@@ -68,10 +68,10 @@ namespace embree
         struct Triangles
         {
           alignas(64) float vertices[3][3][K];
-          alignas(64) float x[K], y[K];  //!< quad of the patch
+          alignas(64) float x[K], y[K];  //!< position of the quad in the patch
           alignas(64) float normal[3][K], t[K];
-          uint32_t isMet; //!< intersection is not before tnear
-          uint32_t lies;  //!< rays in their triangle's plane
+          uint32_t isMet; //!< mask of rays with an intersection not before tnear
+          uint32_t lies;  //!< mask of rays that lie in their triangle's plane
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)

@@ -16,15 +16,15 @@ namespace embree
     /*! Group g is in lane g. */
     struct MeshBoxes : public GroupBoxes
     {
-      const void* block;             //!< whose boxes these are, or null
+      const void* block;             //!< block that the boxes belong to, or null
       uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits in the block
       /* first bits in the sections, by group */
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t numbers[16];
       alignas(16) uint16_t firstVertex[16]; //!< by group; 0x7FFF in lanes without a group
       alignas(32) uint16_t fieldsOfZero[16]; //!< see fieldsOfVertex
-      alignas(16) uint8_t fieldBits[4][16]; //!< per vertex of the group: x, y, z and all together
-      alignas(64) uint32_t lower[3][16];    //!< to which fields are relative, by axis
+      alignas(16) uint8_t fieldBits[4][16]; //!< bits per vertex of the group: on x, y and z, and in total
+      alignas(64) uint32_t lower[3][16];    //!< coordinates to which fields are relative, by axis
 
       /*! First bit of vertex v of the block, which belongs to group g. */
       __forceinline uint32_t fieldsOfVertex (uint32_t v, uint32_t g) const {
@@ -39,10 +39,10 @@ namespace embree
      *  on. */
     struct MeshTriangles
     {
-      const void* block;                //!< of the group, or null
-      uint8_t lane;                     //!< of the group, plus 16 for the second half
+      const void* block;                //!< block of the group, or null
+      uint8_t lane;                     //!< lane of the group, plus 16 for the second half
       bool isFirstOfTwo;                //!< the group has a second half
-      uint16_t lanes;                   //!< with a triangle
+      uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
       alignas(16) uint8_t corners[3][16]; //!< vertices by corner, in the application's order; below 32 in all lanes
       MeshVertices vertices;
@@ -78,14 +78,14 @@ namespace embree
     {
       const uint8_t* data;        //!< start of the step's fields
       uint16_t begin[16];         //!< first bit of each group's fields
-      uint8_t bits[3][16];        //!< of a field, by axis and group
-      uint32_t base[3][16];       //!< by axis and group
+      uint8_t bits[3][16];        //!< bits of a field, by axis and group
+      uint32_t base[3][16];       //!< bases of fields, by axis and group
     };
 
     /*! Data of a segment that groups share. Boxes are interpolated between its ends. No axis is sheared. */
     struct SegmentMeshBoxes
     {
-      SegmentKey key;            //!< of the block
+      SegmentKey key;            //!< key of the block
       float origins[2][3];       //!< see VertAxes; at both ends and between them
       float extent[3];           //!< of the block, at both ends
       GroupPlanes ends[2][3];    //!< at both ends, by axis
@@ -96,7 +96,7 @@ namespace embree
     /*! Half a group, at the ends of a segment. */
     struct SegmentTriangles
     {
-      SegmentKey key;            //!< of the half; see MeshTriangles::lane
+      SegmentKey key;            //!< key of the half; see MeshTriangles::lane
       MeshTriangles begin;
       MeshVertices end;
     };

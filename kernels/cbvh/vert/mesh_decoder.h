@@ -25,7 +25,7 @@ namespace embree
       public:
         __forceinline explicit MeshDecoder (const MeshHeader* block) : block(block) {}
 
-        /*! Except for out.block. */
+        /*! Sets all members but out.block. */
         __forceinline void decode (MeshBoxes& out) const
         {
           const uint32_t groups = meshGroups(block->counts);
@@ -35,7 +35,7 @@ namespace embree
           findGroups(groups,out);
         }
 
-        /*! Except for out.block and out.lane. */
+        /*! Sets all members but out.block and out.lane. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
@@ -145,12 +145,12 @@ namespace embree
             else if (t > 0) strip.add(next(),(fans >> t) & 1);
             if (t < first || t-first >= 16) continue;
             const uint32_t v = strip.corners(uint32_t(turns) & 3);
-            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // in damaged blocks, too
+            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // below 32 in damaged blocks, too
           }
         }
 
 #if defined(__AVX2__)
-        /*! Bits to bytes of ones or zeros. */
+        /*! Expands bits to bytes of ones or zeros. */
         static __forceinline __m128i bytesOfBits (uint32_t bits)
         {
           const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
@@ -260,7 +260,7 @@ namespace embree
               *floatOfBits(uint32_t(exponentRatio(m,i)+127) << 23);
         }
 
-        static const int maxRatio = 30; //!< of two spacings, as an exponent
+        static const int maxRatio = 30; //!< largest ratio of two spacings, as an exponent
 
         __forceinline int exponentRatio (int m, int i) const
         {
@@ -272,7 +272,7 @@ namespace embree
         __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
-          float reach[3]; // in coordinates
+          float reach[3]; // upper bounds of coordinates
           for (int k=0; k<3; k++)
           {
             const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
@@ -397,7 +397,7 @@ namespace embree
             const __m128i sizes = wide(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(sizes,five),_mm_set1_epi16(1)),
-              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // minus 2
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
@@ -495,7 +495,7 @@ namespace embree
         }
 
 #if defined(__AVX2__)
-        /*! One per group. */
+        /*! A value per group. */
         struct PerGroup
         {
           const __m256i lower, upper;
@@ -509,7 +509,7 @@ namespace embree
 #if defined(__AVX512VL__)
             return _mm256_permutex2var_epi32(lower,groups,upper);
 #else
-            const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(groups,28)); // bit 3
+            const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(groups,28)); // bit 3 selects the upper half
             return _mm256_castps_si256(_mm256_blendv_ps(
               _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(lower,groups)),
               _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(upper,groups)),isUpper));
@@ -525,7 +525,7 @@ namespace embree
           return _mm_packus_epi16(_mm256_castsi256_si128(words),_mm256_extracti128_si256(words,1));
         }
 
-        /*! From fields of otherBits each. rank: field, per vertex. */
+        /*! Reads numbers of other groups' vertices, fields of otherBits each. rank: field, per vertex. */
         static __forceinline __m256i othersAt (Bits others, uint32_t otherBits, uint32_t count, __m128i rank)
         {
           // field k is word 4 (k mod 4) + k/4

@@ -20,7 +20,7 @@ namespace embree
         return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
       }
 
-      /*! At the ray's time. */
+      /*! Intersects the block at the ray's time. */
       template<typename RayType>
       __noinline bool intersectMovingMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block)
       {

@@ -21,7 +21,7 @@ namespace embree
         __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
           : MeshDecoder(block), block(block), groups(meshGroups(block->counts)) {}
 
-        /*! Except for out.key. */
+        /*! Sets all members but out.key. */
         void decode (uint32_t segment, SegmentMeshBoxes& out) const
         {
           MeshDecoder::decode(out.first);
@@ -91,7 +91,7 @@ namespace embree
         /*! Replaces bounds of a group's sheared coordinates by bounds of its coordinates on the sheared axis. */
         void unshear (uint32_t m, uint32_t g, int values[2]) const
         {
-          int least = 8, most = 8; // of the shear, in 1/16
+          int least = 8, most = 8; // sums of the shear, in 1/16
           for (uint32_t i=1; i<3; i++)
           {
             const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);

@@ -17,7 +17,7 @@ namespace embree
     class MeshWriter
     {
     public:
-      static const uint32_t groupTriangles = 16; //!< of a full group
+      static const uint32_t groupTriangles = 16; //!< triangles of a full group
 
       MeshWriter (const IrregularTriangles& from, uint32_t surface, BlockStore& store,
         cbvh::BuildStatistics& statistics)

@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! For residuals alone. */
+      /*! Base of 0, to decode residuals alone. */
       struct NoBase
       {
         __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
@@ -188,7 +188,7 @@ namespace embree
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad between the ends
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // the group has no quad between the ends
               for (int k=0; k<3; k++) {
                 out.ends[end][k].at[0][l] = lower[k];
                 out.ends[end][k].at[1][l] = upper[k];

@@ -111,7 +111,7 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< of laneVertices
+        mutable uint32_t lane;        //!< lane of laneVertices
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices laneVertices;

@@ -19,7 +19,7 @@ namespace embree
       {
         vfloatV at[fieldVectors];
 #if !defined(__AVX512F__)
-        vfloatV last; //!< in all lanes
+        vfloatV last; //!< last vertex, in all lanes
 #endif
 
         __forceinline CellVector () {}

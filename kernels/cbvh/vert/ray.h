@@ -23,7 +23,7 @@ namespace embree
       struct VertRayAxes
       {
         Real org[3], dir[3], rcp[3];
-        Real largest; //!< of dir, by magnitude
+        Real largest; //!< largest component of dir, absolute
 
         template<typename Vector>
         __forceinline void set (const Vector& o, const Vector& d)
@@ -61,7 +61,7 @@ namespace embree
         int kx, ky, kz;   //!< the direction is largest along kz
         float sx, sy;
         uint32_t descends; //!< axes with negative rcp; not set by VertRays::at
-        VertCache* cache; //!< of the calling thread
+        VertCache* cache; //!< cache of the calling thread
 
         mutable VertNearest nearest;
 
@@ -96,7 +96,7 @@ namespace embree
       {
       public:
         vfloat<K> sx, sy;
-        VertCache* cache;    //!< of the calling thread
+        VertCache* cache;    //!< cache of the calling thread
         vint<K> form;        //!< bits 0..1: kz; from bit 2: signs of rcp. Rays of the same form are traced together.
 
         __forceinline VertRays () : isSet(false), loaded(0) {}

@@ -29,10 +29,10 @@ namespace embree
       float weightX[2][16][lanes];
       float weightY[2][16][lanes];
 
-      int32_t field[lanes];      //!< of the vertex; 0 for a corner
-      int32_t hasField[lanes];   //!< -1; 0 for a corner
+      int32_t field[lanes];      //!< field of the vertex; 0 for a corner
+      int32_t hasField[lanes];   //!< -1 for a vertex with a field, 0 for a corner
       uint8_t laneOfField[24];   //!< inverse of `field`
-      uint8_t corners[16][4];    //!< laneOfCorner
+      uint8_t corners[16][4];    //!< as laneOfCorner
       uint8_t triangles[32][4];  //!< lanes of vertices (cornerOfTriangle), then 0
 
       /*! Positions of a cell's fields, for a number of bits. The first four columns of a row are in 16 bytes, which a

@@ -61,7 +61,7 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Range of hits' distances. */
+        /*! Range of distances that a hit can have. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
@@ -150,7 +150,7 @@ namespace embree
           return CellVector::of(x,z,[&](const vfloatV& x, const vfloatV& z) { return nmadd(s,z,x); });
         }
 
-        /*! Bit q to bit 2q. */
+        /*! Moves bit q to bit 2q. */
         static __forceinline uint32_t spread (uint32_t x)
         {
           x = (x | (x << 8)) & 0x00FF00FFu;

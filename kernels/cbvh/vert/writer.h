@@ -291,9 +291,9 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices given;             //!< evaluated by the face
+      PatchVertices given;             //!< vertices as the face evaluates them
       mvector<float> moved;         //!< of a strip at all time steps, snapped
-      unsigned sideRates[4];        //!< shared by faces
+      unsigned sideRates[4];        //!< rates of the sides, shared by faces
       cbvh::VertEncoder encoder;
       std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until needed
       cbvh::NumbersEncoder numbers;

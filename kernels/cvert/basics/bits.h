@@ -10,7 +10,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! 0 for 0. */
+  /*! Bits of a number; 0 for 0. */
   inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
   /*! Appends numbers of up to 32 bits, lowest bit first. */

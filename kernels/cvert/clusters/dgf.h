@@ -61,7 +61,7 @@ namespace cvert
     {
     public:
       uint8_t bytes[blockBytes];
-      uint8_t order[maxVertices];              //!< vertices of QuadTriangles
+      uint8_t order[maxVertices];              //!< vertices of QuadTriangles, in the block's order
       uint32_t numVertices;
       uint8_t indices[maxTriangles][3];        //!< indices into order
 

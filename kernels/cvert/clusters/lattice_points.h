@@ -22,7 +22,7 @@ namespace cvert
     static const int32_t maxOffset = 0xFFFF;
 
     int32_t at[maxSide*maxSide][3]; //!< row by row; 0 for vertices that are not finite
-    bool isPresent[maxSide*maxSide]; //!< finite
+    bool isPresent[maxSide*maxSide]; //!< the vertex is finite
     uint32_t width;
     uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 

@@ -14,10 +14,10 @@ CVERT_BEGIN
 struct CodedCell
 {
   uint32_t word;
-  uint32_t fields;           //!< offset relative to StepView::data
-  Int3 c00, c10, c01, c11;   //!< coordinates
-  int distance;              //!< between neighboring vertices, in quads
-  int quadsX, quadsY;        //!< per side
+  uint32_t fields;           //!< offset of the fields, relative to StepView::data
+  Int3 c00, c10, c01, c11;   //!< coordinates of the cell's corners
+  int distance;              //!< distance of neighboring vertices, in quads
+  int quadsX, quadsY;        //!< quads per side of the cell
 };
 
 CBVH_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)

@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class DecodedBlock
   {
   public:
-    static const uint32_t maxSide = vertBlockQuads + 1u; //!< in vertices
+    static const uint32_t maxSide = vertBlockQuads + 1u; //!< vertices per side
 
     float vertices[maxSide*maxSide][3]; //!< in world space, row by row
     const uint32_t quadsX, quadsY;
@@ -126,6 +126,6 @@ namespace cvert { inline namespace CVERT_ISA
     const VertHeader* const block;
     const VertLayout layout;
     const StepView view;
-    Int3 corners[cellVertices]; //!< of the first cell
+    Int3 corners[cellVertices]; //!< vertices of the first cell
   };
 }}

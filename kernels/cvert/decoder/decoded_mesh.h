@@ -12,7 +12,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct DecodedMeshGroup
   {
     uint32_t numTriangles, numVertices;
-    uint32_t vertices[maxGroupVertices];                  //!< in the block
+    uint32_t vertices[maxGroupVertices];                  //!< numbers of the group's vertices in the block
     //! by corner, in the application's order; indices into `vertices`
     uint8_t indices[3][maxGroupTriangles];
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
@@ -71,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
     float vertices[maxMeshVertices][3];
     uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices
     uint32_t numbers[maxMeshTriangles];
-    uint32_t firstTriangle[maxMeshGroups+1];         //!< of each group, then the total
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< first triangle of each group, then their total
 
     /*! step: below the number of time steps. */
     explicit DecodedMesh (const MeshHeader* block, uint32_t step = 0) : numVertices(meshVertices(block->counts)),

@@ -75,7 +75,7 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t at = g*(bits[0]+bits[1]+bits[2]);
       for (uint32_t i=0; i<k; i++) at += bits[i];
       const uint32_t stored = meshBitsAt(data()+layout.bases,at,bits[k]);
-      return uint32_t(int32_t(stored << (32-bits[k])) >> (32-bits[k])); // signed
+      return uint32_t(int32_t(stored << (32-bits[k])) >> (32-bits[k])); // bases are signed
     }
 
     /*! plane: 0 to 2 for lower planes, 3 to 5 for extents. */

@@ -12,16 +12,16 @@ CVERT_BEGIN
 
 struct StepView
 {
-  CVERT_POINTER(uint8_t) data; //!< the block, or a later step
-  bool isLater;             //!< data is a VertStep
+  CVERT_POINTER(uint8_t) data; //!< start of the block, or of a later step
+  bool isLater;             //!< data points to a VertStep
   float origin[3];
   VertSpacing spacing;
-  uint32_t form;            //!< boxForm
-  uint32_t word;            //!< of the first cell
+  uint32_t form;            //!< boxForm of the step
+  uint32_t word;            //!< word of the first cell
   uint32_t turned;          //!< VertStep::turned; 0 at the first step
-  uint32_t remainders;      //!< 0 if there are none
-  bool hasHighBits;         //!< in words of groups
-  uint32_t corners;         //!< offset of their words, relative to data
+  uint32_t remainders;      //!< word of remainders; 0 if there are none
+  bool hasHighBits;         //!< words of groups have upper bits
+  uint32_t corners;         //!< offset of the words of corners, relative to data
   uint32_t margins, words, wordsHigh, cell, vertices; //!< relative to data, as in VertLayout
 };
 

@@ -21,8 +21,8 @@ namespace cvert { inline namespace CVERT_ISA
   {
     uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
     bool hasEdges = false, hasNumbers = false;
-    VertEdges edges = { 0,0 };       //!< if hasEdges
-    VertNumbers numbers = { 0,0 };   //!< if hasNumbers
+    VertEdges edges = { 0,0 };       //!< stored if hasEdges
+    VertNumbers numbers = { 0,0 };   //!< stored if hasNumbers
 
     VertPlacement (uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
     VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges)
@@ -124,7 +124,7 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* end;
     CellEncoder cell;
     BoxEncoder boxes;
-    uint32_t residualBits[3]; //!< per axis, summed over groups
+    uint32_t residualBits[3]; //!< bits per axis, summed over groups
 
   private:
     /*! Residuals of blocks with remainders keep about this many bits; their other bits become remainders. This saves

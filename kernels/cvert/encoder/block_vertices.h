@@ -30,7 +30,7 @@ namespace cvert { inline namespace CVERT_ISA
     bool allFinite;
 
     uint32_t quads[2], width;
-    int exponent[3];                 //!< of the spacings
+    int exponent[3];                 //!< exponents of the spacings
     uint32_t remainderBits[3];
     float origin[3];
     int coordinates[3][maxVertices]; //!< by axis, padded with the first one
@@ -166,7 +166,7 @@ namespace cvert { inline namespace CVERT_ISA
     /*! Bits of an axis' integers before division by the step. Their differences have at most 31. */
     static const int integerBits = 29;
 
-    int step[3]; //!< exponent
+    int step[3]; //!< exponents of the steps
 
     static int exponentOf (float x)
     {
@@ -226,7 +226,7 @@ namespace cvert { inline namespace CVERT_ISA
       const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
       for (uint32_t i=0; i<count; i++)
         if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
-      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine
+      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // the step is too fine
     }
 
     /*! Smallest spacing for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings

@@ -51,7 +51,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       float squares[3], others[3];
       sumProducts(residuals[0],residuals[0],residuals[1],residuals[1],residuals[2],residuals[2],squares);
-      // with the largest residuals
+      // the axis with the largest residuals
       const int main = squares[0] >= squares[1] && squares[0] >= squares[2] ? 0 : squares[1] >= squares[2] ? 1 : 2;
       int* const r[3] = { residuals[main],residuals[axisAfter(main,1)],residuals[axisAfter(main,2)] };
       sumProducts(r[0],r[0],r[0],r[1],r[0],r[2],others);
@@ -186,7 +186,7 @@ namespace cvert { inline namespace CVERT_ISA
       return slope;
     }
 
-    int weightX[paddedVertices], weightY[paddedVertices]; //!< in 1/16
-    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step
+    int weightX[paddedVertices], weightY[paddedVertices]; //!< weights of upper corners, in 1/16
+    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step for which the weights were computed
   };
 }}

@@ -23,8 +23,8 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< of the lattice
-    uint32_t groupTriangles = 16; //!< per full group, up to maxGroupTriangles
+    int exponent = exactLattice;  //!< exponent of the lattice
+    uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
     uint32_t surface = 0;
   };
 
@@ -32,8 +32,8 @@ namespace cvert { inline namespace CVERT_ISA
   {
     MeshStatistics statistics;
     size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
-    size_t degenerateTriangles = 0; //!< omitted
-    size_t finerVertices = 0;       //!< not on the lattice
+    size_t degenerateTriangles = 0; //!< omitted because they have no area
+    size_t finerVertices = 0;       //!< vertices that are not on the lattice
   };
 
   class MeshBlocks

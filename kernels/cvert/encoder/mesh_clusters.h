@@ -17,7 +17,7 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MeshCenter
   {
-    float at[3];    //!< of the triangle's bounds, finite
+    float at[3];    //!< center of the triangle's bounds, finite
     uint32_t index; //!< chosen by the caller
   };
 
@@ -73,7 +73,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       uint16_t at[8];
 
-      uint32_t center (int k) const { return uint32_t(at[k]) + 65535u - at[3+k]; } //!< 17 bits
+      uint32_t center (int k) const { return uint32_t(at[k]) + 65535u - at[3+k]; } //!< a center has 17 bits
       double size (int k) const { return 65535.0 - at[3+k] - at[k]; }
       double area () const { return size(0)*size(1) + size(1)*size(2) + size(2)*size(0); }
     };
@@ -117,7 +117,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (before == half) return;
       T* const first = to;
       for (T* i=first; i<items+count; i++)
-        if (binOf(*i) == bin) std::swap(*i,*to++); // rare
+        if (binOf(*i) == bin) std::swap(*i,*to++); // such items are rare
       std::nth_element(first,items+half,to,less);
     }
 
@@ -135,7 +135,7 @@ namespace cvert { inline namespace CVERT_ISA
       const float from = lower[axis], size = upper[axis]-from, scale = size > 0 ? float(bins-1)/size : 0.0f;
       const auto binOf = [=](const MeshCenter& c) {
         const float x = (c.at[axis]-from)*scale;
-        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN: last bin
+        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN counts as the last bin
       };
       uint32_t counts[bins] = {};
       for (size_t i=0; i<count; i++) counts[binOf(triangles[i])]++;

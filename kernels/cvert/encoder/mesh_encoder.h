@@ -88,11 +88,11 @@ namespace cvert { inline namespace CVERT_ISA
     {
       uint32_t triangles, vertices, own, restarts, repeats, others, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
-      uint64_t newMask;                                        //!< per vertex of the stream
+      uint64_t newMask;                                        //!< bit per entry of the stream: the vertex is new
       uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
-      uint16_t numbers[maxGroupVertices];                      //!< in the block
-      uint32_t given[maxGroupTriangles];                       //!< of triangles
-      uint32_t lower[3], extent[3];                            //!< box
+      uint16_t numbers[maxGroupVertices];                      //!< numbers of the vertices in the block
+      uint32_t given[maxGroupTriangles];                       //!< numbers of the triangles
+      uint32_t lower[3], extent[3];                            //!< box of the group
     };
 
     static const uint32_t slotCount = 2048;
@@ -222,7 +222,7 @@ namespace cvert { inline namespace CVERT_ISA
       fitsLattice[k] = true;
       exponent[k] = std::max(step,-126);
       const double span = double(hi)-double(lo);
-      if (span == 0) { // thin boxes
+      if (span == 0) { // the smallest spacing makes boxes thin
         exponent[k] = -126;
         std::fill(coordinates[k],coordinates[k]+numVertices,0u);
         return;
@@ -443,9 +443,9 @@ namespace cvert { inline namespace CVERT_ISA
     /* by corner, in the order of insertion */
     uint32_t numCorners;
     float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
-    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< as a vertex of the block
-    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt with the corner
-    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< in that attempt
+    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< number of each corner as a vertex of the block
+    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt to add a group with the corner
+    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< number of the corner in that attempt
     /*! IDs of corners of triangles from idsBegin on; null if positions identify vertices. */
     const uint32_t (*ids)[3] = nullptr;
     const MeshTriangle* idsBegin = nullptr;

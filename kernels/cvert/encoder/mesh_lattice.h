@@ -110,7 +110,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const WorldLattice lattices[3];
     const bool isExact;
-    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< by position
+    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< exceptions by position
     uint32_t filter[2048];                                  //!< a bit per hash
   };
 }}

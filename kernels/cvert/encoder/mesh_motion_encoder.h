@@ -18,8 +18,8 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshTriangle* triangles; //!< corners: at the first step
     const uint32_t (*ids)[3];      //!< of each triangle's corners, three different ones
     uint32_t count;
-    uint32_t groupTriangles;       //!< as for MeshEncoder::encodeCluster
-    bool areHalvesOfQuads;         //!< as there
+    uint32_t groupTriangles;       //!< triangles of a full group
+    bool areHalvesOfQuads;         //!< see MeshEncoder::encodeCluster
     uint32_t surface;
     float begin, end;              //!< times of the first and last step
     uint32_t numSteps;             //!< 2 to maxTimeSteps
@@ -134,10 +134,10 @@ namespace cvert { inline namespace CVERT_ISA
     struct Residuals
     {
       uint32_t of[maxMeshVertices];
-      int32_t base[maxMeshGroups];  //!< the least of a group
+      int32_t base[maxMeshGroups];  //!< the least residual of a group
       uint32_t bits[maxMeshGroups]; //!< of a field, 0 to 30 or 32
 
-      /*! Bits of signed bases. */
+      /*! Bits per base; bases are signed. */
       uint32_t baseBits (uint32_t groups) const
       {
         uint32_t most = 0;
@@ -187,7 +187,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     AffineFit fit;
-    float first[maxMeshVertices][3];    //!< at the first step
+    float first[maxMeshVertices][3];    //!< positions at the first step
     double predicted[maxMeshVertices];  //!< positions on an axis
     uint32_t ranks[maxMeshVertices];
     Residuals residuals[3], other;

@@ -15,8 +15,8 @@ namespace cvert { inline namespace CVERT_ISA
   {
   public:
     uint32_t numTriangles, streamSize, numRestarts; //!< the first strip is not a restart
-    uint8_t order[maxGroupTriangles];               //!< input indices
-    uint8_t stream[3*maxGroupTriangles];            //!< input indices
+    uint8_t order[maxGroupTriangles];               //!< triangles, as input indices
+    uint8_t stream[3*maxGroupTriangles];            //!< vertices, as input indices
     uint8_t turns[maxGroupTriangles];
     uint32_t restarts, fans;                        //!< a bit per triangle in `order`; bit 0 is 0
 
@@ -36,9 +36,9 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     const uint8_t (*corners)[3];
     uint32_t incident[maxGroupVertices+1]; //!< a bit per triangle, by vertex
-    uint32_t left;                         //!< triangles without a strip
+    uint32_t left;                         //!< triangles that are in no strip yet
 
-    /*! From x to y. */
+    /*! Triangles with the edge from x to y. */
     uint32_t withEdge (uint8_t x, uint8_t y) const
     {
       uint32_t result = 0;

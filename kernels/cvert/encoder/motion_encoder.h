@@ -14,8 +14,8 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MotionStatistics : public VertStatistics
   {
-    uint32_t stepBytes = 0;    //!< without the first step
-    uint32_t rotatedGroups = 0; //!< of all steps
+    uint32_t stepBytes = 0;    //!< bytes of all steps but the first
+    uint32_t rotatedGroups = 0; //!< sum over all steps
   };
 
   class MotionEncoder : private VertEncoder
@@ -42,7 +42,7 @@ namespace cvert { inline namespace CVERT_ISA
       invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
     }
 
-    /*! From vertices(). */
+    /*! Adds the step in vertices(). */
     void addStep ()
     {
       BlockVertices& now = current();
@@ -55,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
       step++;
     }
 
-    /*! Added last. */
+    /*! Vertices of the step that was added last. */
     const BlockVertices& last () const { return (step-1) % 2 ? other : *this; }
 
     /*! Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite at any step. */
@@ -67,7 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    static const uint32_t firstCell = maxVertGroups; //!< in first and own
+    static const uint32_t firstCell = maxVertGroups; //!< index of the first cell in first and own
 
     /*! by axis */
     typedef int Residuals[3][paddedVertices];
@@ -122,7 +122,7 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
-      // of the segment that ends here
+      // margins of the segment that ends here
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
         boxes.addGroups();
@@ -246,8 +246,8 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* marginsOfSegment;  //!< these three belong to the segment that begins with the previous step
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
-    std::vector<bool> invalid;  //!< at any step
-    BlockVertices other;        //!< of odd steps
+    std::vector<bool> invalid;  //!< quads that are invalid at any step
+    BlockVertices other;        //!< vertices of odd steps
     Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first and the current step
     RotationFit turns;
   };

@@ -15,12 +15,12 @@ namespace cvert { inline namespace CVERT_ISA
   struct QuadNumbers
   {
     uint32_t form;                 //!< without pattern; without turns if `turns` has them
-    unsigned width;                //!< in quads
+    unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
     /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` specifies all
      * turns. Otherwise numbers must be below 2^30. */
-    std::vector<uint32_t> seconds; //!< of second triangles
+    std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
 
@@ -162,7 +162,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
-    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< of the table
+    uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
     uint32_t distance;        //!< from first to second triangles
     uint32_t lowest, highest, first;
   };

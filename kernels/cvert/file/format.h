@@ -38,7 +38,7 @@ namespace cvert
     uint64_t fileBytes, directory;         //!< size of the file, offset of the geometries' records
     uint32_t directoryChecksum;
     uint32_t key[2];                       //!< of a resumable writer, lower half first; else 0
-    uint32_t checksum;                     //!< of the bytes before it
+    uint32_t checksum;                     //!< checksum of the bytes before it
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
@@ -63,7 +63,7 @@ namespace cvert
     float lower[3], upper[3];              //!< of everything that rays can hit; empty if lower > upper
     uint64_t numBlocks;
     float measures[4];
-    uint64_t counts[23];                   //!< with measures, statistics of the writer
+    uint64_t counts[23];                   //!< statistics of the writer, as are `measures`
     uint64_t reserved[2];
   };
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");

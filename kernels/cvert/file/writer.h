@@ -44,8 +44,8 @@ namespace cvert
   private:
     friend class FileWriter;
 
-    uint64_t end = 0;        //!< of the blocks
-    uint32_t vertVersion = vertFormatVersion; //!< newest of its blocks
+    uint64_t end = 0;        //!< end of the blocks
+    uint32_t vertVersion = vertFormatVersion; //!< newest version of its blocks
   };
 
   /*! One thread at a time may use a writer. Functions throw Error. After an error during writing, only the destructor
@@ -98,11 +98,11 @@ namespace cvert
 
     const std::string path;
     std::unique_ptr<UnfinishedFile> file; //!< null after commit
-    const bool keeps;                     //!< without commit
+    const bool keeps;                     //!< keeps the file without commit
     bool failed = false;
     uint64_t key = 0;
     uint64_t at = 0, saved = 0;           //!< written, and covered by the header on the disk
-    uint32_t vertVersion = vertFormatVersion; //!< newest of all surfaces
+    uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;
   };

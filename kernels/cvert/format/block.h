@@ -42,24 +42,24 @@ CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 /*! That decoders may read after a block. */
 CVERT_CONSTANT uint32_t readPastVert = 16u;
 
-CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< per side
+CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
 CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< at most 2^maxVertHeight quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
-CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< in the header
+CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< offset of corners in the header
 CVERT_CONSTANT uint32_t vertEdgesBytes = 8u;
 CVERT_CONSTANT uint32_t vertMotionBytes = 16u;
 CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
 CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< per axis; the precision of a float
 CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< special value for a number of bits
-CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< in steps, see marginShift
+CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< largest margin in steps, see marginShift
 CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: lower x, y, z, then upper x, y, z
 
 struct VertHeader
 {
-  float origin[3];        //!< of coordinates (0,0,0)
+  float origin[3];        //!< position of coordinates (0,0,0)
   uint32_t reach;         //!< bounds, 8 bits each: see reachStep
   uint32_t surface;       //!< see limits.h
   uint32_t primID;        //!< or base of the numbers of quads, see quad_numbers.h
@@ -316,7 +316,7 @@ struct VertLayout
   uint32_t words;     //!< lower 16 bits per group
   uint32_t wordsHigh; //!< upper 8 bits per group
   uint32_t cell;      //!< fields of the first cell
-  /* of a raw block */
+  /* vertices of a raw block */
   uint32_t vertices;  //!< x, y, z per vertex, row by row
   uint32_t boxes;     //!< plane by plane, a float per group
   uint32_t rawBytes;

@@ -41,13 +41,13 @@ CVERT_CONSTANT uint32_t maxMeshGroups = 16u;
 CVERT_CONSTANT uint32_t maxGroupTriangles = 32u;
 CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
-CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< of all groups together
+CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< maximum of all groups together
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
-CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< of boxes on an axis whose coordinates count floats
+CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< least shift of boxes on an axis whose coordinates count floats
 
 struct MeshHeader
 {
-  float origin[3];        //!< of coordinates (0,0,0)
+  float origin[3];        //!< position of coordinates (0,0,0)
   //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; other bits: 0
   uint32_t spacings;
   uint32_t surface;       //!< see limits.h
@@ -87,10 +87,10 @@ CBVH_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
 }
 
-/*! Coordinates count floats. */
+/*! True if coordinates on the axis count floats. */
 CBVH_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
-/*! Among all floats, by size. 0 has rank 2^31. */
+/*! Rank among all floats, by size. 0 has rank 2^31. */
 CBVH_FUNCTION uint32_t rankOfFloat (float x)
 {
   uint32_t bits = bitsOfFloat(x);
@@ -144,7 +144,7 @@ CBVH_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
-/*! For all numbers below `count`. */
+/*! Bits of a number below `count`. */
 CBVH_FUNCTION uint32_t bitsForBelow (uint32_t count)
 {
   uint32_t bits = 0u;
@@ -167,8 +167,8 @@ CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { re
 struct MeshTopology
 {
   uint32_t restarts, fans, turns, news, owns, repeats, others; //!< first bits, relative to the group's
-  uint32_t repeatBits, otherBits;                             //!< per entry
-  uint32_t bits;                                               //!< of the whole topology
+  uint32_t repeatBits, otherBits;                             //!< bits per entry
+  uint32_t bits;                                               //!< bits of the whole topology
 };
 
 /*! group, record: its byte and record. vertices: of the block */
@@ -190,7 +190,7 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
   return at;
 }
 
-/*! Per axis. extent: of the group's box. */
+/*! Bits of a vertex's field on an axis. extent: of the group's box. */
 CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
@@ -237,7 +237,7 @@ CBVH_FUNCTION uint32_t highestBit (uint32_t mask)
   return bit;
 }
 
-/*! In the stream, in the order of the application's triangle. */
+/*! Positions in the stream, in the vertex order of the application's triangle. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
 /*! Bit 0 must be set in restarts and clear in fans. turn: of triangle t. */
@@ -245,7 +245,7 @@ CBVH_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uin
 {
   uint32_t upTo = bitsUpTo(t);
   uint32_t last = t + 2u*countBits(restarts & upTo);
-  uint32_t start = highestBit(restarts & upTo);      // of the strip
+  uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
   // last triangle up to t that did not keep the first vertex
   uint32_t kept = highestBit((~fans | restarts) & upTo);
   uint32_t first = kept + 2u*countBits(restarts & bitsUpTo(kept)) - 2u;

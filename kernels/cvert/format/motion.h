@@ -24,7 +24,7 @@ CVERT_BEGIN
 
 CVERT_CONSTANT uint32_t maxTimeSteps = 129u;
 CVERT_CONSTANT uint32_t vertStepBytes = 64u;
-CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< in a step
+CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of corners in a step
 
 struct VertStep
 {

@@ -65,7 +65,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
   return sum;
 }
 
-/*! Adds a world axis. */
+/*! Adds the contribution of a world axis. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -119,7 +119,7 @@ CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
 
-/*! Weights of the opposite vertices. */
+/*! Weights of the vertices opposite of the edges. */
 CVERT_REAL struct TriangleSides
 {
   Real w0, w1, w2, sum;
@@ -214,8 +214,8 @@ CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
-/*! By exact signs. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a line,
- *  which other triangles cover. */
+/*! Decides by exact signs. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a
+ *  line, which other triangles cover. */
 CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
@@ -342,9 +342,9 @@ CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangl
 /* --- nearest hit --------------------------------------------------------------------- */
 
 /* results of placeOfHit */
-CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< does not count
-CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< counts
-CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< counts if it hasPrecedence over the ray's previous hit
+CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
+CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
+CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPrecedence over the ray's previous one
 
 /*! tfar: end of the ray, or distance of its nearest hit. isHitDistance: tfar is the distance of a cVERT hit. */
 CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isHitDistance)
@@ -379,7 +379,7 @@ CBVH_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
-/* In the group, for triangle h. */
+/* Position in the group of the quad of triangle h. */
 CBVH_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
 CBVH_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
@@ -390,7 +390,7 @@ CVERT_REAL struct QuadPosition { Real a, b; };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(TriangleSides) sides, CVERT_BOOL(Real) isSecond)
 {
-  // of the second and third vertex; NaN if all sides rounded to 0
+  // weights of the second and third vertex; NaN if all sides rounded to 0
   Real b1 = sides.w1/sides.sum, b2 = sides.w2/sides.sum;
   CVERT_OF(QuadPosition) position;
   position.a = choose(isSecond,b1+b2,b1);
@@ -398,7 +398,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
   return position;
 }
 
-/*! To 0 to 1. NaN of slivers becomes 1/2: the diagonal's middle belongs to both triangles. */
+/*! Clamps to 0 to 1. NaN of slivers becomes 1/2: the diagonal's middle belongs to both triangles. */
 CVERT_REAL CVERT_INLINE Real clampParameter (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }

@@ -316,7 +316,7 @@ void Device::readCache()
   std::vector<char> data;
   const std::string path = cachePath();
   struct stat status;
-  if (!path.empty() && stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode)) { // a pipe would block
+  if (!path.empty() && stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode)) { // opening a pipe would block
     std::ifstream file(path, std::ios::binary);
     uint64_t sum = 0;
     if (file.read(reinterpret_cast<char*>(&sum), sizeof(sum)))
@@ -348,7 +348,7 @@ void Device::writeCache() const
     const int error = cvert::writeAll(file.descriptor(), &sum, sizeof(sum));
     if (!error && cvert::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
   }
-  catch (const std::exception&) {} // the next run compiles again
+  catch (const std::exception&) {} // then the next run compiles again
 }
 
 }} // namespace embree::vulkan

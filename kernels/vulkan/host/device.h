@@ -98,7 +98,7 @@ private:
   VkCommandPool pool = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
-  size_t cacheBytes = 0;             // when it was read
+  size_t cacheBytes = 0;             // size of the cache when it was read
   std::map<std::tuple<Query, bool, uint32_t, uint32_t>, VkPipeline> pipelines;
   VkPipeline orderPipelines[4] = {};
 };

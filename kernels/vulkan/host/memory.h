@@ -11,7 +11,7 @@
 
 namespace embree { namespace vulkan {
 
-/* With its own memory. */
+/* A buffer with its own memory. */
 class Buffer
 {
 public:
@@ -90,7 +90,7 @@ private:
 
   Device& device;
   std::vector<std::unique_ptr<Buffer>> buffers;
-  size_t used = 0;              // of the current shared buffer
+  size_t used = 0;              // bytes used of the current shared buffer
   size_t shared = ~size_t(0);   // index of that buffer, or all bits set
 };
 

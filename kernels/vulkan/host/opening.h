@@ -37,13 +37,13 @@ private:
 struct Capabilities
 {
   RTCVulkanDeviceInfo info;
-  bool hasHostImport = false;       // VK_EXT_external_memory_host
+  bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
   size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures
   uint64_t maxBoxes = 0, maxInstances = 0;
   uint32_t computeFamily = ~0u;
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
-  size_t maxAllocation = 0;         // bytes
+  size_t maxAllocation = 0;         // in bytes
   size_t importAlignment = 4096;
   uint32_t timestampBits = 0;       // valid bits of the compute family's timestamps; 0 without timestamps
   uint8_t cacheID[VK_UUID_SIZE];

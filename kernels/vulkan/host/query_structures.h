@@ -51,7 +51,7 @@ private:
   const QueryStructures* const previous;
   std::unique_ptr<Arena> input;                // boxes; freed after the build
   std::vector<WantedLevel> wanted;
-  std::vector<QueryStructures::Place> froms;   // of each level in `wanted`
+  std::vector<QueryStructures::Place> froms;   // place of each level in `wanted`
   std::vector<VkAccelerationStructureInstanceKHR> instances;
   std::vector<PlacedBoxes> places;
 };

@@ -442,9 +442,9 @@ private:
   const RTCVulkanMemory memory;
   Uploader uploader;
   std::vector<Part> parts;            // first is the traced scene
-  std::map<RTCScene, size_t> partOf;  // index in parts
+  std::map<RTCScene, size_t> partOf;  // index of a scene in parts
   uint32_t numGeometries = 0;
-  std::vector<uint32_t> firstBlock;   // in blocks, per part
+  std::vector<uint32_t> firstBlock;   // index of the first block of each part in blocks
   std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;

@@ -27,7 +27,7 @@ public:
 
   Device& device;
   const Held<Device> held;       // first: the device must outlive the buffers
-  VkDeviceAddress address = 0;   // of SceneData
+  VkDeviceAddress address = 0;   // device address of SceneData
   uint32_t kinds = 0;            // mask of reference types
   const bool byQuery;
   RTCVulkanSceneStatistics statistics{};
@@ -36,7 +36,7 @@ public:
   void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
               VkDeviceAddress order = 0) const;
 
-  std::atomic<bool> sortsRays{false};   // for Trace only
+  std::atomic<bool> sortsRays{false};   // used by Trace only
 
   const QueryStructures& queryStructures() const { return structures; }   // empty unless byQuery
 

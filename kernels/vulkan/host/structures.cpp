@@ -52,7 +52,7 @@ Structure::~Structure() { device.vk.DestroyAccelerationStructureKHR(device.handl
 
 namespace {
 
-constexpr size_t structureAlignment = 256;   // required by Vulkan
+constexpr size_t structureAlignment = 256;   // alignment that Vulkan requires
 
 size_t roundedUp(size_t bytes, size_t alignment) { return (bytes + alignment - 1)/alignment*alignment; }
 
@@ -61,7 +61,7 @@ struct Build
   VkAccelerationStructureTypeKHR type;
   VkAccelerationStructureGeometryKHR geometry;
   uint32_t count;
-  VkAccelerationStructureKHR from;        // of an update, or VK_NULL_HANDLE
+  VkAccelerationStructureKHR from;        // source of an update, or VK_NULL_HANDLE
   size_t bytes, scratch;                  // set by measure()
   std::shared_ptr<Structure> structure;   // set by buildTogether()
 
@@ -101,7 +101,7 @@ void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, Vk
   device.vk.CmdPipelineBarrier(commands, fromStage, toStage, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
-/* One command, and one shared buffer. */
+/* Builds with one command, in one shared buffer. */
 void buildTogether(Device& device, Build* builds, size_t count)
 {
   const size_t alignment = device.capabilities.scratchAlignment;

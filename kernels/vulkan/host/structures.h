@@ -59,9 +59,9 @@ struct BottomLevel
 class Structures
 {
 public:
-  std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // NULL if there is none
+  std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // Returns NULL if there is none.
   void add(const std::shared_ptr<const BottomLevel>& level);
-  void clean();   // removes freed levels
+  void clean();   // Removes freed levels.
 
 private:
   mutable std::mutex mutex;
@@ -71,12 +71,12 @@ private:
 struct WantedLevel
 {
   BoxesKey key;
-  VkDeviceAddress boxes;                         // VkAabbPositionsKHR
+  VkDeviceAddress boxes;                         // address of VkAabbPositionsKHR
   std::shared_ptr<const BottomLevel> previous;   // to update from, with the same number of boxes, or NULL
   std::shared_ptr<const BottomLevel> level;      // NULL until built
 };
 
-struct BuildCounts { size_t built = 0, updated = 0; }; // boxes
+struct BuildCounts { size_t built = 0, updated = 0; }; // numbers of boxes
 
 /* Updates or builds levels that are NULL. Boxes of equal keys are built once. */
 BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);

@@ -134,7 +134,7 @@ public:
 private:
   uint32_t leaf(const BuildNode* from)
   {
-    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // an instance
+    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // the item is an instance
       requireReferences(size_t(from->items[0][0]) + 1, "geometries");
       return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
     }

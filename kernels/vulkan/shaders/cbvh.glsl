@@ -139,7 +139,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
 
-  uvec2 stack[CBVH_STACK];       // reference, key
+  uvec2 stack[CBVH_STACK];       // pairs of reference and key
   int top = 0, instanceTop = -1; // instanceTop: `top` when the ray entered an instance
   uint current = scene.root;
 

@@ -132,14 +132,14 @@ NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
   return box;
 }
 
-/* In the frame. */
+/* A hit in a leaf, in the frame. */
 struct CbvhLeafHit
 {
   float s;
   uint leaf;
-  float u, v;           // in the leaf
+  float u, v;           // position in the leaf
   float slopeX, slopeY;
-  uint from;            // side, leaf/hit_rule.h
+  uint from;            // side from which the ray comes, see leaf/hit_rule.h
 };
 
 /* Stores the hit and returns true if it is nearer by the rule of framed/nearest_hit.h, except for its order of faces.
@@ -153,7 +153,7 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
   if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
   framed = vec2(t, own);
   uint height = heightOf(header.info);
-  float size = float(1u << height)/float(numLeaves); // of a leaf, in quads
+  float size = float(1u << height)/float(numLeaves); // side of a leaf, in quads
   float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height,
                           size*(float(mortonX(at.leaf)) + at.u));
   float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height,
@@ -258,7 +258,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   uint nodeLevels = layout_.nodeLevels;
   WalkState state = startOfWalk();
   CbvhLeafHit exit_ = CbvhLeafHit(0.0, 0u, 0.0, 0.0, 0.0, 0.0, sideUnknown);
-  /* of the nearest hit */
+  /* parameter of the nearest hit */
   float best = kind != kindLeaf && hit.t < ray.tfar ? min(cbvhShareAfter(local.segment, hit.t*rcpScale), 1.0) : 1.0;
   bool found = false;
 

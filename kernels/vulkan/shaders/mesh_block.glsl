@@ -20,7 +20,7 @@ struct CbvhMeshBlock
   vec3 origin;
   uint spacings, primID, counts, form;
   uint groups;
-  uint boxes;                                      // first byte
+  uint boxes;                                      // offset of the boxes in bytes
   uint topologyBegin, verticesBegin, numbersBegin; // first bits, from the start of the block
 };
 
@@ -81,7 +81,7 @@ bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlop
 /* Axes of a block's boxes, and the ray along the sheared one, from the block's origin. */
 struct CbvhMeshAxes
 {
-  int sheared;               // 3 if none
+  int sheared;               // sheared axis; 3 if there is none
   bool isBounded;            // boxes bound the sheared coordinate
   vec3 extent;               // upper bound, from the block's origin; 0 on an axis of ranks
   float org, rcp, error;     // ray along the sheared coordinate
@@ -187,7 +187,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
 struct CbvhMeshGroup
 {
   uint g;
-  uint stream;                  // entries
+  uint stream;                  // number of entries
   uint restarts, fans;          // masks of triangles
   uvec2 news;                   // mask of entries
   uint owns;                    // mask of vertices
@@ -225,12 +225,12 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 {
   bool isLow = i < 32u;
   uint news = isLow ? group.news.x : group.news.y;
-  uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // new entries
-  uint vertex = before; // index in the group
+  uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // new entries before i
+  uint vertex = before; // index of the vertex in the group
   if (((news >> (i & 31u)) & 1u) == 0u)
     vertex = cbvhMeshBits(block, group.repeats + (i - before)*group.repeatBits, group.repeatBits);
 
-  uint owner = group.g, number = cbvhBitsBelow(group.owns, vertex); // among the owner's vertices
+  uint owner = group.g, number = cbvhBitsBelow(group.owns, vertex); // index among the owner's vertices
   if (((group.owns >> vertex) & 1u) == 0u) {
     number = cbvhMeshBits(block, group.others + (vertex - number)*group.otherBits, group.otherBits);
     while (owner > 0u && number < cbvhMeshGroups[owner].y >> 16) owner--;

@@ -35,7 +35,7 @@ struct CbvhHit
   float t;
   float u, v;
   vec3 Ng;
-  uint primID, geomID, instID; // CBVH_NONE for none
+  uint primID, geomID, instID; // CBVH_NONE without a hit
 };
 
 const uint CBVH_NONE = 0xFFFFFFFFu;
@@ -44,9 +44,9 @@ const uint CBVH_NONE = 0xFFFFFFFFu;
 struct CbvhPreparedRay
 {
   vec3 org, dir;
-  vec3 rcp;       // finite
+  vec3 rcp;       // reciprocals of the direction, finite
   float tnear;    // not negative
-  float tfar;     // without hits
+  float tfar;     // end of the ray, independent of hits
   float enter;    // lower bound of the distance to the current leaf
   uint mask;
   float time;     // finite; before all motion if the ray's is not

@@ -22,8 +22,8 @@ layout(local_size_x = 256) in; // orderThreads
 
 layout(push_constant, scalar) uniform Arguments
 {
-  uvec2 rays;       // STAGE 0 only
-  uvec2 from, to;   // Pairs
+  uvec2 rays;       // used by STAGE 0 only
+  uvec2 from, to;   // addresses of Pairs
   uvec2 counts;     // [digit][tile]
   uvec2 scene;
   uint count, rayWords, shift;   // count: rays; STAGE 2: tiles

@@ -24,7 +24,7 @@ uvec3 cbvhQuadTriangle (uint i, uint width, bool second)
 struct CbvhTriangleHit
 {
   float t;
-  float u, v;   // of the second and third vertex
+  float u, v;   // weights of the second and third vertex
   vec3 Ng;
 };
 

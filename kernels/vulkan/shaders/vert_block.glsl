@@ -138,7 +138,7 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, C
   return found;
 }
 
-/* For static blocks. */
+/* Traces static blocks. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {

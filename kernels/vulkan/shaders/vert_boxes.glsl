@@ -14,8 +14,8 @@
 
 struct CbvhVertRay
 {
-  vec3 rcp;        // finite
-  float largest;   // of the direction, absolute
+  vec3 rcp;        // reciprocals of the direction, finite
+  float largest;   // largest component of the direction, absolute
 };
 
 CbvhVertRay cbvhVertRay (CbvhPreparedRay ray)
@@ -93,7 +93,7 @@ bool cbvhMeetsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert,
   return interval.from <= interval.to;
 }
 
-/* For a raw block. */
+/* Tests a group of a raw block. */
 bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);

@@ -16,7 +16,7 @@ struct CbvhShear
   float sx, sy;
 };
 
-/* Moves kz last. */
+/* Rotates the components so that kz is last. */
 vec3 cbvhTurn (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
 
 CbvhShear cbvhShear (vec3 dir)

@@ -16,7 +16,7 @@ struct CbvhVertBlock
   uint geomID;
   uint region, boxForm;
   uint groupsX, groupsY, groups, quadsX, quadsY;
-  StepView first;                       // step 0
+  StepView first;                       // view of step 0
   bool hasRaw;                          // a step at the ray's time is raw
 };
 
@@ -70,7 +70,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
   return at;
 }
 
-/* For a raw step. */
+/* Vertex of a raw step. */
 vec3 cbvhRawVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j)
 {
   uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));

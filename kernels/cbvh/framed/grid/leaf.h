@@ -23,7 +23,7 @@ namespace embree
       {
         typedef typename Loader::vfloat vfloat;
         const Block* block;
-        vfloat x0, y0, x1, y1, x2, y2; //!< in quads of the block
+        vfloat x0, y0, x1, y1, x2, y2; //!< positions in quads of the block
 
         __forceinline GridMapUV (const Block* block, float x, float y) : block(block)
         {

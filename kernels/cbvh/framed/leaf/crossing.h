@@ -103,14 +103,14 @@ CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
   return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
 }
 
-/*! 0 to 1. */
+/*! Position of s in a box, 0 to 1. */
 CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
 
 CVERT_REAL struct Crossing
 {
-  Real s0, s1;                //!< at entry and exit
+  Real s0, s1;                //!< s at entry and exit
   Real u0, v0, u1, v1;        //!< in the box at entry and exit
   CVERT_OF(Parabola) f;
   LeafEvent event;

@@ -57,7 +57,7 @@
 
 CBVH_BEGIN
 
-/* In the frame. */
+/* Sides of a leaf's surface, in the frame. */
 CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 
 /*! State of a ray in a block. */
@@ -84,10 +84,10 @@ struct LeafEvent
   bool changes;     //!< f has different signs at entry and exit
   bool nearEntry;   //!< within half a thickness of the patch at the entry
   bool near;        //!< possibly within half a thickness between entry and exit
-  bool started;     //!< inside the box
-  bool ended;       //!< inside the box
-  bool solid;       //!< the box is the surface
-  bool empty;       //!< no surface
+  bool started;     //!< the segment starts inside the box
+  bool ended;       //!< the segment ends inside the box
+  bool solid;       //!< the leaf's box is its surface
+  bool empty;       //!< the leaf has no surface
 };
 
 /* Where a ray hits a leaf. */

@@ -26,7 +26,7 @@ namespace embree
     {
     public:
       uint32_t encoded = 15;   //!< lanes with a lattice
-      uint32_t undecided = 0;  //!< lanes for lattice_encoder.h
+      uint32_t undecided = 0;  //!< lanes that lattice_encoder.h must encode
 
       LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
         : parents(parents), groups(groups),
@@ -143,7 +143,7 @@ namespace embree
         return v/3 == 1 ? select(upper[1][v%3],row(dy+1),row(dy)) : row(dy+v/3/2);
       }
 
-      /*! At vertex v. */
+      /*! Height of the surface at vertex v. */
       template<int v>
       Double4 surface() const
       {
@@ -189,7 +189,7 @@ namespace embree
         Double4 slope[2];
         for (int axis=0; axis<2; axis++)
         {
-          Double4 rise[2] = { 0.0,0.0 }; // of both cells
+          Double4 rise[2] = { 0.0,0.0 }; // largest differences of heights in both cells
           for (int line=0; line<3; line++)
             for (int i=0; i<2; i++) {
               const int v = axis == 0 ? i+3*line : line+3*i;
@@ -218,7 +218,7 @@ namespace embree
        *  of the other axis. */
       Double4 distance(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
-        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // heights over the plane
+        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // indices of heights
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
         const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,
           reciprocal[other][1],reciprocal[other][0]);
@@ -250,7 +250,7 @@ namespace embree
         const Double4 da = off[v], db = off[v+step], dc = off[v+2*step];
         Range4 range;
 
-        const Mask4 first = upper[along][line]; // x is before b
+        const Mask4 first = upper[along][line]; // the edge crosses the plane before b
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
         const LineCrossing x(*this,along,from,to);
@@ -383,7 +383,7 @@ namespace embree
           latticeThickness(codes[3]&3))*size;
       }
 
-      /*! A lane, for lattice_encoder.h. */
+      /*! One lane as input of lattice_encoder.h. */
       struct Exact
       {
         CodedLattice lattice;
@@ -426,11 +426,11 @@ namespace embree
     private:
       const NodeBoxes& parents;
       const GroupLanes& groups;
-      Float4 lower, size;      //!< of the bins
+      Float4 lower, size;      //!< lower bounds and sizes of the bins
       Int4 word;
       Double4 planes[2][3], width[2][2], reciprocal[2][2];
       Mask4 upper[2][3];       //!< [axis][line]: middle vertices in the upper cell
-      Double4 at[9][2];        //!< of each vertex in its cell
+      Double4 at[9][2];        //!< position of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
       Double4 off[9];          //!< height of the surface above vertices; set by measure()

@@ -27,7 +27,7 @@ namespace embree
     /*! Fractions of a patch's quads, and of its edges where the surface ends or bends. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! Sufficient sample of a patch. */
+    /*! Quads that are a sufficient sample of a patch. */
     static constexpr size_t minQuadsSeen = 1024;
 
     struct LeafFit
@@ -59,7 +59,7 @@ namespace embree
         bool isRough, double thickness)
       {
         const QuadNormal quad(geometry,x,y);
-        if (!(quad.length > 0)) return; // no area, or not finite
+        if (!(quad.length > 0)) return; // the quad has no area, or is not finite
         const double cosine = quad.cosine(geometry.frame,box,slope);
         quads++;
         flippedQuads += cosine < 0;

@@ -16,7 +16,7 @@ namespace embree
       uint32_t invalidQuads = 0;
       uint32_t solidLeaves = 0;
       bool affine = false;
-      float maxThickness = 0;      //!< in world space
+      float maxThickness = 0;      //!< largest thickness, in world space
       LeafFit fit;
 
       /*! Adds and returns the world-space distance between the plane z = slope (x,y) through the middle of a box and
