@@ -149,8 +149,7 @@ namespace embree
             const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter may trace rays,
-                                                                                             // which replace it
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // filters may evict tiles
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else intersectTile(level+2,16*m+4*c+i,hit);
