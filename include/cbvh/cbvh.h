@@ -29,13 +29,13 @@
  * thread may change or trace the same object.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
- * struct as it was compiled. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}.
- * Versions only append members:
+ * struct. In C++ a default member initializer does so; in C write {.structSize = sizeof(cage)}. Versions only append
+ * members:
  *
- * - If the library reads a struct, members that the application's version lacks count as zero. The library accepts a
- *   struct that is larger than its own if all bytes after the members that it knows are zero.
- * - If the library writes a struct, it writes the members that both versions have, and sets the remaining bytes of the
- *   application's struct to zero. structSize keeps its value.
+ * - When the library reads a struct, members that the application's version lacks count as zero. The library accepts a
+ *   larger struct than its own if all additional bytes are zero.
+ * - When the library writes a struct, it writes the members that both versions have, and zeros all other bytes of the
+ *   application's struct except structSize.
  * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
  *   error: CBVH_ERROR_INVALID_ARGUMENT.
  *
@@ -250,16 +250,16 @@ CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids
 CBVH_API enum CbvhError cbvhSetMesh(CbvhSurface surface, const struct CbvhMesh* mesh);
 
 /* Sets the edge rates of a cage so that its quads have about the requested size in a picture. Call it after
- * cbvhSetCage. It replaces the rates that the cage was set with by powers of two. A commit releases the cage: for
- * another view, call cbvhSetCage again. The function measures edges on the displaced surface, so several threads call
- * the displacement function. rates: written, one entry per index, or NULL. */
+ * cbvhSetCage, whose rates it replaces by powers of two. A commit releases the cage: for another view, call
+ * cbvhSetCage again. Edges are measured on the displaced surface: several threads call the displacement function.
+ * rates: written, one entry per index, or NULL. */
 CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDicing* dicing, float* rates);
 
 /* Sets the accuracy of the next commit. NULL selects the defaults. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
 
-/* Sets whether the next commit stores exact vertices and ignores cbvhSetAccuracy: those of grids and meshes, and for
- * cages those that Embree evaluates. lossless: 1 or 0, the default is 0. */
+/* Sets whether the next commit is lossless: it stores the exact vertices of grids and meshes, and of cages the vertices
+ * that Embree evaluates. It then ignores cbvhSetAccuracy. lossless: 1 or 0, the default is 0. */
 CBVH_API enum CbvhError cbvhSetLossless(CbvhSurface surface, int lossless);
 
 /* Sets the mask of a surface. A ray can hit the surface if its mask and the surface's mask have a common bit. By
@@ -304,7 +304,7 @@ struct CbvhInterpolation
  * because all points of one call are on the same face. */
 CBVH_API enum CbvhError cbvhInterpolatePoints(CbvhSurface surface, const struct CbvhInterpolation* points);
 
-/* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface maps it, and so does
+/* Saves a committed surface to a file, without its mask and attributes. cbvhLoadSurface loads the file, and so does
  * rtcLoadCompressedGeometry of Embree CBVH. An existing file is replaced after everything is written: a crash or a full
  * disk leaves it unchanged. */
 CBVH_API enum CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path);
@@ -396,7 +396,7 @@ struct CBVH_ALIGNED CbvhRayHit
 };
 
 /* Arguments of a filter function, which accepts or rejects hits. rays, hits: in the layout of RTCRayN and RTCHitN for
- * `count` rays. valid: -1 for hits to decide; the function sets it to 0 to reject a hit. */
+ * `count` rays. valid: -1 for each hit, otherwise 0; the function sets it to 0 to reject the hit. */
 struct CbvhFilterArguments
 {
   int* valid;
@@ -528,8 +528,8 @@ typedef int (*CbvhClusterFunction)(void* userPtr, const struct CbvhCluster* clus
 
 /* Calls a function for all clusters of a surface at a time, on the calling thread.
  *
- * No vertex moves: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. So clusters meet
- * without cracks, as triangles do. Triangles with a vertex that is not finite, or with two equal vertices, are left
+ * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
+ * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left
  * out, because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
  *
  * function: NULL if only the report is needed.

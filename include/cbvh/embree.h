@@ -32,7 +32,7 @@ extern "C" {
 
 enum CbvhGeometryFlags
 {
-  /* Calls the filter functions of the geometry. In Embree 3 also those of contexts. */
+  /* Calls the filter functions of the geometry, with Embree 3 also those of contexts. */
   CBVH_GEOMETRY_FILTERS = 1,
 #if RTC_VERSION_MAJOR >= 4
   /* Calls the filter of a CbvhQueryContext, which must be the context of each query that may hit the geometry: Embree 4
@@ -71,7 +71,7 @@ static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, 
 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
-/* Writes the IDs of the application's scene into hit i. hits: RTCHitN of N hits */
+/* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
 static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID,
                                const CbvhRTCContext* context)
 {

@@ -69,12 +69,12 @@ typedef bool (*RTCCompressedClusterFunction)(void* userPtr, const struct RTCComp
 
 /* Calls a function for all clusters of a surface at a time, on the calling thread. The order is the same for each call.
  *
- * No vertex moves: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. So clusters meet
- * without cracks, as blocks do. Triangles with a vertex that is not finite, or with two equal vertices, are left out,
+ * Vertices are not rounded: a decoder of the format returns the floats that rays hit, except that -0 becomes 0. There
+ * are no cracks between clusters. Triangles with a vertex that is not finite, or with two equal vertices, are left out,
  * because no ray hits them. Clusters that the format cannot represent have floats, and their reason is set.
  *
  * geometry: stored as cVERT or cGRID, as for rtcForEachCompressedPart.
- * time:     as of rays. Ignored for geometry that does not move. At a time step, vertices are on their lattice.
+ * time:     time of rays. Ignored for geometry that does not move. At a time step, vertices are on their lattice.
  * format:   of the clusters.
  * function: NULL if only the report is needed.
  * userPtr:  passed to the function.

@@ -59,7 +59,7 @@ RTC_API RTCGeometry rtcLoadCompressedGeometry(RTCDevice device, const char* path
 /* Creates a writer for a file with any number of geometries.
  *
  * device: receives the errors.
- * path:   as of rtcSaveCompressedGeometry.
+ * path:   as for rtcSaveCompressedGeometry.
  *
  * Returns the writer, to be released by rtcReleaseCompressedFileWriter, or NULL.
  *
@@ -74,7 +74,7 @@ RTC_API RTCCompressedFileWriter rtcNewCompressedFileWriter(RTCDevice device, con
  * released writer loses no geometry. A killed process and a full disk lose the last geometry, or the last 64 MiB of
  * smaller ones.
  *
- * device, path: as of rtcNewCompressedFileWriter.
+ * device, path: as for rtcNewCompressedFileWriter.
  * key: number that identifies the input of the geometries, so that files of different input are not mixed.
  *
  * Returns the writer, or NULL.
@@ -91,7 +91,7 @@ RTC_API unsigned int rtcGetCompressedFileWriterCount(RTCCompressedFileWriter wri
  * geometry may be released afterwards: an application can save a scene that is larger than memory while it builds it.
  *
  * writer:   not committed.
- * geometry: as of rtcSaveCompressedGeometry.
+ * geometry: as for rtcSaveCompressedGeometry.
  *
  * Returns true if the geometry was appended. After a geometry that cannot be saved, others can be appended. After a
  * failed write nothing can be appended.

@@ -31,18 +31,18 @@
  * that changed since the last commit, and the message names the geometry and its first such face or grid. Vertices in
  * buffers that are not finite are not an error, as in Embree. cVOXEL stores patches with left-out quads as cLEAF.
  *
- * Surfaces are watertight: if two faces of a geometry share an edge or a corner, both use the vertices that the face
- * that owns it evaluates. cLEAF requires exactFaces for this. Grids of one geometry are watertight where they share
+ * Surfaces are watertight: one of the faces that share an edge or a corner owns it, and all of them use the vertices
+ * that the owner evaluates. cLEAF requires exactFaces for this. Grids of one geometry are watertight where they share
  * border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
- * struct as it was compiled. In C++ a default member initializer does so. In C the application writes {.structSize =
- * sizeof(args)}, or calls the rtcInit function of the struct. Versions only append members:
+ * struct. In C++ a default member initializer does so. In C the application writes {.structSize = sizeof(args)}, or
+ * calls the rtcInit function of the struct. Versions only append members:
  *
- * - If the library reads a struct, members that the application's version lacks count as zero. The library accepts a
- *   struct that is larger than its own if all bytes after the members that it knows are zero.
- * - If the library writes a struct, it writes the members that both versions have, and sets the remaining bytes of the
- *   application's struct to zero. structSize keeps its value.
+ * - When the library reads a struct, members that the application's version lacks count as zero. The library accepts a
+ *   larger struct than its own if all additional bytes are zero.
+ * - When the library writes a struct, it writes the members that both versions have, and zeros all other bytes of the
+ *   application's struct except structSize.
  * - A structSize that is below the size in the first version, above 1024, or not a multiple of sizeof(size_t) is an
  *   error: RTC_ERROR_INVALID_ARGUMENT.
  *
@@ -184,9 +184,9 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
 
 /* Sets the representation of a geometry. It takes effect with the next commit of the geometry and the scene.
  *
- * The geometry owns its blocks. All scenes that it is attached to share them. They are built again after a commit of a
- * changed surface; changes of the mask, the filters and the enabled state do not count. Geometry with motion blur is
- * always stored as cVERT. If exactFaces is 0 and another representation is selected, such geometry is left to Embree.
+ * The geometry owns its blocks. All scenes that it is attached to share them. A commit builds them again if the surface
+ * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is always
+ * stored as cVERT. If exactFaces is 0 and another representation is selected, such geometry is left to Embree.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.

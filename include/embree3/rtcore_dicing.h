@@ -66,7 +66,7 @@ RTC_FORCEINLINE void rtcInitDicingArguments(struct RTCDicingArguments* args)
  *           time steps, the step that requires the highest rates counts.
  * args:     read during the call, not NULL.
  *
- * Vertices that are not finite are ignored, and so are holes.
+ * Ignores vertices that are not finite, and holes.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, for a wrong structSize, and for members that are not finite or
  * outside of the ranges above; the message names the member. RTC_ERROR_INVALID_OPERATION for geometry of another

@@ -14,8 +14,8 @@
  * - From the host: rtcStartVulkanIntersect and rtcStartVulkanOccluded trace arrays of rays.
  *
  * On devices with VK_KHR_acceleration_structure and VK_KHR_ray_query, a scene can be created for ray queries
- * (RTC_VULKAN_TRAVERSAL_RAY_QUERY). Its acceleration structures are the driver's, with one box for each block, and all
- * three ways use them. The application can place the scene in a top-level structure of its own, next to its own
+ * (RTC_VULKAN_TRAVERSAL_RAY_QUERY). The driver then builds acceleration structures with one box for each block, and
+ * all three ways use them. The application can place the scene in a top-level structure of its own, next to its own
  * triangles, with the instances that rtcGetVulkanSceneInstances returns.
  *
  * A device must support Vulkan 1.2 with the features bufferDeviceAddress and scalarBlockLayout. If it has

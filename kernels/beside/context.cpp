@@ -13,8 +13,8 @@ using namespace embree::beside;
 
 namespace {
 
-thread_local std::string lastText;       // result of cbvhGetErrorText
-thread_local Failure ofEmbree = {CBVH_OK, ""}; // error that Embree reported and no function has returned
+thread_local std::string lastText;       // text of cbvhGetErrorText
+thread_local Failure ofEmbree = {CBVH_OK, ""}; // of Embree, not yet returned by a function
 thread_local bool isTaken = false;             // this thread is in a function that returns such errors
 
 CbvhError codeOf(RTCError code)
@@ -30,8 +30,8 @@ CbvhError codeOf(RTCError code)
   }
 }
 
-/* Stores an error for the function that returns it. Functions for rays return none: if they find damaged blocks, the
- * application is notified at once. */
+/* Stores an error for the function that returns it. Functions for rays return none: errors of damaged blocks notify the
+ * application at once. */
 void keepError(void* context, RTCError code, const char* text)
 {
   const Failure failure = {codeOf(code), text ? text : ""};
@@ -61,7 +61,7 @@ CbvhContextTy::~CbvhContextTy()
 
 Failure CbvhContextTy::takeError() const
 {
-  rtcGetDeviceError(device); // also clears it
+  rtcGetDeviceError(device); // the call also clears the error
   return std::exchange(ofEmbree, Failure{CBVH_OK, ""});
 }
 
@@ -90,7 +90,7 @@ Failure embree::beside::caughtFailure()
   return failure;
 }
 
-/* Moves texts, because a copy allocates: the destructor must not throw. */
+/* Moves texts, because copies allocate: the destructor must not throw. */
 OwnErrors::OwnErrors(bool areTaken) : outer(std::exchange(ofEmbree, Failure{CBVH_OK, ""})), wereTaken(isTaken)
 {
   isTaken = areTaken;
@@ -107,7 +107,7 @@ CbvhError embree::beside::tell(const Failure& failure, CbvhErrorFunction functio
   lastText = failure.text;
   if (!function) return failure.code;
   function(userPtr, failure.code, failure.text.c_str());
-  lastText = failure.text; // an error that the function caused does not replace this one
+  lastText = failure.text; // an error that the function caused must not replace this one
   return failure.code;
 }
 

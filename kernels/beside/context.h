@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Contexts, and the conversion of errors of the kernels to errors of this library. Features of Embree (geometries,
- * buffers, scenes, rays) are called through Embree's own API, which this library contains but does not export; their
- * errors are reported to the device's error function. Other features are called in kernels/cbvh/core, which throws. */
+/* Contexts, and conversion of errors of the kernels. Features of Embree (geometries, buffers, scenes, rays) are called
+ * through Embree's API, which this library contains but does not export; their errors go to the device's error
+ * function. Other features are called in kernels/cbvh/core, which throws. */
 
 #include "cbvh/cbvh.h"
 #include "cbvh/core/errors.h"
@@ -23,7 +23,6 @@ class Device;
 
 namespace beside {
 
-/* An error that is thrown to leave a function. */
 struct Failure
 {
   CbvhError code;
@@ -32,11 +31,11 @@ struct Failure
   explicit operator bool() const { return code != CBVH_OK; }
 };
 
-/* Returns the exception that is being handled: a Failure, or an exception of the core. Appends the text of an error of
+/* Returns the exception of the enclosing catch block: a Failure, or an exception of the core. Appends an error of
  * Embree that was stored on this thread but not thrown, such as the reason why a block of a file is damaged. */
 Failure caughtFailure();
 
-/* A reference-counted object. The count is initially 1. */
+/* Reference-counted, from 1. */
 class Counted
 {
 public:
@@ -82,10 +81,10 @@ struct CbvhContextTy : embree::beside::Counted
 
   RTCDevice device;
 
-  /* Returns and clears the error that calls of Embree's API caused on this thread since the last call. */
+  /* Returns and clears this thread's last error of Embree's API. */
   embree::beside::Failure takeError() const;
 
-  /* Throws that error if there is one. */
+  /* Throws the error that takeError() returns, if there is one. */
   void check() const;
 
   /* Stores an error for cbvhGetErrorText, and notifies the application. */
@@ -100,10 +99,10 @@ private:
 
 namespace embree { namespace beside {
 
-/* Selects the handling of errors of Embree's functions on this thread. Functions of this library create one, which
- * stores errors until CbvhContextTy::check() throws them. During callbacks of the application, areTaken is false:
- * errors of rays that the callback traces are reported at once, and do not cause the function that called the callback
- * to fail. The destructor restores the previous state. */
+/* Selects how this thread handles errors of Embree's functions. Functions of this library create one, which stores
+ * errors until CbvhContextTy::check() throws them. During callbacks of the application, areTaken is false: errors of
+ * rays that the callback traces are reported at once, without failing the function that called it. The destructor
+ * restores the previous state. */
 class OwnErrors
 {
 public:
@@ -115,11 +114,10 @@ private:
   const bool wereTaken;
 };
 
-/* Stores the text of an error for cbvhGetErrorText, and calls an error function, which may be NULL and may cause errors
- * itself. */
+/* Stores an error's text for cbvhGetErrorText, and calls an error function, which may be NULL and may cause errors. */
 CbvhError tell(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
-/* Runs an API function that can fail, and converts its errors to a code. */
+/* Runs an API function, and converts its errors to a code. */
 template<typename Closure>
 CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 {
@@ -136,7 +134,7 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 
 inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* Like tell(), for functions without a context. */
+/* As tell(), for functions without a context. */
 CbvhError refuse(const char* text);
 
 }} // namespace embree::beside

@@ -13,7 +13,7 @@ using namespace embree::beside;
 
 namespace {
 
-constexpr size_t maxPrimitive = 0xFFFFFFFFu; // numbers of primitives have 32 bits
+constexpr size_t maxPrimitive = 0xFFFFFFFFu; // primitive numbers have 32 bits
 
 } // namespace
 
@@ -34,7 +34,7 @@ CbvhGroupTy::~CbvhGroupTy() { rtcReleaseScene(scene); }
 
 void CbvhGroupTy::commit()
 {
-  for (const auto& surface : surfaces) { // both may throw: the scene must not change then
+  for (const auto& surface : surfaces) { // both may throw, before the scene changes
     surface->committed();
     surface->applyMask();
   }
@@ -54,8 +54,8 @@ void CbvhGroupTy::commit()
   if (failure) throw failure;
 }
 
-/* Called after each commit, because a later change of a surface's mask makes Embree require a commit of every scene
- * with that surface before it returns statistics. */
+/* Called after each commit: after a later change of a surface's mask, Embree returns statistics only once every scene
+ * with that surface is committed. */
 void CbvhGroupTy::keepStatistics()
 {
   const embree::cbvh::CompressionStatistics all = embree::core::statisticsOf((embree::Scene*)scene);

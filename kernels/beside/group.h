@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces that are traced together: a scene of the kernels. */
+/* Surfaces traced together: a scene of the kernels. */
 
 #include "surface.h"
 
@@ -16,8 +16,8 @@ struct CbvhGroupTy : embree::beside::Counted
   const embree::beside::Held<CbvhContextTy> context;
   const RTCScene scene;
   std::vector<embree::beside::Held<CbvhSurfaceTy>> surfaces;
-  std::vector<size_t> firstPrimitive;   // per surface, then the total
-  CbvhStatistics statistics = CbvhStatistics(); // statistics of the last commit
+  std::vector<size_t> firstPrimitive;   // first primitive of each surface, then the total
+  CbvhStatistics statistics = CbvhStatistics(); // of the last commit
   bool isCommitted = false;
   void* userPtr = nullptr;
 
@@ -26,6 +26,6 @@ private:
 
   void keepStatistics();
 
-  std::vector<RTCGeometry> attached;   // per surface
-  size_t unsupportedFaces = 0;         // number of faces that the last commit left out
+  std::vector<RTCGeometry> attached;   // attached geometry of each surface
+  size_t unsupportedFaces = 0;         // faces that the last commit left out
 };

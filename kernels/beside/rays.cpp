@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays of groups. A call sets the geomID of all rays to invalid first, and the kernels set it for hits. Afterwards the
- * geomID of rays without a hit, and all instIDs, are restored. */
+/* Rays of groups. A call first sets all geomIDs to invalid, and the kernels set them for hits. Then the geomIDs of rays
+ * without a hit, and all instIDs, are restored. */
 
 #include "group.h"
 #include "structs.h"
@@ -14,7 +14,7 @@ namespace {
 static_assert(sizeof(CbvhRay) == sizeof(RTCRay) && sizeof(CbvhHit) == sizeof(RTCHit),
   "CbvhRay and CbvhHit must have the layout of RTCRay and RTCHit");
 
-/* A context of the kernels, followed by the data that the filter of a query requires. */
+/* A context of the kernels, then the data of a query's filter. */
 struct Query
 {
   RTCIntersectContext context;
@@ -39,7 +39,7 @@ struct Query
 /* Costs one comparison per call. */
 inline bool isKnown(const CbvhQuery* query) { return !query || query->structSize == sizeof(CbvhQuery); }
 
-/* Calls trace(query) with a query of another version, converted to this version. Returns 0 on errors. */
+/* Calls trace(query) with a query of another version, converted to this one. Returns 0 on errors. */
 template<typename Trace>
 __attribute__((noinline)) auto asKnown(CbvhGroup group, const CbvhQuery* query, const Trace& trace)
     -> decltype(trace(query))
@@ -105,7 +105,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
   return hits;
 }
 
-/* Rays with a negative tfar before the call have ended, and are not reported as hits. */
+/* Rays with a negative tfar have ended before the call, and are not reported as hits. */
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {

@@ -30,7 +30,7 @@ CBVH_GROWING_STRUCT(CbvhClusterReport, numTrianglesOf);
 
 namespace beside {
 
-/* Converts a camera. Zeros select defaults. */
+/* Zeros select defaults. */
 inline DicingCamera cameraOf(const CbvhDicing& dicing)
 {
   const DicingCamera defaults;

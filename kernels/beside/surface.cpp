@@ -66,14 +66,13 @@ bool reportProgress(void* self, double done)
   return input.progress(input.progressPtr, done) != 0;
 }
 
-/* Returns for example "face 3 has 2". */
 std::string describeItem(const char* item, size_t i, const char* verb, size_t value) {
   return std::string(item) + " " + std::to_string(i) + " " + verb + " " + std::to_string(value);
 }
 
 [[noreturn]] void throwInvalidArgument(const std::string& text) { throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* Throws if a value is not below bound. The texts are for the message: "crease index 3 is vertex 9: the cage has 8
+/* Throws if a value is not below bound. Texts are for the message: "crease index 3 is vertex 9: the cage has 8
  * vertices" has item "crease index", target "vertex" and targets "vertices". */
 void checkBelow(const unsigned int* values, size_t count, size_t bound, const char* item, const char* target,
   const char* targets)
@@ -84,7 +83,7 @@ void checkBelow(const unsigned int* values, size_t count, size_t bound, const ch
         + std::to_string(values[i]) + ": the cage has " + std::to_string(bound) + " " + targets);
 }
 
-/* Throws if an index or a count would make Embree access memory outside of the buffers. */
+/* Throws if an index or count would make Embree access memory outside of the buffers. */
 void checkTopology(const CbvhCage& cage)
 {
   require(cage.vertices.count > 0, "there are no vertices");
@@ -108,7 +107,7 @@ void checkTopology(const CbvhCage& cage)
 
 } // namespace
 
-/* Sub-patches of a face without four corners are numbered by u and v: sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
+/* Sub-patches of a face without four corners: sub-patch i + 4 j begins at u = 2 i, v = 2 j. */
 void Input::checkParameters(unsigned int primID, float u, float v) const
 {
   require(primID < numPrimitives, "invalid primID: expected less than the number of faces of the surface");
@@ -116,7 +115,7 @@ void Input::checkParameters(unsigned int primID, float u, float v) const
     + std::to_string(primID) + ": ";
   const auto other = std::lower_bound(nonQuads.begin(), nonQuads.end(), std::make_pair(primID, 0u));
   if (other == nonQuads.end() || other->first != primID) {
-    const float tolerance = 1e-3f; // parameters of hits are rounded
+    const float tolerance = 1e-3f; // because parameters of hits are rounded
     if (!(u >= -tolerance && u <= 1 + tolerance && v >= -tolerance && v <= 1 + tolerance))
       throwInvalidArgument(given + "expected 0 to 1");
     return;
@@ -137,7 +136,7 @@ CbvhSurfaceTy::Change::Change(CbvhSurfaceTy& surface) : surface(surface)
       "the surface is being changed, committed or diced: its callbacks, and other threads, must not change it"};
 }
 
-/* copies: if true, the vertices are copied, otherwise they must exist until the commit. */
+/* copies: copies the vertices, which must otherwise exist until the commit. */
 void CbvhSurfaceTy::setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies)
 {
   require(vertices.steps && vertices.count > 0, "there are no vertices");
@@ -266,7 +265,6 @@ void CbvhSurfaceTy::set(const CbvhMesh& mesh)
 
 namespace {
 
-/* Sets a flag during its lifetime. */
 struct ScopedFlag
 {
   explicit ScopedFlag(std::atomic<bool>& flag) : flag(flag) { flag = true; }
@@ -332,8 +330,8 @@ void CbvhSurfaceTy::commit(CbvhProgressFunction progress, void* userPtr)
         "the accuracy was changed after the surface released its input: set the cage, grids or mesh again"};
     return;
   }
-  /* Removes the callback after the commit. If the commit fails, also removes the request for compression from the
-   * pending input. */
+  /* Removes the callback after the commit. If it fails, also removes the request for compression from the pending
+   * input. */
   struct Restore
   {
     const std::shared_ptr<Input> input;
@@ -378,7 +376,7 @@ void CbvhSurfaceTy::commitInput()
     const ScopedFlag scope(isPendingInUse);
     rtcCommitGeometry(pending->geometry);
   }
-  /* A surface can have both blocks and an error, which says that some of its input is missing. */
+  /* a surface can have both blocks and an error about missing input */
   const Failure failure = context->takeError();
   if (!core::hasBlocks(pending->inner())) {
     if (failure) throw failure;
@@ -434,7 +432,7 @@ CbvhError onSurface(CbvhSurface surface, const Closure& closure)
   return guarded(surface->context.get(), closure);
 }
 
-/* Calls closure(converted), where converted is the application's struct, converted to the current version. */
+/* Calls closure with the application's struct, converted to the current version. */
 template<typename T, typename Closure>
 CbvhError withStruct(CbvhSurface surface, const T* from, const char* name, const Closure& closure)
 {

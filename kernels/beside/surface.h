@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A surface: a geometry of the kernels that releases its input when it is committed. */
+/* A surface: a geometry of the kernels that releases its input in commits. */
 
 #include "context.h"
 
@@ -16,25 +16,25 @@
 
 namespace embree { namespace beside {
 
-/* A geometry, and the data that its callbacks require. */
+/* A geometry, with the data of its callbacks. */
 struct Input
 {
   RTCGeometry geometry;
   unsigned int numPrimitives = 0;
   bool isMesh = false;
-  size_t numEdges = 0;                // one per index; 0 unless it is a cage
+  size_t numEdges = 0;                // one per index of a cage, otherwise 0
   CbvhDisplacementFunction displacement = nullptr;
   void* displacementPtr = nullptr;
-  std::vector<unsigned int> widths;   // per attribute
-  // of cages with attributes: faces that do not have 4 corners, and their numbers of corners
+  std::vector<unsigned int> widths;   // width of each attribute
+  // of cages with attributes: faces without 4 corners, and their numbers of corners
   std::vector<std::pair<unsigned int, unsigned int>> nonQuads;
-  CbvhProgressFunction progress = nullptr; // during a commit
+  CbvhProgressFunction progress = nullptr; // set during a commit
   void* progressPtr = nullptr;
 
   /* The geometry, for functions of the core. */
   embree::Geometry* inner() const { return (embree::Geometry*)geometry; }
 
-  /* Throws unless the face exists, and u and v are parameters of it, numbered as in hits. */
+  /* Throws unless the face exists, and u and v are its parameters, numbered as in hits. */
   void checkParameters(unsigned int primID, float u, float v) const;
 
   Input(RTCDevice device, RTCGeometryType type) : geometry(rtcNewGeometry(device, type)) {}
@@ -58,18 +58,18 @@ struct CbvhSurfaceTy : embree::beside::Counted
   void setLossless(bool lossless);
   void setMask(unsigned int mask);
 
-  /* Sets the mask of the committed geometry to the last value of setMask(). */
+  /* Sets the committed geometry's mask to the last value of setMask(). */
   void applyMask();
 
   void commit(CbvhProgressFunction progress, void* userPtr);
   void save(const char* path) const;
   void load(const char* path);
 
-  /* Returns the input of the last commit. Throws if there is none. The result keeps the input alive if a callback
-   * commits or releases the surface. */
+  /* Input of the last commit. Throws if there is none. The result keeps the input alive if a callback commits or
+   * releases the surface. */
   std::shared_ptr<const embree::beside::Input> committed() const;
 
-  /* Returns the input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
+  /* Input whose attributes are interpolated. During a commit or dicing, this is the pending cage. */
   std::shared_ptr<const embree::beside::Input> interpolated() const;
   const embree::beside::Input* last() const { return pending ? pending.get() : current.get(); }
 
@@ -79,7 +79,7 @@ private:
   typedef std::shared_ptr<embree::beside::Input> InputPtr;
 
   /* Exists while the surface is changed. The constructor throws if another change is in progress, for example if a
-   * callback of a commit changes the surface. */
+   * commit's callback changes the surface. */
   class Change
   {
   public:
@@ -92,17 +92,17 @@ private:
 
   void commitInput();
 
-  /* Returns the settings of the next commit. */
+  /* Settings of the next commit. */
   static embree::CompressionSettings settingsOf(const CbvhAccuracy& accuracy, bool isLossless);
 
   void setVertices(RTCGeometry geometry, const CbvhVertices& vertices, bool copies);
-  /* Replaces the pending input. Throws, and replaces nothing, if the device has reported an error. */
+  /* Throws, and replaces nothing, if the device reported an error. */
   void setPending(InputPtr input);
 
-  InputPtr current, pending;    // committed input, and input of the next commit
+  InputPtr current, pending;    // input that is committed, and of the next commit
   CbvhAccuracy accuracy = CbvhAccuracy(), committedAccuracy = CbvhAccuracy();
   bool isLossless = false, committedLossless = false;
-  unsigned int mask = ~0u, appliedMask = ~0u; // set value, and value of the committed geometry
-  std::atomic<bool> isChanging{false}; // true while an object of class Change exists
+  unsigned int mask = ~0u, appliedMask = ~0u; // set value, and the committed geometry's
+  std::atomic<bool> isChanging{false}; // set while a Change exists
   std::atomic<bool> isPendingInUse{false}; // callbacks of the pending input may be called
 };

@@ -10,12 +10,12 @@
 
 CBVH_BEGIN
 
-CVERT_CONSTANT uint32_t orderThreads = 256u;                   //!< per workgroup
-CVERT_CONSTANT uint32_t orderKeys = 16u;                       //!< per thread
+CVERT_CONSTANT uint32_t orderThreads = 256u;                   //!< threads per workgroup
+CVERT_CONSTANT uint32_t orderKeys = 16u;                       //!< keys per thread
 CVERT_CONSTANT uint32_t orderTile = orderThreads*orderKeys;    //!< keys per workgroup
 CVERT_CONSTANT uint32_t orderDigitBits = 4u;
 CVERT_CONSTANT uint32_t orderDigits = 16u;
-CVERT_CONSTANT uint32_t orderPasses = 8u;                      //!< for 30 bits; even: the result is in the first buffer
+CVERT_CONSTANT uint32_t orderPasses = 8u;                      //!< 30 bits; even: the first buffer has the result
 
 CBVH_END
 

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Layout of a scene in device memory, shared by C++ and GLSL. The address of a SceneData leads to everything else.
- * Blocks are the same bytes as on the CPU. */
+/* Layout of a scene in device memory, shared by C++ and GLSL. A SceneData refers to everything else. Blocks are the
+ * same bytes as on the CPU. */
 
 #ifndef CBVH_SCENE_LAYOUT_H
 #define CBVH_SCENE_LAYOUT_H
@@ -17,41 +17,41 @@
 
 CBVH_BEGIN
 
-/*! bytes of a node: four lower and four upper planes per axis, four references */
+/*! four lower and four upper planes per axis, four references */
 CVERT_CONSTANT uint32_t nodeBytes = 112u;
 
-/*! bytes of a node with moving children: also the motion of the planes and the time interval of each child */
+/*! also the planes' motion and each child's time interval */
 CVERT_CONSTANT uint32_t movingNodeBytes = 240u;
 
 struct SceneData
 {
   CBVH_ADDRESS nodes;
   CBVH_ADDRESS movingNodes;
-  CBVH_ADDRESS blocks;       //!< BlockData
+  CBVH_ADDRESS blocks;       //!< address of BlockData
   CBVH_ADDRESS cells;        //!< pairs: index in `blocks` and vertex (cell of GRID), or geomID and primID (triangle)
-  CBVH_ADDRESS geometries;   //!< GeometryData
+  CBVH_ADDRESS geometries;   //!< address of GeometryData
   uint32_t root;             //!< reference
   float lower[3], upper[3];  //!< bounds of the scene
   uint32_t padding[3];
   /* only for ray queries */
   CBVH_ADDRESS topLevel;     //!< acceleration structure
-  CBVH_ADDRESS placed;       //!< PlacedBoxes, indexed by the custom index of an instance in topLevel
+  CBVH_ADDRESS placed;       //!< PlacedBoxes, indexed by an instance's custom index in topLevel
 };
 
-/*! A leaf of the tree for ray queries, indexed by the number of the primitive. */
+/*! A leaf for ray queries, indexed by primitive number. */
 struct LeafBox
 {
   float lower[3], upper[3];
-  uint32_t reference;        //!< base/reference.h; its index counts in the whole scene
+  uint32_t reference;        //!< base/reference.h; indices of the whole scene
   uint32_t padding;
 };
 CVERT_CONSTANT uint32_t leafBoxBytes = 32u;
 
-/*! The boxes that one instance of the top level places. */
+/*! Boxes of a top-level instance. */
 struct PlacedBoxes
 {
-  CBVH_ADDRESS boxes;        //!< LeafBox
-  uint32_t instID;           //!< Embree's instance; all bits set if the boxes belong to the scene itself
+  CBVH_ADDRESS boxes;        //!< address of LeafBox
+  uint32_t instID;           //!< Embree's instance; all bits set for the scene itself
   uint32_t firstGeometry;    //!< see GeometryData
 };
 CVERT_CONSTANT uint32_t placedBoxesBytes = 16u;
@@ -60,7 +60,7 @@ CVERT_CONSTANT uint32_t placedBoxesBytes = 16u;
 struct BlockData
 {
   CBVH_ADDRESS address;      //!< aligned to blockAlignment
-  uint32_t geomID;           //!< geomID in the scene that contains the geometry
+  uint32_t geomID;           //!< in the geometry's scene
   uint32_t padding;
 };
 
@@ -68,17 +68,17 @@ struct BlockData
 struct GeometryData
 {
   CBVH_ADDRESS vertices, indices;
-  uint32_t vertexStride, indexStride;  //!< words
+  uint32_t vertexStride, indexStride;  //!< in words
   uint32_t mask;
-  uint32_t isRobust;         //!< whether triangles are tested as in Embree's robust scenes
+  uint32_t isRobust;         //!< test triangles as in Embree's robust scenes
   float worldToLocal[12];    //!< 3x4, column by column
-  uint32_t root;             //!< reference to the root of the instanced scene
+  uint32_t root;             //!< root of the instanced scene
   uint32_t firstGeometry;    //!< index in `geometries` of the instanced scene's geometry 0
-  /* moving instance: transforms are linear between the steps */
-  uint32_t numSteps;         //!< 1 if it does not move
-  float begin, end;          //!< times of the first and the last step
+  /* moving instance; linear between the steps */
+  uint32_t numSteps;         //!< 1 if static
+  float begin, end;          //!< times of the first and last step
   uint32_t padding;
-  CBVH_ADDRESS transforms;   //!< local to world, one 3x4 matrix of 12 floats per step
+  CBVH_ADDRESS transforms;   //!< local to world, 3x4 matrices of 12 floats per step
 };
 CVERT_CONSTANT uint32_t geometryBytes = 112u;
 

@@ -13,7 +13,7 @@ using namespace interposer;
 
 namespace {
 
-/* Returns the item "threads=2" of a device's settings, which also sets the number of threads that build. */
+/* The item "threads=2" of a device's settings, which also sets the number of building threads. */
 std::string threadsOf(const char* config)
 {
   const std::string text = config ? config : "";
@@ -33,7 +33,7 @@ bool isInstance(RTCGeometryType type) {
   return type == RTC_GEOMETRY_TYPE_INSTANCE || type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY;
 }
 
-/* Returns the application's handle of a geometry in a scene. */
+/* The application's handle. */
 RTCGeometry originalOf(RTCGeometry geometry)
 {
   if (!geometry || !hasStandIns() || !isActive()) return geometry;
@@ -41,7 +41,7 @@ RTCGeometry originalOf(RTCGeometry geometry)
   return standIn ? standIn->original : geometry;
 }
 
-/* Returns the geometry that Embree must attach. isOriginal: it is the original. */
+/* The geometry that Embree must attach. isOriginal: it is the original. */
 RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
 {
   Substituted* const substituted = isActive() ? Objects::get().findSubstituted(geometry) : nullptr;
@@ -49,7 +49,7 @@ RTCGeometry substituteOf(RTCGeometry geometry, bool& isOriginal)
   return isOriginal ? geometry : substituted->substitute;
 }
 
-/* Share of a scene's progress that is reported for building geometries here, if any are built. */
+/* Share of a scene's progress for builds here, if there are any. */
 constexpr double shareOfBuilds = 0.9;
 
 bool reportProgress(void* ptr, double done)
@@ -58,7 +58,7 @@ bool reportProgress(void* ptr, double done)
   return !scene.isCanceled && (!scene.progress || scene.progress(scene.progressPtr, done));
 }
 
-/* Builds the geometries that the commit of a scene requires, and attaches them. */
+/* Builds and attaches geometries for a scene's commit. */
 void prepare(Scene& scene)
 {
   Objects& objects = Objects::get();
@@ -81,8 +81,8 @@ void prepare(Scene& scene)
   objects.releaseAll(all);
 }
 
-/* A thread in the commit of a scene. Threads that arrive before any thread has left join the commit, and share its
- * cancellation. The next thread begins another commit. */
+/* A thread in a scene's commit. Threads that arrive before any has left join the commit, and share its cancellation.
+ * The next thread begins another commit. */
 class Commit
 {
 public:
@@ -145,7 +145,7 @@ RTC_API void rtcRetainScene(RTCScene scene)
 
 RTC_API void rtcReleaseScene(RTCScene scene)
 {
-  /* Before Embree's release: another object can get the address as soon as Embree has freed it. */
+  /* before Embree's release, after which another object can get the address */
   const Objects::Garbage garbage = isActive() ? Objects::get().release(scene) : Objects::Garbage();
   REAL(rtcReleaseScene)(scene);
 }
@@ -164,7 +164,7 @@ RTC_API void rtcAttachGeometryByID(RTCScene scene, RTCGeometry geometry, unsigne
   const RTCGeometry attached = substituteOf(geometry, isOriginal);
   REAL(rtcAttachGeometryByID)(scene, attached, geomID);
   if (!isActive() || !scene || !geometry || geomID == RTC_INVALID_GEOMETRY_ID || !Objects::get().find(geometry)) return;
-  /* Only if the ID was not in use by another geometry. */
+  /* only if no other geometry used the ID */
   if (REAL(rtcGetGeometryThreadSafe)(scene, geomID) == attached)
     Objects::get().attach(scene, geomID, geometry, isOriginal);
 }

@@ -20,7 +20,7 @@ const char* nameOf(RTCGeometryType type)
     : type == RTC_GEOMETRY_TYPE_QUAD ? "quad" : "triangle";
 }
 
-/* Returns the context for these settings, which all devices share. It is never released. */
+/* All devices share the context of the same settings. It is never released. */
 CbvhContext contextOf(const std::string& settings)
 {
   static std::mutex& mutex = *new std::mutex;
@@ -88,7 +88,7 @@ void Substituted::setUserData(void* userData)
   change(input.displacement ? OfInput : OfLook);
 }
 
-/* A commit without changes means that the contents of shared buffers changed. */
+/* A commit without changes means that shared buffers have new contents. */
 void Substituted::commit()
 {
   if (changes != OfLook) isCommitted = true;
@@ -101,7 +101,7 @@ bool Substituted::build(const Progress& progress)
   const std::lock_guard<std::mutex> lock(building);
   if (!wantsBuild()) return true;
   try {
-    discard(); // free the old surface before memory is allocated for the new one
+    discard(); // frees the old surface before allocating the new one
     buildSurface(progress);
     isLeft = false;
   }
@@ -134,7 +134,7 @@ void Substituted::buildSurface(const Progress& progress)
   check(error);
   CbvhGroup group = nullptr;
   check(cbvhNewGroup(context, &surface, 1, &group));
-  /* CBVH_ERROR_INVALID_ARGUMENT: the group left out faces that Embree leaves out, too. */
+  /* CBVH_ERROR_INVALID_ARGUMENT: the group left out faces, as Embree does */
   const CbvhError left = cbvhCommitGroup(group);
   if (left != CBVH_OK && left != CBVH_ERROR_INVALID_ARGUMENT) {
     cbvhReleaseGroup(group);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A geometry of the application that is substituted by another one in scenes. The application's handle is Embree's own
- * geometry, which receives all calls and interpolates, but is in no scene, so that Embree never tessellates it. */
+/* An application's geometry that another one substitutes in scenes. The application's handle is Embree's geometry,
+ * which receives all calls and interpolates, but is in no scene, so that Embree never tessellates it. */
 
 #include "input.h"
 #include "stand_in.h"
@@ -16,13 +16,13 @@
 
 namespace interposer {
 
-/* Called with the completed fraction, 0 to 1. Returns false to cancel. */
+/* Receives the completed fraction, 0 to 1. Returns false to cancel. */
 typedef std::function<bool(double)> Progress;
 
 class Substituted
 {
 public:
-  /* Returns NULL if a substitute is not possible. settings: settings of the context of libembree_cbvh. */
+  /* NULL if no substitute is possible. settings: of the context of libembree_cbvh. */
   static Substituted* make(RTCDevice device, const std::string& settings, RTCGeometry original, RTCGeometryType type);
   ~Substituted();
   Substituted(const Substituted&) = delete;
@@ -30,7 +30,7 @@ public:
 
   /* Input of the next commit. */
   Input input;
-  /* Changes by setters: OfInput requires a new build, OfLook does not. */
+  /* OfInput requires a new build, OfLook does not. */
   enum Change { OfInput = 1, OfLook = 2 };
   void change(Change change) { changes |= change; }
   void commit();
@@ -40,11 +40,11 @@ public:
   StandIn* const standIn;
   const RTCGeometry substitute;
 
-  /* Builds the committed input, if that is necessary. Returns false if `progress` canceled it. */
+  /* Builds the committed input if necessary. False if `progress` canceled. */
   bool build(const Progress& progress);
   bool wantsBuild() const { return isCommitted && isEnabled; }
 
-  /* True if scenes must use the original. Only build() changes this. */
+  /* Scenes must use the original. Only build() changes this. */
   bool isLeftToEmbree() const { return isLeft; }
 
 private:
@@ -57,7 +57,7 @@ private:
   std::mutex building;
   CbvhSurface surface = nullptr;
   unsigned int changes = OfInput;
-  // atomic: several scenes with this geometry may be committed at a time
+  // atomic: scenes with this geometry may be committed concurrently
   std::atomic<bool> isCommitted{false}, isEnabled{true}, isLeft{false};
 };
 

@@ -36,8 +36,8 @@ CbvhBoundary boundaryOf(RTCSubdivisionMode mode)
   }
 }
 
-/* The items of a buffer as a contiguous array. Refers to the buffer if its stride is the size of an item, otherwise
- * to a copy. Empty if there is no buffer. */
+/* A buffer's items as a contiguous array: the buffer itself if its stride is the size of an item, otherwise a copy.
+ * Empty without a buffer. */
 template<typename T>
 class Packed
 {
@@ -122,7 +122,7 @@ void Input::describeCage(CbvhSurface surface) const
   }
   if (cage.numIndices > indices.count) throw Unsupported("it has fewer indices than its faces have vertices");
 
-  /* Embree clamps rates to these bounds. */
+  /* bounds to which Embree clamps rates */
   const auto clamped = [](float rate) { return rate >= 1 ? std::min(rate, 4096.0f) : 1.0f; };
   std::vector<float> rates;
   cage.rate = clamped(tessellationRate);

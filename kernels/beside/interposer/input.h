@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The input that an application passed to Embree for a geometry, from which a surface of libembree_cbvh is built. */
+/* An application's input of a geometry, from which a surface of libembree_cbvh is built. */
 
 #include "real.h"
 
@@ -15,7 +15,7 @@
 
 namespace interposer {
 
-/* The reason why a geometry is left to Embree. */
+/* Why a geometry is left to Embree. */
 struct Unsupported : std::runtime_error { using std::runtime_error::runtime_error; };
 
 struct Buffer
@@ -29,7 +29,7 @@ struct Input
 {
   RTCGeometryType type;
   RTCGeometry original;
-  void* const* userData;         // pointer to the application's user data, for displacement
+  void* const* userData;         // the application's user data, for displacement
   unsigned int numTimeSteps = 1;
   float begin = 0, end = 1;      // time range
   float tessellationRate = 2;
@@ -37,7 +37,7 @@ struct Input
   RTCDisplacementFunctionN displacement = nullptr;
   std::map<std::pair<RTCBufferType, unsigned int>, Buffer> buffers;
 
-  /* Sets the cage, grids or mesh of a surface. Throws Unsupported. */
+  /* Sets a surface's cage, grids or mesh. Throws Unsupported. */
   void describeTo(CbvhSurface surface) const;
 
 private:

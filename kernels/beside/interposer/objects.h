@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The scenes and geometries of the application, and their references. A substitute must exist as long as a scene
- * contains its geometry, but Embree does not report when that ends. References are therefore counted here as Embree
- * counts them: references of the application, of scenes to geometries, and of instances to scenes. */
+/* The application's scenes and geometries, and their references. A substitute must exist while a scene contains its
+ * geometry, but Embree does not report when that ends. References are therefore counted as Embree counts them: of the
+ * application, of scenes to geometries, and of instances to scenes. */
 
 #include "geometry.h"
 
@@ -24,7 +24,7 @@ struct Geometry
   RTCGeometry handle;
   size_t references = 1;
   std::unique_ptr<Substituted> substituted;
-  std::vector<Scene*> scenes;       // instanced scenes, if the geometry is an instance
+  std::vector<Scene*> scenes;       // scenes that the geometry instances
 };
 
 struct Attachment
@@ -42,9 +42,9 @@ struct Scene
   void* progressPtr = nullptr;
   std::mutex preparing;
   std::mutex joining;
-  size_t numJoined = 0;                  // threads in a commit; guarded by joining
-  bool isEnding = true;                  // a thread has left the commit; guarded by joining
-  std::atomic<bool> isCanceled{false};   // cancellation of the commit, for all threads that have joined it
+  size_t numJoined = 0;                  // threads in a commit; protected by joining
+  bool isEnding = true;                  // a thread has left the commit; protected by joining
+  std::atomic<bool> isCanceled{false};   // for all threads that joined the commit
 };
 
 class Objects
@@ -57,7 +57,7 @@ public:
   /* substituted: NULL for instances. */
   void addGeometry(RTCGeometry geometry, Substituted* substituted);
 
-  /* Return NULL for unknown objects. The result is valid as long as the caller holds a reference to the handle. */
+  /* NULL for unknown objects. Valid while the caller holds a reference to the handle. */
   Scene* find(RTCScene scene);
   Geometry* find(RTCGeometry geometry);
   Substituted* findSubstituted(RTCGeometry geometry);
@@ -65,8 +65,8 @@ public:
   void retain(RTCScene scene);
   void retain(RTCGeometry geometry);
 
-  /* Objects without references. They must be destroyed after the lock is released, and after Embree has released the
-   * object that held them. */
+  /* Objects without references. Must be destroyed after the lock is released, and after Embree has released the object
+   * that held them. */
   struct Garbage
   {
     std::vector<std::unique_ptr<Geometry>> geometries;
@@ -79,15 +79,14 @@ public:
   Garbage detach(RTCScene scene, unsigned int geomID);
   Garbage setInstanced(RTCGeometry geometry, const RTCScene* scenes, size_t count);
 
-  /* Returns the attached geometries with substitutes, and retains them. The caller must pass the result to
-   * releaseAll. */
+  /* Retains the attached geometries with substitutes. The caller must pass the result to releaseAll. */
   std::vector<std::pair<unsigned int, Geometry*>> substitutedOf(Scene& scene);
   Garbage releaseAll(const std::vector<std::pair<unsigned int, Geometry*>>& all);
-  /* Returns true if Embree's scene has another geometry attached (original or substitute) than it should, and records
-   * the change. */
+  /* True if Embree's scene has another geometry attached (original or substitute) than it should; records the
+   * change. */
   bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* True if a geometry is substituted in the scene that the instances lead to. instances: IDs, outermost first. */
+  /* In the scene that the instances lead to. instances: IDs, outermost first. */
   bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
 
 private:

@@ -46,11 +46,11 @@ static bool parseSwitch(const std::string& text, bool& value)
   return text == "0" || text == "1";
 }
 
-/* Keys and words of EMBREE_CBVH that are supported here; the names are those of Embree CBVH. */
+/* Keys and words of EMBREE_CBVH that are supported here, named as in Embree CBVH. */
 static const std::vector<std::string> words =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
-/* True if an item selects one of the paper's representations or one of their settings. */
+/* For the paper's representations and their settings. */
 static bool isOfFrames(const std::string& item)
 {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
@@ -62,7 +62,7 @@ static bool isOfFrames(const std::string& item)
   return key != item && (key == "frame_level" || key == "level" || key == "exact_faces");
 }
 
-/* Returns false if the item is unknown. */
+/* False for unknown items. */
 static bool parse(const std::string& item, Options& options)
 {
   const size_t equals = item.find('=');

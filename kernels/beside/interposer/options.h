@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Settings of the environment variable EMBREE_CBVH, with the syntax of Embree CBVH:
+/* Settings of the environment variable EMBREE_CBVH, in the syntax of Embree CBVH:
  * "max_error=0.001,grids=1,quads=1,triangles=1,verbose", or "0" to leave everything to Embree. */
 
 #include <embree4/rtcore.h>
@@ -14,15 +14,15 @@ struct Options
 {
   bool isOn = true;
   bool compressesGrids = false, compressesQuads = false, compressesTriangles = false;
-  float maxError = -1;         // world units; 0: lossless, negative: the library's default
+  float maxError = -1;         // world units; 0: lossless; negative: the library's default
 
   bool takes(RTCGeometryType type) const;
 };
 
-/* Returns the settings, which are read once. Unknown items are reported on stderr and turn compression off. */
+/* Read once. Unknown items are reported on stderr and turn compression off. */
 const Options& options();
 
-/* Prints a line to stderr, unless the same line was printed before. */
+/* Prints each line to stderr only once. */
 void tellOnce(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 } // namespace interposer

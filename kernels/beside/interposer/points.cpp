@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Point queries. Embree calls the function of a query for each primitive near the point, except for subdivision
- * surfaces. Calls for the primitive of a substitute are not passed to the application. */
+/* Point queries. Embree calls a query's function for each primitive near the point, except for subdivision surfaces.
+ * Calls for substitutes are not passed to the application. */
 
 #include "objects.h"
 #include "options.h"
@@ -38,7 +38,7 @@ bool ask(RTCPointQueryFunctionArguments* args)
   return false;
 }
 
-/* query: calls Embree with the function that it is passed. */
+/* query: calls Embree with the function that it receives. */
 template<typename Query>
 bool enter(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 {

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Rays: the callbacks of stand-ins, and Embree's functions for queries, whose arguments the callbacks require. If the
- * arguments of a query contain a function for user geometry, Embree 4 calls it instead of the geometry's own, and it
- * does not pass on the filter of the arguments. */
+/* Rays: callbacks of stand-ins, and Embree's functions for queries, whose arguments the callbacks require. If a query's
+ * arguments contain a function for user geometry, Embree 4 calls it instead of the geometry's own, and does not pass on
+ * the arguments' filter. */
 
 #include "stand_in.h"
 
@@ -44,11 +44,11 @@ RTCFilterFunctionN filterOfArguments(const StandIn& standIn)
 
 /* --- filters -------------------------------------------------------------------------------- */
 
-/* The context with which embree.h calls filter() below. */
+/* With this context, embree.h calls filter() below. */
 struct FilteredContext
 {
   CbvhQueryContext query;
-  RTCRayQueryContext* context;   // the application's context, which can be longer than this type
+  RTCRayQueryContext* context;   // the application's, which can be longer than this type
   const StandIn* standIn;
   RTCFilterFunctionN ofGeometry, ofArguments;
 };
@@ -83,7 +83,7 @@ void bound(const RTCBoundsFunctionArguments* args)
   RTCBoundsFunctionArguments changed = *args;
   changed.geometryUserPtr = ((const StandIn*)args->geometryUserPtr)->group;
   if (changed.geometryUserPtr) { cbvhBoundGeometry(&changed); return; }
-  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty
+  *args->bounds_o = {1, 1, 1, 0, -1, -1, -1, 0}; // empty bounds
 }
 
 void intersect(const RTCIntersectFunctionNArguments* args)
@@ -112,7 +112,7 @@ void occludedAny(const RTCOccludedFunctionNArguments* args)
   else Current<RTCOccludedArguments>::arguments->occluded(args);
 }
 
-/* Calls query(args). If args contain a function for user geometry, replaces it with one that also handles stand-ins.
+/* Calls query(args). A function for user geometry in args is replaced by one that also handles stand-ins.
  * query: calls Embree's function. */
 template<typename Query>
 void enter(RTCIntersectArguments* args, const Query& query)
@@ -176,7 +176,7 @@ PACKET_QUERIES(4)
 PACKET_QUERIES(8)
 PACKET_QUERIES(16)
 
-/* Forwarded because cbvh/embree.h can call these functions, if filters are passed in another way than here. */
+/* forwarded, because cbvh/embree.h can call these functions if filters are passed differently */
 RTC_API void rtcInvokeIntersectFilterFromGeometry(const RTCIntersectFunctionNArguments* args,
   const RTCFilterFunctionNArguments* filterArgs)
 {

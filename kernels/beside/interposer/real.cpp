@@ -15,7 +15,7 @@ static void* lookUp(const char* name)
 {
   if (void* const next = dlsym(RTLD_NEXT, name)) return next;
   for (const char* library : {"libembree4.so.4", "libembree3.so.3"}) {
-    /* The library stays loaded, because its functions are used later. */
+    /* the library stays loaded, because its functions are used later */
     void* const handle = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
     if (!handle) continue;
     if (void* const function = dlsym(handle, name)) return function;
@@ -37,7 +37,7 @@ void* findReal(const char* name)
 bool isActive()
 {
   static const bool is = [] {
-    /* A function that Embree 4 has and Embree 3 lacks. */
+    /* exists in Embree 4, but not in Embree 3 */
     return options().isOn && lookUp("rtcInvokeIntersectFilterFromGeometry") != nullptr;
   }();
   return is;

@@ -3,18 +3,18 @@
 
 #pragma once
 
-/* The original functions of Embree that this library overrides. */
+/* Embree's original functions that this library overrides. */
 
 #include <embree4/rtcore.h>
 
 namespace interposer {
 
-/* Looks up a function of the program's Embree: the next one after this library in symbol order, or, if a module loaded
- * Embree with local visibility, the function of the loaded libembree4. Aborts the program if there is none. */
+/* Returns the next function after this library in symbol order, or that of the loaded libembree4 if a module loaded
+ * Embree with local visibility. Aborts the program if there is none. */
 void* findReal(const char* name);
 
-/* True if the program uses Embree 4, and the environment does not disable this library. Embree 3 has functions with the
- * same names and other arguments; calls are then forwarded unchanged. */
+/* True if the program uses Embree 4, and the environment does not disable this library. Embree 3 has functions of the
+ * same names with other arguments; calls are then forwarded unchanged. */
 bool isActive();
 
 } // namespace interposer

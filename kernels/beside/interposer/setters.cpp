@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Embree's functions that set properties of a geometry. Each call is passed to Embree and to the substitute. Functions
- * for interpolation and half-edges are not overridden, because the application's handles are Embree's own. */
+/* Embree's functions that set properties of a geometry. Calls are passed to Embree and to the substitute. Functions for
+ * interpolation and half-edges are not overridden, because the application's handles are Embree's. */
 
 #include "objects.h"
 
@@ -19,7 +19,6 @@ void changeInput(RTCGeometry geometry)
   if (Substituted* const substituted = find(geometry)) substituted->change(Substituted::OfInput);
 }
 
-/* Calls set(input) if the geometry is substituted. */
 template<typename Set>
 void changeInput(RTCGeometry geometry, const Set& set)
 {
@@ -29,7 +28,6 @@ void changeInput(RTCGeometry geometry, const Set& set)
   substituted->change(Substituted::OfInput);
 }
 
-/* Calls set(substituted) if the geometry is substituted. */
 template<typename Set>
 void changeAppearance(RTCGeometry geometry, const Set& set)
 {
@@ -39,7 +37,7 @@ void changeAppearance(RTCGeometry geometry, const Set& set)
   substituted->change(Substituted::OfLook);
 }
 
-/* Returns false if Embree rejects the buffer. Embree itself reports the error. */
+/* False if Embree rejects the buffer, and reports the error. */
 bool isAccepted(const Input& input, RTCBufferType type, unsigned int slot, RTCFormat format, const void* data,
   size_t stride)
 {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* In scenes, a user geometry of Embree substitutes the geometry of the application. A StandIn is the user data of this
- * user geometry. */
+/* In scenes, a user geometry of Embree substitutes an application's geometry. A StandIn is its user data. */
 
 #include "real.h"
 
@@ -17,16 +16,16 @@ namespace interposer {
 
 struct StandIn
 {
-  CbvhGroup group;               // NULL until it is built
-  RTCGeometry original;          // geometry of the application
+  CbvhGroup group;               // NULL until built
+  RTCGeometry original;          // the application's geometry
   void* userData;                // user data of the original
   RTCFilterFunctionN intersectFilter, occludedFilter;
   bool takesArgumentFilters;     // see rtcSetGeometryEnableFilterFunctionFromArguments
 };
 
-/* All stand-ins are in one range of addresses, so that two comparisons distinguish them from an application's user
- * data. One thread may call asStandIn while another creates the first stand-in: readers read the size first, and it is
- * 0 until begin is stored. */
+/* All stand-ins are in one address range, so that two comparisons distinguish them from an application's user data. A
+ * thread may call asStandIn while another creates the first stand-in: readers read the size first, which is 0 until
+ * begin is stored. */
 struct StandInRange
 {
   std::atomic<uintptr_t> begin, size;
@@ -39,14 +38,14 @@ inline StandIn* asStandIn(void* userData)
   return uintptr_t(userData) - standInRange.begin.load(std::memory_order_relaxed) < size ? (StandIn*)userData : nullptr;
 }
 
-/* Returns NULL if the range of addresses is exhausted. */
+/* NULL if the address range is exhausted. */
 StandIn* newStandIn();
 void deleteStandIn(StandIn* standIn);
 
-/* Returns false until the first stand-in is created. Until then, queries are passed to Embree unchanged. */
+/* False until the first stand-in is created. Until then, queries are passed to Embree unchanged. */
 bool hasStandIns();
 
-/* Creates a user geometry with the callbacks of stand-ins. Returns NULL if Embree fails. */
+/* With the callbacks of stand-ins. NULL if Embree fails. */
 RTCGeometry newUserGeometry(RTCDevice device, StandIn* standIn);
 
 } // namespace interposer

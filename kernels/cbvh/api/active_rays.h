@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Packets that are wider than the vectors of the instruction set are traced as streams. Streams have no mask and trace
- * every ray with tnear <= tfar. */
+/* Packets wider than the vectors of the instruction set are traced as streams, which have no mask and trace every ray
+ * with tnear <= tfar. */
 
 #include "../embree/simd.h"
 

@@ -41,7 +41,7 @@ namespace embree
 
       Symbols (int features, int builderFeatures)
       {
-        /* Selects the ISA as upstream does for GRID's builder, so that both compute the same vertices to the bit. */
+        /* Same ISA as upstream selects for GRID's builder, so that both compute bit-identical vertices. */
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedSubdivBuilder);
         SELECT_SYMBOL_DEFAULT_AVX(builderFeatures,BVH4CompressedMotionBuilder);
         SELECT_SYMBOL_DEFAULT_SSE42_AVX_AVX2_AVX512(features,BVH4CompressedSubdivIntersector1);
@@ -108,7 +108,6 @@ namespace embree
     return false;
   }
 
-  /*! Prints at verbosity 1 how surfaces that request compression are stored. */
   static void reportCompression (Scene* scene, bool moves)
   {
     if (!scene->device->verbosity(1)) return;

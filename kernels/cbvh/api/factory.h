@@ -10,26 +10,23 @@ namespace embree
 {
   class Scene;
 
-  /*! True if a value of subdiv_accel requests compression, for example "cbvh", "cbvh.vert" or "cvert";
-   *  case-insensitive. */
+  /*! Case-insensitive; for example "cbvh", "cbvh.vert" or "cvert". */
   bool isCompressedSubdivAccel (const std::string& subdivAccel);
 
-  /*! True if a scene that keeps its accelerators must create new ones: it now has its first compressed surface, or no
-   *  longer has any. */
+  /*! True if a scene that keeps its accelerators needs new ones: it got its first compressed surface, or lost its
+   *  last. */
   bool isCompressionOutdated (Scene* scene);
 
-  /*! True if a subdivision surface of the scene has motion blur and is not compressed. */
+  /*! True if an uncompressed subdivision surface of the scene has motion blur. */
   bool hasUncompressedMotion (Scene* scene);
 
-  /*! Reports the errors of the last build to the device, once. The committing thread must call it: devices store errors
+  /*! Reports the errors of the last build to the device, once. Call it on the committing thread: devices store errors
    *  per thread, and any thread may have run the build. */
   void reportBuildErrors (Scene* scene);
 
-  /*! Returns an accelerator for all static subdivision surfaces of a scene, or null if none of them is compressed.
-   *  Selects builder and intersectors for the device's ISA. The caller owns the result. */
+  /*! For all static subdivision surfaces of a scene; null if none is compressed. The caller owns the result. */
   Accel* createCompressedAccel (Scene* scene);
 
-  /*! Returns an accelerator for all moving compressed surfaces of a scene, or null if there are none. The caller owns
-   *  the result. */
+  /*! Same for moving surfaces. */
   Accel* createCompressedMotionAccel (Scene* scene);
 }

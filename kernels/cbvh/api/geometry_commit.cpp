@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compression in commits of geometries. */
-
 #include "interpolation.h"
 #include "../base/environment.h"
 #include "../stored/surface_blocks.h"
@@ -27,8 +25,7 @@ namespace embree
       explicit Symbols (int features) { SELECT_SYMBOL_DEFAULT_AVX(features,buildBlocksOfGeometry); }
     };
 
-    /*! Runs closure as the commit of a scene does: with denormals as zero, and isolated from the application's
-     *  tasks. */
+    /*! Like the commit of a scene: denormals are zero, and tasks are isolated from the application's. */
     template<typename Closure>
     void runAsCommit (const Closure& closure)
     {
@@ -51,8 +48,8 @@ namespace embree
 
   namespace
   {
-    /*! Marks a geometry while its commit builds blocks: displacement and progress functions of the application run
-     *  then, and a commit by them would replace what is being read. */
+    /*! Marks a geometry while its commit builds blocks. Callbacks of the application run meanwhile; if they committed
+     *  the geometry, they would replace input that is being read. */
     class Building
     {
     public:
@@ -69,7 +66,6 @@ namespace embree
       Building (const Building&) = delete;
       Building& operator= (const Building&) = delete;
 
-      /*! Throws if the commit of a geometry builds its blocks. */
       static void requireNone (const Geometry* geometry)
       {
         Lock<MutexSys> lock(mutex());
@@ -89,7 +85,6 @@ namespace embree
       const Geometry* const geometry;
     };
 
-    /*! True if a device's setting applies to geometries of a type. */
     bool takes (const CompressionSettings& device, Geometry::GType type)
     {
       switch (type) {
@@ -116,8 +111,8 @@ namespace embree
       return geometry->compression.resolve(geometry->device->compression).releasesInput;
     }
 
-    /*! Returns true if the blocks must be built again. hasInput: all input is set. missing: input that the application
-     *  must otherwise set again. */
+    /*! Returns true if the blocks must be rebuilt. hasInput: all input is set. missing: name of the input that the
+     *  application must otherwise set. */
     bool begin (CompressibleGeometry* geometry, bool hasInput, const char* missing)
     {
       Building::requireNone(geometry);
@@ -132,7 +127,7 @@ namespace embree
       return true;
     }
 
-    /*! True if blocks need no more memory than Embree's own grids. Input is not counted. */
+    /*! True if blocks, without input, need no more memory than Embree's own grids. */
     bool areSmallerAsBlocks (const GridMesh* mesh)
     {
       struct Bytes
@@ -155,7 +150,7 @@ namespace embree
       return bytes.blocks <= bytes.embree;
     }
 
-    /*! Smaller meshes are left to Embree's kernels. */
+    /*! Embree's kernels handle smaller meshes. */
     const size_t fewPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
@@ -166,8 +161,7 @@ namespace embree
       std::cerr << "compression: " << what << std::endl;
     }
 
-    /*! Compresses a geometry if it requests compression (asks) and there is no reason not to. An empty reason is not
-     *  printed. */
+    /*! Compresses a geometry if it requests compression (asks) and rejectionReason is null. Prints no empty reason. */
     void choose (CompressibleGeometry* geometry, bool asks, const char* rejectionReason, const char* primitives)
     {
       geometry->setCompressed(asks && !rejectionReason);
@@ -177,7 +171,7 @@ namespace embree
           + rejectionReason);
     }
 
-    /*! Builds the blocks of a geometry that releases its input. Returns true if the input must be released now. */
+    /*! For geometries that release their input. Returns true if the input must be released now. */
     bool compressNow (CompressibleGeometry* geometry)
     {
       geometry->surface.commit(geometry->modCounter_);
@@ -222,8 +216,8 @@ namespace embree
     return true;
   }
 
-  /*! Programs do not expect the commit of a geometry to fail (base/unmonitored_memory.h). If the heap is exhausted, the
-   *  next commit of the scene reports it. */
+  /*! Programs do not expect a geometry commit to fail (base/unmonitored_memory.h). If the heap is exhausted, the next
+   *  commit of the scene reports it. */
   template<typename Mesh>
   static std::shared_ptr<const QuadRegions> findRegions (Mesh* mesh)
   {
@@ -266,7 +260,7 @@ namespace embree
     if (compressNow(mesh)) releaseInput(mesh);
   }
 
-  /*! Releases the input, except for vertex attributes and the grids or indices by which they are interpolated. */
+  /*! Keeps vertex attributes, and the grids or indices that interpolate them. */
   template<typename Mesh, typename Primitives>
   static void endCommitOfDiced (Mesh* mesh, Primitives& primitives)
   {
@@ -280,7 +274,7 @@ namespace embree
   void endCommit (QuadMesh* mesh) { endCommitOfDiced(mesh,mesh->quads); }
   void endCommit (TriangleMesh* mesh) { endCommitOfDiced(mesh,mesh->triangles); }
 
-  /*! Releases the input, except for vertex attributes and the topology by which they are interpolated. */
+  /*! Keeps vertex attributes, and the topology that interpolates them. */
   void releaseInput (SubdivMesh* mesh)
   {
     const bool hasAttributes = !mesh->vertexAttribs.empty();
@@ -301,7 +295,7 @@ namespace embree
     mesh->levels = BufferView<float>();
     mesh->holes = BufferView<unsigned>();
     mesh->halfEdgeFace.clear();
-    mesh->numHalfEdges = 0; // makes functions that use half-edges report errors
+    mesh->numHalfEdges = 0; // functions that use half-edges then report errors
     if (hasAttributes) return;
     mesh->faceStartEdge.clear();
     mesh->invalid_face.clear();

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Faces without a surface cannot be interpolated. Their first half-edge is marked, because the input may be released
- * before the face is interpolated. Parameters outside of a face with four corners extrapolate its surface, but those of
- * other faces must be in a sub-patch that exists. */
+/* Faces without a surface cannot be interpolated. Their first half-edge is marked at commit, because the input may be
+ * released before interpolation. Parameters outside of a four-cornered face extrapolate its surface; those of other
+ * faces must be in an existing sub-patch. */
 
 #include "interpolation.h"
 #include "../surface/patches.h"
@@ -12,9 +12,9 @@ namespace embree
 {
   namespace
   {
-    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< unused by Embree
+    const HalfEdge::PatchType unsupportedPatch = HalfEdge::PatchType(4); //!< a value that Embree does not use
 
-    /*! Rings around the vertices of other types have at most 4 quads, or are not read. */
+    /*! Vertex rings of other types have at most 4 quads, or are not read. */
     bool mayBeUnsupported (HalfEdge::PatchType type) {
       return type == HalfEdge::COMPLEX_PATCH || type == HalfEdge::IRREGULAR_QUAD_PATCH;
     }
@@ -25,7 +25,7 @@ namespace embree
       if (face >= mesh->size() || topology.halfEdges.size() == 0) return nullptr;
       if (mesh->faceVertices && !isa::hasEdges(mesh,face)) return nullptr;
       const HalfEdge* const edge = topology.getHalfEdge(face);
-      /* released: a face without edges begins where the next one does */
+      /* input is released: a face without edges has the same first edge as the next face */
       if (!mesh->faceVertices && face+1 < mesh->size() && edge == topology.getHalfEdge(face+1)) return nullptr;
       return edge < topology.halfEdges.end() ? edge : nullptr;
     }
@@ -44,12 +44,12 @@ namespace embree
           + std::to_string(MAX_RING_FACE_VALENCE) + " faces");
     }
 
-    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Sub-patch i + 4 j begins at u = 2 i, v = 2 j.
-     *  The face must be supported. */
+    /*! Throws if (u,v) is in no sub-patch of a face without four corners. Sub-patch i + 4 j begins at u = 2 i, v = 2
+     *  j. */
     void requireSubPatch (const SubdivMesh::Topology& topology, unsigned face, float u, float v)
     {
       const HalfEdge* const edge = topology.getHalfEdge(face);
-      if (likely(edge->patch_type != HalfEdge::COMPLEX_PATCH)) return; // has four corners
+      if (likely(edge->patch_type != HalfEdge::COMPLEX_PATCH)) return; // the face has four corners
       const unsigned corners = edge->numEdges();
       if (corners == 4) return;
       if (u >= 0.0f && u < 8.0f && v >= 0.0f && v < 8.0f && unsigned(0.5f*u) + 4*unsigned(0.5f*v) < corners) return;
@@ -68,7 +68,7 @@ namespace embree
 
   void markUnsupportedFaces (SubdivMesh* mesh)
   {
-    if (!mesh->faceVertices) return; // released; already marked
+    if (!mesh->faceVertices) return; // input is released; faces are already marked
     for (SubdivMesh::Topology& topology : mesh->topology)
     {
       if (topology.halfEdges.size() == 0) continue;

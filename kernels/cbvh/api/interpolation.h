@@ -7,12 +7,12 @@
 
 namespace embree
 {
-  /*! Marks the faces that Embree's patches cannot hold, in each topology (isUnsupportedAtVertex). Call it after the
-   *  half-edges were made. */
+  /*! Marks the faces that Embree's patches cannot hold (isUnsupportedAtVertex), in each topology. Requires
+   *  half-edges. */
   void markUnsupportedFaces (SubdivMesh* mesh);
 
-  /*! Throw if a face does not exist, has no edges, or was marked: Embree would access memory past its patch. Thread
-   *  safety: as rtcInterpolate. */
+  /*! Throw if a face does not exist, has no edges, or is marked: Embree would access memory past its patch. As
+   *  thread-safe as rtcInterpolate. */
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateArguments* args);
   void requireSupported (const SubdivMesh* mesh, const RTCInterpolateNArguments* args);
 }

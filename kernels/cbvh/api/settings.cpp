@@ -18,8 +18,7 @@
 
 namespace embree
 {
-  /*! Also prints and stores the message: no device exists yet whose error function could receive it, and Embree would
-   *  keep only the error code. */
+  /*! Also prints and stores the message, because no device exists yet whose error function could receive it. */
   static void invalid (const std::string& name, const std::string& value, const std::string& expected)
   {
     const std::string message = "invalid value \"" + value + "\" of " + name + ": " + expected;
@@ -34,7 +33,7 @@ namespace embree
     return text;
   }
 
-  /*! Parses, for example, "cvert", "vert" or "cbvh.vert", case-insensitive. */
+  /*! For example "cvert", "vert" or "cbvh.vert"; case-insensitive. */
   static bool parseKind (const std::string& name, RTCCompression& compression)
   {
     const std::string lower = lowerCase(name);
@@ -48,7 +47,7 @@ namespace embree
   {
     const std::string lower = lowerCase(name);
     if (lower == "cbvh") { compression = CompressionSettings::bestCompression; return true; }
-    return lower != "grid" && parseKind(lower,compression); // in programs, "grid" is Embree's GRID
+    return lower != "grid" && parseKind(lower,compression); // "grid" is Embree's GRID
   }
 
   bool isCompressedSubdivAccel (const std::string& subdivAccel)
@@ -67,7 +66,7 @@ namespace embree
   /*! Unknown keys of a device string, until verify() is called. */
   static thread_local std::vector<std::pair<std::string,std::string>> strayKeys;
 
-  /*! Returns, for example, "cbvh.grid, cbvh.voxel or cbvh.leaf". */
+  /*! For example "cbvh.grid, cbvh.voxel or cbvh.leaf". */
   static std::string kindKeys (const std::string& prefix)
   {
     std::string keys;
@@ -95,7 +94,7 @@ namespace embree
 
   void CompressionSettings::setMaxError (const std::string& name, const std::string& value)
   {
-    /* a decimal point in every locale */
+    /* '.' is the decimal point in every locale */
     std::istringstream stream(value);
     stream.imbue(std::locale::classic());
     float e = -1.0f;
@@ -110,7 +109,6 @@ namespace embree
     return value == "1";
   }
 
-  /*! name: name of the setting in messages. */
   void CompressionSettings::set (const std::string& name, const std::string& key, const std::string& value)
   {
     if (key == "frame_level")      setFrameLevel(name,value);
@@ -122,7 +120,6 @@ namespace embree
     else                           releasesInput = parseSwitch(name,value);
   }
 
-  /*! Returns the text of a value of any token type. */
   static std::string valueText (const Token& token)
   {
     try { return token.Identifier(); } catch (const std::exception&) {}
@@ -166,7 +163,7 @@ namespace embree
       const std::string key = item.substr(0,equals);
       const std::string value = equals == std::string::npos ? "" : item.substr(equals+1);
       if (equals == std::string::npos) {
-        if (key == "verbose") {} // read by commits, see environment.h
+        if (key == "verbose") {} // environment.h reads it
         else if (key == "release_input") releasesInput = true;
         else if (key == "none" || key == "0") compression = RTC_COMPRESSION_NONE;
         else if (key == "1") compression = bestCompression;
@@ -195,7 +192,7 @@ namespace embree
       if (subdivAccel != "default")
         compression = RTC_COMPRESSION_NONE;
     }
-    /* Unknown keys are errors only if compression is requested. Embree ignores them otherwise. */
+    /* Embree ignores unknown keys. They are errors only if compression is requested. */
     for (const auto& stray : strayKeys)
       if (parseSubdivAccel(subdivAccel,ofString) || lowerCase(stray.second).compare(0,4,"cbvh") == 0)
         invalid("the device string",stray.first,

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Memory of the blocks of a surface and of the nodes above them. It grows while tasks build the surface, and is
- * released as a whole. */
+/* Memory of a surface's blocks and the nodes above them. It grows during the build and is released as a whole. */
 
 #include "../embree/scene.h"
 
@@ -20,18 +19,18 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called first. bytes: estimated size, or 0 if there are few blocks. 0 allocates each piece separately:
-       *  a scene may have many surfaces of few blocks, and an allocator for each of them would waste memory. Any other
-       *  value selects Embree's allocator, from which tasks allocate concurrently. */
+      /*! Must be called first. bytes: estimated size; selects Embree's allocator, from which tasks allocate
+       *  concurrently. 0 allocates each piece separately: scenes may have many surfaces of few blocks, for which an
+       *  allocator wastes memory. */
       void expect (size_t bytes);
 
-      /*! Returns Embree's allocator, or null after expect(0). */
+      /*! Null after expect(0). */
       FastAllocator* pool () { return allocator.get(); }
 
-      /*! Allocates memory with the alignment of blocks. Has the signature of Embree's allocators. */
+      /*! Allocates with the alignment of blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
-      /*! Must be called after the last allocation. */
+      /*! Call it after the last allocation. */
       void end ();
 
     private:
@@ -40,7 +39,7 @@ namespace embree
       Device* device;
       std::unique_ptr<FastAllocator> allocator;
       std::vector<Piece> pieces;
-      MutexSys mutex;          //!< protects pieces
+      MutexSys mutex;
     };
   }
 }

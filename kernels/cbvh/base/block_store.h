@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The blocks of a task: first in memory of the task, then, when a patch is complete, in memory of the surface. Also
- * lists the top-level primitives that refer to the blocks. */
+/* Buffers a task's blocks, copies them to memory of the surface when a patch is complete, and lists the top-level
+ * primitives that refer to them. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -38,7 +38,7 @@ namespace embree
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! Room for a block, valid until the next call. */
+      /*! The result is valid until the next call. */
       uint8_t* begin (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));
@@ -60,8 +60,8 @@ namespace embree
 
       void flushIfFull () { if (used > fullPieceBytes) flush(); }
 
-      /*! Copies the buffered blocks to memory of the surface and creates primitives. Allocates one piece, because the
-       *  allocator rounds each piece up, or several, because it supports at most 2 MiB. */
+      /*! Copies the buffered blocks to memory of the surface and creates primitives. Allocates large pieces, because
+       *  the allocator rounds each one up, but supports at most 2 MiB. */
       void flush ()
       {
         for (size_t i=0, next; i<waiting.size(); i=next)
@@ -83,9 +83,9 @@ namespace embree
       Device* const device;
       cbvh::BlockMemory* memory;
       mvector<PrimRef> prims;
-      mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks at each of their steps, in the order of prims
+      mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks per step, in the order of prims
 
-      static const size_t fullPieceBytes = 1 << 14; //!< minimum size of pieces of flushIfFull()
+      static const size_t fullPieceBytes = 1 << 14;
 
     private:
       static const size_t maxPieceBytes = 1 << 20; // the allocator wastes memory after larger pieces

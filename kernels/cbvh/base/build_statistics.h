@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of a build. Each task has its own and merges them at the end. */
+/* Statistics of a task of a build, merged at the end. */
 
 #include "codec.h"
 #include "surface_statistics.h"
@@ -29,13 +29,12 @@ namespace embree
         firstUnsupportedFace = std::min(firstUnsupportedFace,face);
       }
 
-      /*! own: vertex as its face evaluates it. stored: the same vertex, decoded from its block. */
+      /*! own: vertex as its face evaluates it. stored: decoded vertex. */
       void addVertex (const float own[3], const float stored[3]) { addDeviation(distance2(own,stored)); }
 
-      /*! squaredDistance: squared distance of a vertex from its stored position. */
       void addDeviation (double squaredDistance) { deviation2 = std::max(deviation2,squaredDistance); }
 
-      /*! For a vertex on an edge between two faces. shared: the vertex as the face that owns the edge evaluates it. */
+      /*! For a vertex on an edge between two faces. shared: vertex as the edge's owner evaluates it. */
       void addBorderVertex (const float own[3], const float shared[3], const float stored[3])
       {
         addVertex(shared,stored);
@@ -51,7 +50,6 @@ namespace embree
         sums.maxBorderMismatch = float(std::sqrt(gap2));
       }
 
-      /*! Adds a complete surface. */
       void add (const SurfaceStatistics& other)
       {
         cbvh::add(sums,other.sums);
@@ -74,7 +72,7 @@ namespace embree
         return d2 < std::numeric_limits<double>::max() ? d2 : 0.0;
       }
 
-      double deviation2 = 0, gap2 = 0; //!< squares of maxVertexDeviation and maxBorderMismatch
+      double deviation2 = 0, gap2 = 0;
     };
   }}
 }

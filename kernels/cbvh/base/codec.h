@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Makes the names of the codec, kernels/cvert, visible in embree::cbvh. Inline code of the kernels is also compiled
- * once per ISA, in the namespace CBVH_ISA. CBVH_BEGIN and CBVH_END are for headers that are compiled as C++ and as
- * GLSL, as in cvert/basics/language.h. */
+/* Makes the names of kernels/cvert visible in embree::cbvh. Inline code is also compiled once per ISA, in namespace
+ * CBVH_ISA. CBVH_BEGIN and CBVH_END are for headers compiled as C++ and GLSL (cvert/basics/language.h). */
 
 #ifndef CBVH_CODEC_H
 #define CBVH_CODEC_H
@@ -24,7 +23,6 @@ namespace embree
   {
     using namespace cvert;
 
-    /* overloads next to the functions for Embree's vectors */
     using cvert::lesser;
     using cvert::greater;
     using cvert::magnitude;

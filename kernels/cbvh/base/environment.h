@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The environment variable EMBREE_CBVH: a list separated by commas, for example "1,max_error=0.001,verbose". */
+/* The environment variable EMBREE_CBVH: a comma-separated list, for example "1,max_error=0.001,verbose". */
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! Returns the items of the list without surrounding blanks. Omits empty items. */
+  /*! Removes surrounding blanks and empty items. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;
@@ -29,7 +29,7 @@ namespace embree
     return all;
   }
 
-  /*! True if each commit must print a line, even at verbosity 0. */
+  /*! True if commits must print a line even at verbosity 0. */
   inline bool environmentRequestsCommitLines ()
   {
     const std::vector<std::string> items = environmentItems();

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Reports hits through Embree's epilogues, so that masks and filters behave as for any other geometry. */
+/* Reports hits through Embree's epilogues, so that masks and filters work as for other geometries. */
 
 #include "../embree/traversal.h"
 
@@ -13,7 +13,6 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A hit for Embree's single-hit epilogues. */
       struct SurfaceHit1
       {
         float u, v, t;
@@ -21,12 +20,11 @@ namespace embree
         __forceinline void finalize () {}
       };
 
-      /*! ID of a geometry in the traced scene. */
       __forceinline uint32_t idOf (const IntersectContext* context, uint32_t surface) {
         return context->scene->surfaceIDs[surface];
       }
 
-      /*! Runs the epilogue of closest hits or of any hits. Returns true if it accepted the hit. */
+      /*! Returns true if the epilogue accepted the hit. */
       __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
                                  SurfaceHit1& hit) {
         return Intersect1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
@@ -36,7 +34,7 @@ namespace embree
         return Occluded1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! The same for ray k of a packet. */
+      /*! Reports a hit of ray k. */
       template<int K>
       __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
                                  uint32_t primID, SurfaceHit1& hit) {
@@ -48,7 +46,7 @@ namespace embree
         return Occluded1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! The same for several rays of a packet. Returns the rays that accepted. hit() returns u, v, t and Ng. */
+      /*! Returns the rays that accepted their hit. hit() returns u, v, t and Ng. */
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
@@ -65,7 +63,7 @@ namespace embree
       template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
 
-      /*! True if u, v and Ng of a reported hit are used. For any hits, only filters use them. */
+      /*! True if u, v and Ng of a reported hit are used; for any hits, only filters use them. */
       template<typename Rays>
       __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>

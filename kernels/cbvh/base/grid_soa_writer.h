@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes GridSOA, the grids of GRID, for patches that are not compressed. */
+/* Writes GridSOA, the grids of GRID, for uncompressed patches. */
 
 #include "../embree/scene.h"
 #include "block_store.h"
@@ -16,13 +16,11 @@ namespace embree
     class GridSOAWriter
     {
     public:
-      /*! Maximum number of quads along a side of GRID's grids. */
       static const unsigned gridQuads = 8;
 
       GridSOAWriter (const SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : mesh(mesh), store(store), statistics(statistics) {}
 
-      /*! Writes a patch as stock Embree evaluates it. */
       void write (const SubdivPatch1Base& patch) const
       {
         const unsigned x1 = patch.grid_u_res-1, y1 = patch.grid_v_res-1;
@@ -44,7 +42,7 @@ namespace embree
         store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
-      /*! Bytes of a patch in GRID: its grids, and its share of the nodes with four children above them. */
+      /*! Grids of a patch in GRID, and their share of nodes with four children. */
       static size_t bytesInGrid (const Vec2i& quads)
       {
         const unsigned side = gridQuads;
@@ -59,7 +57,6 @@ namespace embree
       }
 
     private:
-      /*! Computed once per size. */
       static size_t bytesOfGrid (unsigned x, unsigned y)
       {
         static std::atomic<uint32_t> known[gridQuads+1][gridQuads+1];

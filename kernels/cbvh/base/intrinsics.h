@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intrinsics where Embree's vectors have no operation, and which of them an instruction set has. Embree maps those of
- * SSE4.1 to NEON (common/simd/arm). */
+/* Intrinsics where Embree's vectors have no operation, and macros for their availability. Embree maps those of SSE4.1
+ * to NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
 
@@ -13,7 +13,7 @@
 #define CBVH_BYTE_SHUFFLES
 #endif
 
-/*! _mm_srlv_epi32 and _mm_sllv_epi32: shifts by a count per lane, where 32 makes 0 */
+/*! _mm_srlv_epi32 and _mm_sllv_epi32, where a count of 32 returns 0 */
 #if defined(__AVX2__) || defined(__ARM_NEON)
 #define CBVH_LANE_SHIFTS
 #endif
@@ -27,8 +27,8 @@ __forceinline __m128i _mm_srlv_epi32 (__m128i a, __m128i counts) {
 
 namespace embree
 {
-  /*! Shifts a to the left by one lane, and inserts lane i of b into the last lane. GCC would compile shuffles of two
-   *  vectors to table lookups on NEON. */
+  /*! Shifts a left by one lane and inserts lane i of b last. On NEON, GCC would compile two-vector shuffles to table
+   *  lookups. */
   template<int i>
   __forceinline __m128 shiftAndInsert (__m128 a, __m128 b)
   {

@@ -1,13 +1,13 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Kinds of blocks. The number of a kind is stored in headers of blocks with frames (framed/block.h). References of flat
- * scenes and on Vulkan devices (reference.h) and values of RTCCompression follow from it.
+/* Kinds of blocks. A kind's number is stored in headers of blocks with frames (framed/block.h), and determines
+ * references (reference.h) and values of RTCCompression.
  *
- * To remove a kind, remove its number and its rows here, and its folder. Also remove its rows where code selects by
- * kind: block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. The other numbers must not
- * change because blocks store them. framed/writer.h stores blocks without a valid frame as cGRID, and patches with
- * holes as cLEAF if their kind does not support holes. */
+ * To remove a kind, remove its number, its rows here, its folder, and its rows in code that selects by kind:
+ * block_encoder.h, framed_rays1.h, framed_raysK.h, cbvh.glsl and framed_block.glsl. Other numbers must not change:
+ * blocks store them. framed/writer.h stores blocks without a valid frame as cGRID, and patches with holes as cLEAF if
+ * their kind does not support holes. */
 
 #ifndef CBVH_KINDS_H
 #define CBVH_KINDS_H
@@ -22,32 +22,30 @@ CVERT_CONSTANT uint32_t kindVoxel = 1u;
 CVERT_CONSTANT uint32_t kindLeaf = 2u;
 CVERT_CONSTANT uint32_t kindVert = 3u;
 
-/*! Kinds must be less than this number, because references store them. */
+/*! Kinds must be less than this, because references store them. */
 CVERT_CONSTANT uint32_t maxKinds = 18u;
 
-/*! Kinds with frames must be less than this number, because headers of their blocks store them. */
+/*! Kinds with frames must be less than this: headers have 4 bits for them. */
 CVERT_CONSTANT uint32_t maxFramedKinds = 16u;
 
-/*! Bit mask of the kinds with frames. */
 CVERT_CONSTANT uint32_t framedKinds = (1u << kindGrid) | (1u << kindVoxel) | (1u << kindLeaf);
 
 /*! Blocks with frames support patches of up to 2^maxLevel quads per side. */
 CVERT_CONSTANT uint32_t maxLevel = 8u;
 
-/*! Layout of a block with a frame. */
 struct KindFormat
 {
-  uint32_t leafLevels;    //!< log2 of the quads per side of a leaf, in blocks that are large enough
-  uint32_t minNodeLevels; //!< minimum number of levels of nodes; in smaller blocks, leaves are parts of a quad
-  uint32_t groupBytes;    //!< size of a group of 2 x 2 leaves, one per node word of the last level; 0 if there are none
-  uint32_t vertexBytes;   //!< bytes per vertex
-  uint32_t padding;       //!< bytes at the end
+  uint32_t leafLevels;    //!< log2 of the quads per side of a leaf in large enough blocks
+  uint32_t minNodeLevels; //!< minimum levels of nodes; in smaller blocks, leaves are parts of a quad
+  uint32_t groupBytes;    //!< per group of 2 x 2 leaves, which is one node word of the last level; 0 for no groups
+  uint32_t vertexBytes;
+  uint32_t padding;       //!< bytes that decoders read after the last leaf
 };
 
-/*! kindFormats is indexed by the number of the kind. */
+/*! Indexed by kind. */
 CVERT_CONSTANT uint32_t numKindFormats = 3u;
 CVERT_CONSTANT KindFormat kindFormats[numKindFormats] = {
-  /* cGRID: leaves are 2 x 2 quads, as in GRID; vector loads of the last row read 3 floats past its end */
+  /* cGRID: leaves are 2 x 2 quads, as in GRID; vector loads read 3 floats past the last row */
   { 1u, 0u, 0u, 12u, 12u },
   /* cVOXEL */
   { 0u, 0u, 0u, 0u, 0u },
@@ -71,14 +69,14 @@ struct KindDescription
   const char* name;          //!< name in messages
   bool alignsToLimit;        //!< frames align to the corners before displacement, otherwise after it
   bool supportsHoles;        //!< leaves can leave out a quad
-  bool hasThickness;         //!< leaves are not exact, so a bound on their thickness applies
+  bool hasThickness;         //!< leaves are inexact, with a bound on their thickness
 
   bool hasFrame () const { return ((framedKinds >> uint32_t(kind)) & 1u) != 0u; }
   RTCCompression compression () const { return RTCCompression(RTC_COMPRESSION_GRID + uint32_t(kind)); }
 };
 
-/*! Only cLEAF aligns its frames to the limit surface, because heights are stored best along the normals of that
- *  surface. The boxes of the other kinds are tightest if frames align to the displaced surface. */
+/*! Only cLEAF aligns frames to the limit surface, along whose normals heights are stored best. Boxes of other kinds are
+ *  tightest if frames align to the displaced surface. */
 static constexpr KindDescription kindDescriptions[] = {
 #if !defined(EMBREE_CBVH_NO_PAPER)
   { Kind::GRID,  "grid",  "cGRID",  false, true,  false },
@@ -105,7 +103,6 @@ inline const KindDescription& describe (Kind kind)
   return kindDescriptions[row];
 }
 
-/*! Returns false if no kind has this value of RTCCompression. */
 inline bool findKind (int compression, Kind& kind)
 {
   for (const KindDescription& description : kindDescriptions)
@@ -113,8 +110,7 @@ inline bool findKind (int compression, Kind& kind)
   return false;
 }
 
-/*! Converts the compression in the record of a loaded geometry. Returns cVERT if the library was built without that
- *  kind, because it then loads only files of cVERT blocks. */
+/*! Returns cVERT for kinds that this library was built without; it then loads only files of cVERT blocks. */
 inline RTCCompression compressionOfLoaded (uint32_t compression)
 {
   Kind kind;

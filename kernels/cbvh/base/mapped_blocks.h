@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks in a mapped file are checked before they are first decoded (files/mapped_blocks.h): checking them on opening
- * would read the whole file. Code that reads more of a block than its header must call isUsable first. */
+/* Blocks of a mapped file are checked before they are first decoded (files/mapped_blocks.h), because checking them on
+ * opening would read the whole file. Code that reads more than a block's header must call isUsable first. */
 
 #include "../embree/simd.h"
 #include "primitive_type.h"
@@ -15,11 +15,11 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Range of addresses that contains all mapped blocks and may contain other memory. Empty if there are none.
-     *  mappedBegin must be read before mappedBytes. */
+    /*! Range of addresses that contains all mapped blocks, possibly with other memory between them. Empty if there are
+     *  none. Read mappedBegin before mappedBytes. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! Implements isUsable for blocks in this range. Null until a file is mapped. */
+    /*! Implements isUsable for this range. Null until a file is mapped. */
     extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid;
 
     /*! True if a block may be decoded. If not, its surface is empty, and the device receives one error per geometry. */
@@ -27,8 +27,8 @@ namespace embree
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
-      /* Relaxed: while another thread maps the first file, this thread may see the addresses before the function. It
-       * cannot trace a mapped block then, because its rays come after the commit of a scene with one. */
+      /* Relaxed: a thread may see the range before the function while another maps the first file. It cannot trace a
+       * mapped block then, because its rays come after the commit of a scene with one. */
       bool (*const isValid) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);
       return !isValid || isValid(block,form);
     }

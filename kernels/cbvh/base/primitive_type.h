@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Types of the leaves of the top-level BVH4. Types 0 and 1 are Embree's own (GridSOA's inner leaves and its root), so
- * that a tree can contain both blocks and uncompressed patches. Embree's references have only 3 bits for the type. A
- * type therefore selects only the form of a block. If several kinds share a form, the header of the block stores the
- * kind. */
+/* Types of leaves of the top-level BVH4. Types 0 and 1 are Embree's (GridSOA's inner leaves and root), so that a tree
+ * can mix blocks and uncompressed patches. Embree's references have only 3 type bits; a type therefore selects only the
+ * form of a block, whose header stores the kind if several share the form. */
 
 #include "codec.h"
 #include <cstddef>
@@ -16,7 +15,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Layout of the bytes of a block. Not in CBVH_ISA, so that code of all instruction sets shares the type. */
+    /*! Layout of a block's bytes. Outside of CBVH_ISA, because code of all ISAs shares it. */
     enum BlockForm : uint32_t { FRAMED_FORM, VERT_FORM, MESH_FORM };
   }
 
@@ -26,11 +25,11 @@ namespace embree
     {
       GRID_SOA_QUADS = 0,
       GRID_SOA_ROOT = 1,
-      FRAMED_BLOCK = 2,   //!< framed/block.h; BlockHeader::info contains the kind
+      FRAMED_BLOCK = 2,   //!< framed/block.h; the header stores the kind
       VERT_BLOCK = 3,     //!< cvert/format/block.h
       MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a separate tree
       MESH_BLOCK = 5,       //!< cvert/format/mesh_block.h
-      MOVING_MESH_BLOCK = 6 //!< cvert/format/mesh_motion.h; in the same tree as moving cVERT blocks
+      MOVING_MESH_BLOCK = 6 //!< cvert/format/mesh_motion.h; in the tree of moving cVERT blocks
     };
 
     /*! type: a PrimitiveType for which isBlock() is true. */
@@ -39,7 +38,7 @@ namespace embree
         : type == MESH_BLOCK || type == MOVING_MESH_BLOCK ? MESH_FORM : VERT_FORM;
     }
 
-    /*! True if a block moves. Such blocks are checked when their file is loaded. */
+    /*! Moving blocks are checked when their file is loaded. */
     constexpr bool isMovingBlock (std::size_t type) { return type == MOVING_VERT_BLOCK || type == MOVING_MESH_BLOCK; }
 
     constexpr bool isBlock (std::size_t type) { return type >= FRAMED_BLOCK; }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* References to children of flat nodes: 5 bits for the type, 27 bits for an index. Blocks have at least 64 bytes, so
- * indices of 27 bits support at least 8 GiB of blocks. */
+/* References to children of flat nodes: 5 bits of type, 27 bits of index. Blocks have at least 64 bytes, so indices
+ * support at least 8 GiB of blocks. */
 
 #ifndef CBVH_REFERENCE_H
 #define CBVH_REFERENCE_H
@@ -15,16 +15,16 @@ CVERT_CONSTANT uint32_t referenceShift = 27u;
 CVERT_CONSTANT uint32_t referenceMask = 0x7FFFFFFu;
 
 CVERT_CONSTANT uint32_t nodeReference = 0u;       //!< 0, so that the reference is the index
-CVERT_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a grid of GRID
+CVERT_CONSTANT uint32_t cellReference = 1u;       //!< 2 x 2 quads of a GRID grid
 CVERT_CONSTANT uint32_t instanceReference = 2u;
-CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< a node with moving children
-CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 consecutive triangles from the index on
-CVERT_CONSTANT uint32_t firstBlockReference = 8u; //!< plus the number of the kind
-CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds; //!< moving cVERT block
-CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< mesh block of cVERT
+CVERT_CONSTANT uint32_t movingNodeReference = 3u; //!< node with moving children
+CVERT_CONSTANT uint32_t triangleReference = 4u;   //!< 4 to 7: 1 to 4 triangles, starting at the index
+CVERT_CONSTANT uint32_t firstBlockReference = 8u; //!< of kind 0; add the kind
+CVERT_CONSTANT uint32_t movingBlockReference = firstBlockReference + maxKinds;
+CVERT_CONSTANT uint32_t meshBlockReference = movingBlockReference + 1u;        //!< cVERT mesh block
 CVERT_CONSTANT uint32_t numReferenceTypes = meshBlockReference + 1u;
 
-/*! Reference of an unused child. No other reference has its type. */
+/*! Unused child. No other reference has its type. */
 CVERT_CONSTANT uint32_t emptyReference = 0xFFFFFFFFu;
 
 CBVH_FUNCTION uint32_t makeReference (uint32_t type, uint32_t index) { return (type << referenceShift) | index; }
@@ -39,8 +39,8 @@ CBVH_FUNCTION uint32_t runReference (uint32_t first, uint32_t count) {
 CBVH_FUNCTION bool isRunType (uint32_t type) { return (type & ~(maxTriangleRun-1u)) == triangleReference; }
 CBVH_FUNCTION uint32_t countOfRun (uint32_t type) { return type - triangleReference + 1u; }
 
-/* Word offsets in a grid of GRID, Embree's GridSOA: vertices along u and v, vertices in total, IDs, and the byte
- * offset, from the start of the data, of four planes: x, y, z, and u and v as 16 bits each in units of 1/8192. */
+/* Word offsets in Embree's GridSOA: vertices along u and v, vertices in total, IDs, and the byte offset, from the start
+ * of the data, of four planes: x, y, z, and (u,v) as 16-bit values in units of 1/8192. */
 CVERT_CONSTANT uint32_t gridWidthWord = 3u, gridHeightWord = 4u, gridPlaneWord = 5u, gridGeometryWord = 6u,
   gridPrimitiveWord = 7u;
 CVERT_CONSTANT uint32_t gridOffsetWord = 9u, gridDataWord = 12u;

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Surface numbers. A geometry may be in several scenes with different IDs, while its blocks are the same in all of
- * them. Blocks therefore store a number that is unique in the process, and each scene has a table that maps numbers to
- * the IDs of its geometries. Numbers of moving surfaces have an additional bit, so that they differ from IDs: Embree
- * may trace static surfaces in the same scene, whose grids store IDs. */
+/* Surface numbers. A geometry may have different IDs in several scenes, but its blocks are shared. Blocks therefore
+ * store a number that is unique in the process, and each scene maps numbers to IDs of its geometries. Numbers of moving
+ * surfaces have an additional bit to differ from IDs, because grids of static surfaces that Embree traces in the same
+ * scene store IDs. */
 
 #include "codec.h"
 #include "../../cvert/format/limits.h"
@@ -19,12 +19,12 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! A number that no other surface has during the lifetime of this object. */
+    /*! A number that no other surface has while this object exists. */
     class SurfaceNumber
     {
     public:
-      /*! Allocates `fileNumber`, the number that blocks of a file have, if no other surface has it, else the lowest
-       *  free number. Thread-safe. */
+      /*! Allocates `fileNumber`, the number in blocks of a file, if it is free, otherwise the lowest free number.
+       *  Thread-safe. */
       explicit SurfaceNumber (uint32_t fileNumber = none);
       ~SurfaceNumber ();
       SurfaceNumber (const SurfaceNumber&) = delete;
@@ -36,7 +36,7 @@ namespace embree
       uint32_t value;
     };
 
-    /*! IDs of the geometries of a scene by surface number. Each hit looks up an ID. */
+    /*! Geometry IDs of a scene by surface number. Each hit looks up an ID. */
     class SurfaceIDs
     {
     public:
@@ -55,7 +55,7 @@ namespace embree
         }
       }
 
-      /*! Returns the ID of a surface of the scene. Numbers that are not in the table are IDs. */
+      /*! Numbers that are not in the table are returned as IDs. */
       uint32_t operator[] (uint32_t number) const
       {
         if (slots.empty()) return number;
@@ -73,7 +73,7 @@ namespace embree
       static const uint32_t none = 0xFFFFFFFFu;
       struct Slot { uint32_t number, id; };
 
-      std::vector<Slot> slots; //!< hash table: indexed by the low bits of the number, with linear probing
+      std::vector<Slot> slots; //!< hash table, indexed by the number's low bits, with linear probing
       uint32_t mask = 0;
     };
   }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of built surfaces. Code of all instruction sets shares these types. */
+/* Statistics of built surfaces, shared by code of all ISAs. */
 
 #include <algorithm>
 #include <cstddef>
@@ -17,36 +17,35 @@ namespace embree
     struct CompressionStatistics
     {
       size_t topLevelBytes = 0;        //!< full-precision BVH over blocks and grids
-      size_t headerBytes = 0;          //!< headers of all blocks
+      size_t headerBytes = 0;
       size_t nodeBytes = 0;            //!< compressed inner nodes
       size_t leafBytes = 0;            //!< heights (cLEAF), vertices (cGRID)
-      size_t uncompressedBytes = 0;    //!< grids of quads that are not compressed, see numUncompressedQuads
+      size_t uncompressedBytes = 0;    //!< grids of numUncompressedQuads
       size_t numBlocks = 0;
       size_t numQuads = 0;             //!< quads in blocks
-      size_t numUncompressedQuads = 0; //!< quads that are in the same BVH, but traced by GRID
+      size_t numUncompressedQuads = 0; //!< in the same BVH, but traced by GRID
       size_t numInvalidQuads = 0;      //!< left out because a vertex is not finite
-      size_t numAffineBlocks = 0;      //!< blocks whose projective frame fell back to an affine one
+      size_t numAffineBlocks = 0;      //!< blocks whose projective frame became affine
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
       size_t numExactQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
-      size_t numFlippedQuads = 0;      //!< traced normal differs by more than 90 degrees from the vertices' normal
-      size_t numMeshQuads = 0;         //!< quads of quad meshes in blocks, and pairs of triangles
-      size_t numIrregularQuads = 0;    //!< those of numMeshQuads that are in no grid of at least 4 x 4 quads
+      size_t numFlippedQuads = 0;      //!< traced normal more than 90 degrees from the vertices' normal
+      size_t numMeshQuads = 0;         //!< in blocks: quads of quad meshes, pairs of triangles
+      size_t numIrregularQuads = 0;    //!< part of numMeshQuads in no grid of 4 x 4 quads or more
       size_t numMovingQuads = 0;       //!< quads with several time steps
-      size_t motionBytes = 0;          //!< the part of leafBytes that all time steps after the first use
+      size_t motionBytes = 0;          //!< part of leafBytes for time steps after the first
       size_t numUnsupportedFaces = 0;  //!< left out because Embree's subdivision does not support them
-      /*! Input of compressed geometries that Embree allocated and that was not released. */
+      /*! Input of compressed geometries that Embree allocated and did not release. */
       size_t inputBytes = 0;
-      size_t cacheBytesPerThread = 0;  //!< largest size of the caches of a tracing thread; zero for single surfaces
-      float maxLeafThickness = 0;      //!< largest distance between the two bounds of a leaf, over its quad
+      size_t cacheBytesPerThread = 0;  //!< of a tracing thread; 0 for single surfaces
+      float maxLeafThickness = 0;      //!< largest distance between the bounds of a leaf, over its quad
       float maxVertexSpacing = 0;      //!< cVERT: largest spacing of a lattice
       float maxVertexDeviation = 0;    //!< cVERT, borders of cLEAF: largest distance from the evaluated vertex
       /*! cVERT, cLEAF: largest distance between two faces' evaluations of a vertex. */
       float maxBorderMismatch = 0;
     };
 
-    /*! Calls sum(a.x,b.x) for each member x that is a sum over surfaces, and largest(a.x,b.x) for each maximum. A, B:
-     *  CompressionStatistics, or structs of an interface with members of the same names. */
+    /*! Calls sum(a.x,b.x) for each summed member x and largest(a.x,b.x) for each maximum. */
     template<typename A, typename B, typename Sum, typename Largest>
     void forEachMember (A& a, const B& b, const Sum& sum, const Largest& largest)
     {
@@ -70,7 +69,7 @@ namespace embree
       sum(a.motionBytes,b.motionBytes);
       sum(a.numUnsupportedFaces,b.numUnsupportedFaces);
       sum(a.inputBytes,b.inputBytes);
-      sum(a.cacheBytesPerThread,b.cacheBytesPerThread); // scenes have separate caches for still and for moving blocks
+      sum(a.cacheBytesPerThread,b.cacheBytesPerThread); // static and moving blocks have separate caches
       largest(a.maxLeafThickness,b.maxLeafThickness);
       largest(a.maxVertexSpacing,b.maxVertexSpacing);
       largest(a.maxVertexDeviation,b.maxVertexDeviation);
@@ -86,9 +85,9 @@ namespace embree
     struct SurfaceStatistics
     {
       CompressionStatistics sums;
-      size_t highRateQuads = 0;    //!< traced by GRID because of their edge rates
-      size_t refusedQuads = 0;     //!< stored in full precision because their block has no valid frame
-      size_t refusedInGrid = 0;    //!< those of refusedQuads that GRID traces
+      size_t highRateQuads = 0;    //!< traced by GRID because of edge rates
+      size_t refusedQuads = 0;     //!< stored in full precision, because their block has no valid frame
+      size_t refusedInGrid = 0;    //!< part of refusedQuads that GRID traces
       size_t quadsForHoles = 0;    //!< stored as another kind because of holes
       size_t invalidFaces = 0;     //!< faces with quads that are left out
       size_t bytesInEmbree = 0;    //!< estimate for Embree's own kernels

@@ -9,11 +9,10 @@ namespace embree
 {
   namespace isa
   {
-    /*! A task of a build reports progress after so many quads: often enough to cancel, too rarely to cost time. */
+    /*! Quads between two progress reports of a task: often enough to cancel, too rarely to cost time. */
     static const size_t progressQuads = 1 << 15;
 
-    /*! Like parallel_for, but without tasks if there is only one range: a scene may have a hundred thousand geometries
-     *  of one face. */
+    /*! Like parallel_for, but runs a single range without tasks: scenes may have 100,000 geometries of one face. */
     template<typename Closure>
     inline void forRanges (size_t n, size_t perTask, const Closure& closure)
     {
@@ -21,7 +20,6 @@ namespace embree
       else if (n) closure(range<size_t>(0,n));
     }
 
-    /*! As forRanges(), with a reduction. */
     template<typename Value, typename Closure, typename Sum>
     inline Value reduceRanges (size_t n, size_t perTask, const Value& none, const Closure& closure, const Sum& sum)
     {

@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Cache of recently decoded data of blocks, per thread. Consecutive rays mostly reach the same blocks, and decoding
- * them is most of the cost of a ray.
+/* Per-thread cache of decoded blocks. Consecutive rays mostly reach the same blocks, and decoding is most of a ray's
+ * cost.
  *
- * Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by the address of a block. A new block may have the
- * address of an old one that was traced and released, so each build invalidates all caches at its end. */
+ * Entries (vert/cache.h, framed/node_cache.h) are direct-mapped by block address. A new block may have the address of a
+ * released block, so each build invalidates all caches at its end. */
 
 #include "../embree/simd.h"
 #include <atomic>
@@ -17,34 +17,33 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! The caches of a thread, as bits of a mask. */
+    /*! Bits of a mask. */
     enum ThreadCaches : unsigned { vertCache = 1, motionCache = 2, meshCache = 4, nodeCache = 8, meshMotionCache = 16 };
 
-    /*! Size in bytes of the caches in a mask of ThreadCaches, per thread. */
+    /*! caches: mask of ThreadCaches. */
     size_t threadCacheBytes (unsigned caches);
 
-    /*! Invalidates all caches. Call it after blocks are built and before they are traced. */
+    /*! Call it after blocks are built and before they are traced. */
     void invalidateThreadCaches ();
 
-    /*! Number of calls of invalidateThreadCaches. */
     extern std::atomic<unsigned> cacheGeneration;
 
-    /*! Hash of a block, before it is reduced to the number of entries. */
+    /*! Must be reduced to the number of entries. */
     __forceinline size_t hashOfBlock (const void* block) { return size_t(block)/16*0x9E3779B1u >> 16; }
 
     /*! Like hashOfBlock, but consecutive `bytes` bytes of memory have consecutive values, so that neighboring blocks
-     *  never share an entry. A hash shifts each range of 256 KiB. Without it, blocks at equal distances would share a
-     *  few entries. */
+     *  never share an entry. Each range of 256 KiB is shifted by a hash; otherwise blocks at equal distances would
+     *  share a few entries. */
     __forceinline size_t slotOfBlock (const void* block, size_t bytes) {
       return size_t(block)/bytes + (((size_t(block) >> 18)*0x9E3779B1u) >> 12);
     }
 
-    /*! 1 if the second-level cache of a core holds at least 1 MiB, otherwise 0. A thread's cache of decoded blocks must
-     *  fit into it, or it would evict the scene. */
+    /*! 1 if a core's second-level cache has at least 1 MiB, otherwise 0. Decoded blocks must fit into it, or they would
+     *  evict the scene. */
     extern const size_t largeCaches;
 
-    /*! A direct-mapped array with `count` entries, or twice as many if largeCaches is 1. Entries that are not used are
-     *  never touched, and so occupy no memory. */
+    /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries are never touched, and
+     *  occupy no memory. */
     template<typename Entry, size_t count>
     struct CacheEntries
     {
@@ -62,7 +61,7 @@ namespace embree
     class ThreadCache : public Entries
     {
     public:
-      /*! The cache of the calling thread, without outdated entries. */
+      /*! The calling thread's cache, without outdated entries. */
       static __forceinline ThreadCache& ofThread ()
       {
         ThreadCache* cache = current;

@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Memory that the commit of a geometry allocates. Programs do not expect this commit to fail: if an application refused
- * memory and detached the geometry before the next commit of the scene, it would get no error. This memory is therefore
- * not reported to the application's monitor. The commit of a scene reports the memory that exists then, and may
- * fail. */
+/* Memory that a geometry commit allocates. It is not reported to the application's monitor, because programs do not
+ * expect this commit to fail: if the application refused memory and detached the geometry before the next scene commit,
+ * it would get no error. The scene commit reports this memory and may fail. */
 
 #include "../embree/scene.h"
 
@@ -14,7 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Returns a monitor that refuses nothing and reports nothing. Thread-safe. */
+    /*! A monitor that ignores reports and refuses nothing. Thread-safe. */
     inline MemoryMonitorInterface* silentMonitor ()
     {
       struct None : public MemoryMonitorInterface
@@ -31,9 +30,9 @@ namespace embree
       UnmonitoredVector () : mvector<T>(silentMonitor(),0) {}
     };
 
-    /*! Reports memory to the monitor of a device while this object exists. The constructor throws
-     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. It reports the memory as not yet allocated, since an
-     *  application that refuses allocated memory still counts it until its release is reported. */
+    /*! Reports memory to a device's monitor while this object exists. The constructor throws RTC_ERROR_OUT_OF_MEMORY if
+     *  the application refuses. The memory is reported as not yet allocated, because an application counts allocated
+     *  memory that it refuses until the release is reported. */
     class ReportedMemory
     {
     public:

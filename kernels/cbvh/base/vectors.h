@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The functions of cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads.
- * Also sums of products that are fused or not as written, whereas compilers may fuse differently in different
- * places. */
+/* cvert/basics/language.h for Embree's vectors, so that shared code supports vectors of rays or quads. Sums of products
+ * are fused exactly as written, where compilers could otherwise fuse differently in different places. */
 
 #include "codec.h"
 #include "../../cvert/rule/reciprocal.h"
@@ -28,7 +27,7 @@ namespace embree
     asm("" : "+v"(p.v));
 #elif defined(__GNUC__) && defined(__x86_64__)
     asm("" : "+x"(p.v));
-#endif // elsewhere -ffp-contract=off, kernels/upstream/arm64.cmake
+#endif // elsewhere: -ffp-contract=off, kernels/upstream/arm64.cmake
     return p;
   }
 
@@ -38,7 +37,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Width of the widest vectors, in floats. */
+      /*! In floats. */
 #if defined(__AVX512F__)
       static const int vectorWidth = 16;
 #elif defined(__AVX__)
@@ -50,7 +49,7 @@ namespace embree
       typedef vint<vectorWidth> vintV;
       typedef vboolf<vectorWidth> vboolV;
 
-      /*! Components of normal magnitude need no clamping, so only the division has latency then. */
+      /*! Components of normal magnitude need no clamping, which leaves only the division's latency. */
       __forceinline vfloat4 directionReciprocals (const vfloat4& d)
       {
         const vfloat4 size = abs(d);
@@ -58,8 +57,7 @@ namespace embree
         return directionReciprocal(d,max(max(shuffle<0>(size),shuffle<1>(size)),shuffle<2>(size)));
       }
 
-      /*! a b + c and c - a b, fused if the instruction set supports it. Embree's madd of floats would first clear the
-       *  rest of a vector. */
+      /*! a b + c and c - a b, fused where supported. Embree's madd of floats would first clear the rest of a vector. */
       __forceinline float fused (float a, float b, float c)
       {
 #if defined(__FMA__) || defined(__ARM_FEATURE_FMA)

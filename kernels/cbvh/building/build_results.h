@@ -62,7 +62,7 @@ namespace embree
         statistics.merge(taskStatistics);
       }
 
-      /*! Concatenates the lists in the order of their primitives. */
+      /*! Concatenates the lists, ordered by primitive. */
       void collect (mvector<PrimRef>& prims, mvector<cbvh::StepBox>& boxes)
       {
         std::sort(lists.begin(),lists.end(),

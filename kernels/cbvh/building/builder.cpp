@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Builds a scene's moving or still compressed surfaces: blocks of the geometries that changed (surface_builder.h), and
- * one tree over the parts of all still surfaces, or over all moving blocks (motion_tree.h). */
+/* Builds a scene's still or moving compressed surfaces: blocks of changed geometries (surface_builder.h), and a tree
+ * over the parts of all still surfaces, or over all moving blocks (motion_tree.h). */
 
 #include "../base/environment.h"
 #include "../base/thread_cache.h"
@@ -51,13 +51,13 @@ namespace embree
     {
       ALIGNED_CLASS_(64);
 
-      static const size_t surfacesPerTask = 16; //!< number of small surfaces per task
+      static const size_t surfacesPerTask = 16;
 
       BVH4* bvh;
       Scene* scene;
       CompressionReport* report;
       const bool moves;
-      std::vector<uint64_t> buildsUnderTree; //!< builds of the blocks under the tree; empty without a tree
+      std::vector<uint64_t> buildsUnderTree; //!< builds of the tree's blocks; empty without a tree
       size_t treeBytes = 0;
 
       struct Surface
@@ -65,8 +65,8 @@ namespace embree
         CompressibleGeometry* geometry;
         unsigned geomID;
         Number number;
-        CompressionPlan plan;                        //!< plan by which the blocks were built
-        std::shared_ptr<const SurfaceBlocks> blocks; //!< null until they are built
+        CompressionPlan plan;                        //!< plan of the blocks
+        std::shared_ptr<const SurfaceBlocks> blocks; //!< null until built
 
         Surface (CompressibleGeometry* geometry, unsigned geomID)
           : geometry(geometry), geomID(geomID), number(cbvh::numberOf(geometry)), plan(geometry,*number),
@@ -132,7 +132,7 @@ namespace embree
         return surfaces;
       }
 
-      /*! Build of each surface's blocks; 0 for blocks that must be built. */
+      /*! 0 for surfaces whose blocks must be built */
       static std::vector<uint64_t> buildsOf (const std::vector<Surface>& surfaces)
       {
         std::vector<uint64_t> builds;
@@ -140,7 +140,8 @@ namespace embree
         return builds;
       }
 
-      /*! Small surfaces in parallel; large ones one by one, because each uses all threads and temporary memory. */
+      /*! Builds small surfaces in parallel. Large ones follow one by one, because each uses all threads and temporary
+       *  memory. */
       void buildBlocks (std::vector<Surface>& surfaces)
       {
         std::vector<std::unique_ptr<SurfaceBuilder>> builders(surfaces.size());
@@ -167,7 +168,7 @@ namespace embree
         builder.reset();
       }
 
-      /*! Returns the mask of the caches that rays through the surfaces use. */
+      /*! Mask of the caches that rays through the surfaces use. */
       unsigned cachesOf (const std::vector<Surface>& surfaces) const
       {
         unsigned caches = 0;
@@ -224,7 +225,7 @@ namespace embree
         return nodes;
       }
 
-      /*! Returns the bytes of nodes. */
+      /*! Returns the size of the nodes in bytes. */
       size_t buildMotionTree ()
       {
         MovingBlocks blocks(scene->device);
@@ -287,7 +288,7 @@ namespace embree
         if (total.sums.numInvalidQuads && surface.isDiced())
           std::cerr << geometry << total.sums.numInvalidQuads
                     << " quads with vertices that are not finite are left out" << std::endl;
-        if (total.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on that
+        if (total.sums.numUnsupportedFaces) // no error: Embree skips them silently, and programs rely on it
           std::cerr << geometry << total.sums.numUnsupportedFaces << " faces, beginning with face "
                     << total.firstUnsupportedFace << ", are left out: expected 3 to "
                     << MAX_PATCH_VALENCE << " corners in them and in the faces at their vertices, and at most "

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Faces of a cage, as a source (surface/source.h). Patches become blocks of the requested kind or cVERT, or Embree's
- * grids if blocks do not support their edge rates, or if the geometry is not compressed. */
+/* Faces of a cage as a source (surface/source.h). Patches become blocks of the requested kind or cVERT. They become
+ * Embree's grids if blocks do not support their edge rates, or if the geometry is not compressed. */
 
 #include "../base/tasks.h"
 #include "../surface/cage_patch.h"
@@ -26,14 +26,14 @@ namespace embree
       typedef CagePatch Patch;
       typedef PatchEvaluator Scratch;
 
-      static const bool isDeterministic = false; //!< a displacement function may return other values each time
+      static const bool isDeterministic = false; //!< displacement functions may return other values each time
 
       CageSource (SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), frameLevel(mesh->device,plan.boundsError() ? mesh->size() : 0) {}
 
       size_t size () const { return mesh->size(); }
 
-      /*! Exact unless frame levels follow from an error bound, or patches are stored exactly instead. */
+      /*! Exact unless an error bound selects frame levels or exact storage. */
       size_t estimateBlocks () const
       {
         return reduceRanges(mesh->size(),size_t(64),size_t(0),[&](const range<size_t>& faces) {
@@ -45,8 +45,8 @@ namespace embree
           },std::plus<size_t>());
       }
 
-      /*! Small surfaces are one task. Otherwise tasks are small, because a face can cost milliseconds, and the costs of
-       *  faces differ widely within a geometry. */
+      /*! Small surfaces are one task. Otherwise tasks are small, because faces can cost milliseconds and differ
+       *  widely. */
       size_t perTask (bool isSmall) const {
         return isSmall ? max(mesh->size(),size_t(1))
           : clamp(mesh->size()/(4*TaskScheduler::threadCount()),size_t(1),size_t(8));
@@ -74,7 +74,7 @@ namespace embree
           });
       }
 
-      /*! A face whose own vertices are not finite has no surface: here a displacement function returned such values. */
+      /*! Faces whose own vertices are not finite have no surface; here a displacement function returned such values. */
       bool isInvalid (size_t, bool hasInvalidQuads) const { return hasInvalidQuads; }
 
       bool isUnsupported (size_t face) const { return !hasSurface(mesh,face) && isa::isUnsupported(mesh,face); }
@@ -92,7 +92,7 @@ namespace embree
             framed(plan,source.mesh,store,statistics),
             vert(plan,source.mesh->device,store,statistics), grids(source.mesh,store,statistics) {}
 
-        /*! Returns false if the patch must be written in strips. */
+        /*! False if the patch must be written in strips. */
         bool write (size_t face, CagePatch& patch)
         {
           switch (plan.storage(patch.rate)) {
@@ -138,7 +138,8 @@ namespace embree
         return isa::tilingOf(plan.kind(),rate,plan.boundsError() ? frameLevel[f] : plan.frameLevel(levelOf(rate)));
       }
 
-      /*! The lowest levels that keep the bound. Called once, because displacement functions may return other values. */
+      /*! Chooses the lowest levels that keep the bound. Called once, because displacement functions may return other
+       *  values. */
       template<typename Progress>
       void chooseFrameLevels (size_t perTask, const Progress& progress)
       {

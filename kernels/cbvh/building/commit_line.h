@@ -4,7 +4,7 @@
 #pragma once
 
 /* A line about the commit of a scene, for users who cannot change the program: what is compressed, what is not and why,
- * and how much memory each takes. */
+ * and the memory of each. */
 
 #include "../base/build_statistics.h"
 #include "../base/kinds.h"
@@ -99,11 +99,11 @@ namespace embree
       }
 
       struct Compressed { Names names; size_t count = 0; };
-      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< compressed geometries, by type and kind
-      cbvh::BuildStatistics all;                                         //!< statistics of `compressed` together
-      /*! Number of primitives, by type and reason why they are not compressed. */
+      std::map<std::pair<std::string,cbvh::Kind>,Compressed> compressed; //!< by type and kind
+      cbvh::BuildStatistics all;                                         //!< sum over `compressed`
+      /*! Number of uncompressed primitives, by type and reason. */
       std::map<std::pair<std::string,std::string>,size_t> left;
-      size_t notRequested = 0;                                           //!< subdivision surfaces
+      size_t notRequested = 0;                                           //!< number of subdivision surfaces
     };
   }
 }

@@ -37,7 +37,7 @@ namespace embree
         });
       }
 
-      /*! Borders for primitives of the mesh that are in no grid. */
+      /*! Borders for primitives that are in no grid. */
       const StoredBorders& storedBorders () const { return borders; }
 
       size_t perTask (bool isSmall) const
@@ -74,7 +74,7 @@ namespace embree
         Writer (const GridSource& source, BlockStore& store, cbvh::BuildStatistics& statistics)
           : source(source), vert(source.plan,source.mesh->device,store,statistics) {}
 
-        /*! Returns false if the grid must be written in strips. */
+        /*! False if the grid must be written in strips. */
         bool write (size_t, Patch& patch)
         {
           if (patch.quads[1] > VertWriter::rowsOfStrip(patch,source.plan.numTimeSteps)) return false;

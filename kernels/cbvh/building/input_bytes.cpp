@@ -54,7 +54,7 @@ namespace embree
   size_t bytesOfInput (const CompressibleGeometry* geometry, std::set<const void*>& counted)
   {
     InputBytes input(counted);
-    // a geometry that was loaded from a file has none of these classes, whatever its type is
+    // a geometry loaded from a file has none of these classes, whatever its type
     if (const SubdivMesh* cage = dynamic_cast<const SubdivMesh*>(geometry)) input.addCage(cage);
     else if (const GridMesh* grids = dynamic_cast<const GridMesh*>(geometry)) {
       input.addVertices(grids); input.add(grids->grids);

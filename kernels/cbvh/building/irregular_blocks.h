@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Builds mesh blocks of the triangles of a mesh that are in no grid. All threads divide the triangles into parts; one
- * task clusters and encodes each part. */
+/* Builds mesh blocks of the triangles that are in no grid. All threads divide the triangles into parts; a task clusters
+ * and encodes each part. */
 
 #include "../surface/mesh_parts.h"
 #include "../vert/moving_mesh_writer.h"
@@ -28,14 +28,14 @@ namespace embree
         return (triangles.numTriangles()+cbvh::maxMeshTriangles-1)/cbvh::maxMeshTriangles;
       }
 
-      /*! borders: borders of the geometry's grids, or null; must exist until release() */
+      /*! borders: borders of the geometry's grids, valid until release(), or null */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress) {
         triangles.prepare(borders,[&] { progress(0.0); });
       }
       void release () { triangles.release(); }
 
-      /*! Adds blocks and statistics to the results, after all primitives of grids. numGrids: of the geometry */
+      /*! Adds results after all primitives of grids. numGrids: grids of the geometry */
       template<typename Progress>
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
@@ -51,7 +51,7 @@ namespace embree
             {
               BlockStore store(device,&memory);
               cbvh::BuildStatistics statistics;
-              // on the heap, because they are large
+              // on the heap, because writers are large
               if (plan.moves())
                 write(clusters,parts[i],std::unique_ptr<MovingMeshWriter>(
                   new MovingMeshWriter(triangles,plan,store,statistics)));
@@ -84,7 +84,7 @@ namespace embree
           [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
       }
 
-      /*! Halves parts that are too large. Returns false if there are none. */
+      /*! Halves parts that are too large. False if there are none. */
       bool cut (const cbvh::MeshClusters& cutter, std::vector<range<size_t>>& parts)
       {
         std::vector<size_t> halves(parts.size(),0);

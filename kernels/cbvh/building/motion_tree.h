@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Tree over moving blocks: Embree's BVH4 for motion blur, with boxes that are linear in time and splits of time. The
- * boxes are conservative in the floats that traversal computes (see Planes). */
+/* Tree over moving blocks: Embree's BVH4 for motion blur, with boxes that are linear in time, and splits of time. Boxes
+ * are conservative in the floats that traversal computes (see Planes). */
 
 #include "../embree/motion_builder.h"
 #include "../base/step_box.h"
@@ -22,19 +22,18 @@ namespace embree
       typedef BVHNodeRecordMB4D<NodeRef> NodeRecord;
 
     public:
-      /*! boxes: one per time step */
       struct Block
       {
         NodeRef leaf;
-        const cbvh::StepBox* boxes; //!< not all are empty
-        BBox1f range;          //!< times of the first and the last step
-        unsigned segments;     //!< number of steps minus 1
+        const cbvh::StepBox* boxes; //!< one per step; not all are empty
+        BBox1f range;          //!< times of the first and last step
+        unsigned segments;     //!< steps minus 1
       };
 
       LBBox3fa bounds = LBBox3fa(empty); //!< bounds at times 0 and 1
       size_t bytes = 0;                  //!< size of the nodes
 
-      /*! Returns the root of a tree over the blocks. progress() may throw. */
+      /*! progress() may throw. */
       template<typename Progress>
       NodeRef build (Device* device, FastAllocator& memory, const mvector<Block>& blocks, const Progress& progress)
       {
@@ -101,19 +100,19 @@ namespace embree
         }
 
       private:
-        /*! Widens a range, because Embree's builder leaves a block out of a part of the time if the block ends within
-         *  1e-4 of the part's beginning, or begins as close to its end. */
+        /*! Widens a range: Embree's builder leaves a block out of a part of the time if the block ends within 1e-4 of
+         *  the part's beginning, or begins as close to its end. */
         static BBox1f widened (const BBox1f& range) {
           return BBox1f(range.lower > 0.0f ? range.lower*0.9998f : range.lower,
             range.upper < 1.0f ? range.upper*1.0002f : range.upper);
         }
       };
 
-      /*! A plane of a block's boxes in a range of times: knots, between which it is linear. */
+      /*! A plane of a block's boxes in a range of times, linear between knots. */
       class Knots
       {
       public:
-        /*! first, last: ends of the range, in steps */
+        /*! first, last: range of times, in steps. */
         Knots (const Block& block, int k, bool isUpper, double first, double last)
           : block(block), k(k), isUpper(isUpper), first(first), last(last) {}
 
@@ -154,7 +153,7 @@ namespace embree
       };
 
       /*! Boxes at the ends of a range of times. Linear interpolation between them contains the block's boxes whenever
-       *  the block exists: each plane is a line from the first to the last knot, moved until no knot is outside. */
+       *  it exists: each plane is a line from the first to the last knot, moved until no knot is outside. */
       static LBBox3fa linearBounds (const Block& block, const BBox1f& range)
       {
         const double n = double(block.segments), scale = n/(double(block.range.upper)-double(block.range.lower));
@@ -172,9 +171,9 @@ namespace embree
                 const int i = count++ > 0;
                 positions[i] = position; planes[i] = plane;
               });
-            if (count == 0) planes[0] = knots.anywhere(); // the range has no hits
+            if (count == 0) planes[0] = knots.anywhere(); // no ray hits the block in this range
             const double slope = count > 1 ? (planes[1]-planes[0])/(positions[1]-positions[0]) : 0.0;
-            double outside = 0; // largest distance of a knot from the line
+            double outside = 0; // largest distance of a knot outside of the line
             knots.forEach([&](double position, double plane) {
                 const double line = planes[0] + slope*(position-positions[0]);
                 outside = std::max(outside,isUpper ? plane-line : line-plane);
@@ -183,7 +182,7 @@ namespace embree
             (isUpper ? out.bounds0.upper : out.bounds0.lower)[k] = outwards(from + slope*(begin-positions[0]),isUpper);
             (isUpper ? out.bounds1.upper : out.bounds1.lower)[k] = outwards(from + slope*(end-positions[0]),isUpper);
           }
-        // the builder compares areas, so lines must not cross, even at times at which the block does not exist
+        // the builder compares areas: lines must not cross, even when the block does not exist
         out.bounds0.upper = max(out.bounds0.upper,out.bounds0.lower);
         out.bounds1.upper = max(out.bounds1.upper,out.bounds1.lower);
         return out;
@@ -197,11 +196,11 @@ namespace embree
         return double(f) <= x ? f : std::nextafter(f,-largest);
       }
 
-      /*! Planes of a child as traversal computes them, lower + time*difference in floats, widened by an error bound. In
+      /*! Planes of a child, lower + time*difference in floats, widened by a bound of traversal's rounding errors. In
        *  units of 2^-24 of the sum of both absolute values: the sum is rounded by 1, the product by 1 if it is not
        *  fused, and the stored difference by 1. The block derives its position between two steps from the ray's time
-       *  with 4 roundings, each worth at most the difference. The vertices at that position are rounded by 3. Together
-       *  this is less than 16. */
+       *  with 4 roundings, each worth at most the difference. The vertices at that position are rounded by 3. The total
+       *  is less than 16. */
       struct Planes
       {
         float at0, difference;
@@ -228,7 +227,7 @@ namespace embree
           {
             const NodeRecord& child = children[i];
             node->setRef(i,child.ref);
-            vfloat4* const planes = &node->lower_x; // lower and upper of each axis, then their differences
+            vfloat4* const planes = &node->lower_x; // lower and upper planes per axis, then their differences
             for (int k=0; k<3; k++) {
               const Planes lower(child.lbounds.bounds0.lower[k],child.lbounds.bounds1.lower[k],child.dt,false),
                 upper(child.lbounds.bounds0.upper[k],child.lbounds.bounds1.upper[k],child.dt,true);
@@ -243,8 +242,7 @@ namespace embree
           }
         }
 
-        /*! True if a block ends at that time, at which it still exists. Otherwise time was split there, and the next
-         *  child begins. */
+        /*! True if a block ends at that time, when it still exists. Otherwise the next child begins there. */
         static bool endsAtTime (const BuildRecord& record, float time)
         {
           for (size_t i=record.prims.begin(); i!=record.prims.end(); i++)

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The moving blocks of a scene, and their boxes at each time step. The first scene that traces a geometry gets the
- * boxes from the build of its blocks, and then frees them. Later scenes compute them again. */
+/* The moving blocks of a scene, and their boxes per time step. The first scene that traces a geometry takes the boxes
+ * from the build of its blocks, and then frees them. Later scenes compute them again. */
 
 #include "../vert/motion_decoder.h"
 #include "motion_tree.h"
@@ -55,7 +55,7 @@ namespace embree
     private:
       typedef std::shared_ptr<const mvector<cbvh::StepBox>> Boxes;
 
-      /*! Rays have times from 0 to 1. Embree's builder does not support blocks outside of them. */
+      /*! Rays have times from 0 to 1; Embree's builder supports no blocks outside of them. */
       static bool overlapsRayTimes (BVH4::NodeRef leaf)
       {
         const cbvh::VertMotion motion = motionOf(leaf);
@@ -67,7 +67,7 @@ namespace embree
       Boxes findBoxes (size_t begin, size_t numBoxes, const Progress& progress) const
       {
         std::shared_ptr<mvector<cbvh::StepBox>> found = std::make_shared<mvector<cbvh::StepBox>>(device,numBoxes);
-        std::vector<size_t> firsts; // index of the first box of every 64 blocks
+        std::vector<size_t> firsts; // first box of every 64 blocks
         size_t n = 0;
         for (size_t i=begin; i<blocks.size(); i++) {
           if ((i-begin) % 64 == 0) firsts.push_back(n);
@@ -96,13 +96,12 @@ namespace embree
           : cbvh::motionOf((const cbvh::VertHeader*)block);
       }
 
-      /*! decodes two steps at a time */
       class alignas(64) Decoded
       {
         ALIGNED_CLASS_(64);
 
       public:
-        /*! boxes: one per step */
+        /*! boxes: one per step. Decodes two steps at a time. */
         void bound (BVH4::NodeRef leaf, unsigned segments, cbvh::StepBox* boxes)
         {
           size_t type;
@@ -116,7 +115,7 @@ namespace embree
             boundGrid((const cbvh::VertHeader*)block,segments,boxes);
             origin = ((const cbvh::VertHeader*)block)->origin;
           }
-          // of a damaged block; MotionTree requires a box
+          // the block is damaged; MotionTree requires a box
           if (std::all_of(boxes,boxes+segments+1,[](const cbvh::StepBox& box) { return box.isEmpty(); }))
             for (int k=0; k<3; k++) boxes[0].lower[k] = boxes[0].upper[k] = origin[k];
         }
@@ -130,7 +129,7 @@ namespace embree
             cbvh::StepBox box = { { pos_inf,pos_inf,pos_inf },{ neg_inf,neg_inf,neg_inf } };
             for (uint32_t v=0; v<mesh.numVertices; v++) {
               const float (&p)[3] = mesh.vertices[v];
-              if (!cbvh::isFinite(p)) continue; // of a damaged block
+              if (!cbvh::isFinite(p)) continue; // the block is damaged
               for (int k=0; k<3; k++) { box.lower[k] = min(box.lower[k],p[k]); box.upper[k] = max(box.upper[k],p[k]); }
             }
             boxes[s] = box;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Replaces framed/writer.h in a library without the paper's representations. Never called. */
+/* Replaces framed/writer.h in libraries without the paper's representations. Never called. */
 
 #include "../base/grid_soa_writer.h"
 #include "../surface/cage_patch.h"

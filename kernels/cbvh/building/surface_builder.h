@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Builds the blocks of one geometry, whose primitives a source enumerates (surface/source.h), and Embree's binned SAH
+/* Builds the blocks of a geometry, whose primitives a source enumerates (surface/source.h), and Embree's binned SAH
  * BVH4 over them. A task encodes several primitives, or a strip of a large patch. Scenes build their trees over lower
  * parts of the BVH. */
 
@@ -25,18 +25,18 @@ namespace embree
     public:
       virtual ~SurfaceBuilder () {}
 
-      /*! True if building takes little time and no significant temporary memory. */
+      /*! True if building takes little time and memory. */
       virtual bool isSmall () const = 0;
 
-      /*! True if building uses all threads and significant temporary memory. */
+      /*! True if building uses all threads and much temporary memory. */
       virtual bool isLarge () const = 0;
 
-      /*! progress(primitives): called with the number of primitives completed since the last call, or 0; may throw to
-       *  end the build. */
+      /*! progress(primitives): receives the number of primitives completed since the last call, or 0; may throw to end
+       *  the build. */
       virtual std::shared_ptr<const SurfaceBlocks> build (const std::function<void(double)>& progress) = 0;
     };
 
-    /*! Bytes reserved per block: the size of a cLEAF block of 16 x 16 quads, which most cVERT blocks do not reach. */
+    /*! Bytes reserved per block: a cLEAF block of 16 x 16 quads, which most cVERT blocks do not reach. */
     static const size_t expectedBlockBytes = 928;
 
     /*! About the size of a block of 256 triangles. */
@@ -53,7 +53,7 @@ namespace embree
       typedef std::function<void(double)> Progress;
 
     public:
-      /*! mesh and plan must outlive this object. loose: irregular primitives of a mesh, or null. */
+      /*! mesh and plan must outlive this object. loose: irregular primitives, or null. */
       template<typename Mesh>
       BuilderOf (Mesh* mesh, const std::shared_ptr<const cbvh::SurfaceNumber>& number, const CompressionPlan& plan,
                  std::unique_ptr<IrregularBlocks> loose = nullptr)
@@ -71,9 +71,8 @@ namespace embree
         const size_t meshBlocks = loose ? loose->estimateBlocks() : 0;
         size_t bytes = estimatedBlocks*sizeof(BVH4::AABBNode)/2 + (estimatedBlocks-meshBlocks)*expectedBlockBytes
           + meshBlocks*expectedMeshBlockBytes;
-        // Embree's allocator allocates a twentieth of this at a time, or as much as a larger piece needs. The remainder
-        // of an allocation stays unused if the next piece is larger. Up to 16 MiB, each piece therefore has an
-        // allocation of its own.
+        // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece. The remainder is
+        // lost if the next piece does not fit. Up to 16 MiB, each piece therefore gets its own allocation.
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
         blocks->memory.expect(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
@@ -111,7 +110,7 @@ namespace embree
         cbvh::BuildStatistics statistics;
         typename Source::Writer writer(source,store,statistics);
         size_t reported = primitives.begin(), quads = 0, first = primitives.begin();
-        unsigned firstPatch = 0; // number of the first patch of primitive `first`
+        unsigned firstPatch = 0; // first patch of primitive `first`
         for (size_t i=primitives.begin(); i!=primitives.end(); i++)
         {
           const size_t invalid = statistics.sums.numInvalidQuads;
@@ -146,7 +145,7 @@ namespace embree
         const unsigned rows = VertWriter::rowsOfStrip(patch,plan.numTimeSteps), quadsX = patch.quads[0],
           quadsY = patch.quads[1], strips = (quadsY+rows-1)/rows;
         const size_t width = quadsX+1, seamVertices = width*plan.numTimeSteps;
-        // rows between strips, at each time step
+        // rows between strips, per time step
         mvector<float> seams(device,Source::isDeterministic ? 0 : 3*seamVertices*(strips-1));
         auto seam = [&](unsigned s) {
           return Source::isDeterministic ? nullptr : (float(*)[3])(seams.data() + 3*seamVertices*s);
@@ -212,7 +211,7 @@ namespace embree
       const CompressionPlan& plan;
       Source source;
       const std::unique_ptr<IrregularBlocks> loose;
-      const double ofGeometry; //!< primitives of the geometry per primitive of the source
+      const double ofGeometry; //!< geometry's primitives per primitive of the source
       const size_t estimatedBlocks;
       const size_t perTask;
     };

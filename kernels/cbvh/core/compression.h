@@ -15,24 +15,22 @@ namespace embree
 
   namespace core
   {
-    /*! Throws RTC_ERROR_INVALID_ARGUMENT, with the name and the value of the member, for: a compression that is unknown
-     *  or not in this library, a frameLevel outside of -2 to 8, a maxError that is not finite, a maxPixelError that is
-     *  negative or not finite, an invalid camera if maxPixelError is not 0, and an exactFaces above 1. */
+    /*! Throws RTC_ERROR_INVALID_ARGUMENT, naming the member and its value, for: a compression that is unknown or not in
+     *  this library, a frameLevel outside of -2 to 8, a maxError that is not finite, a maxPixelError that is negative
+     *  or not finite, an invalid camera if maxPixelError is not 0, and an exactFaces above 1. */
     void validate (const CompressionSettings& settings);
 
-    /*! Sets how a geometry is stored from its next commit (releasesInput) or the next commit of its scene on. Existing
-     *  blocks are then built again. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry, and
-     *  for geometry that was loaded from a file. After an error the geometry keeps its settings. Thread safety: no
-     *  other thread may use the geometry during this call. Cost: constant. */
+    /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry,
+     *  and for geometry loaded from a file. After an error the geometry keeps its settings. Thread safety: no other
+     *  thread may use the geometry during this call. Cost: constant. */
     void setCompression (Geometry* geometry, const CompressionSettings& settings);
 
-    /*! True if a geometry is stored as blocks and did not change since its commit, or the commit of a scene, built
-     *  them. Thread safety: no other thread may commit the geometry during this call. Cost: constant. */
+    /*! True if a geometry is stored as blocks and did not change since they were built. Thread safety: no other thread
+     *  may commit the geometry during this call. Cost: constant. */
     bool hasBlocks (Geometry* geometry);
 
     /*! Returns why the last commit left a geometry that requests compression to Embree's kernels, as the end of a
-     *  sentence: "are too few to matter". Null if it did not, or if the geometry has no primitives. The text has static
-     *  storage. */
+     *  sentence: "are too few to matter". Null if it is compressed or has no primitives. The text is static. */
     const char* reasonNotCompressed (Geometry* geometry);
 
     /*! Returns the statistics of the last commit of a scene, without instanced scenes; all zero if it has no compressed

@@ -12,7 +12,7 @@ namespace embree
 {
   namespace
   {
-    /*! How a value is checked here. Builds check the names of accelerators and builders. */
+    /*! Checks of values. Builds check the names of accelerators and builders. */
     enum class Value { Any, Number, Isa, Frequency, Quality, SceneFlags };
 
     struct Key { const char* name; Value value; };
@@ -61,7 +61,6 @@ namespace embree
       return key == std::end(keys) ? nullptr : key;
     }
 
-    /*! Levenshtein distance of two words. */
     size_t distance (const std::string& a, const std::string& b)
     {
       std::vector<size_t> row(b.size()+1);
@@ -111,7 +110,7 @@ namespace embree
       const std::vector<std::string> words = wordsOf(key.value);
       if (words.empty()) return "";
       for (char& c : value)
-        if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // as Embree does
+        if (key.value == Value::Isa && c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a'); // Embree ignores case, too
       for (size_t at = 0; at <= value.size(); ) {
         const size_t end = key.value == Value::SceneFlags ? std::min(value.find('|',at),value.size()) : value.size();
         const std::string word = value.substr(at,end-at);
@@ -159,7 +158,7 @@ namespace embree
       at = std::min(text.find_first_not_of(blanks,end),text.size());
       std::string value;
       if (at < text.size() && text[at] == '=') {
-        /* ends at a comma or blank, except for blanks around | */
+        /* a value ends at a comma or blank, except for blanks around | */
         for (at++; at < text.size() && text[at] != ','; at++) {
           if (!std::strchr(blanks,text[at])) { value += text[at]; continue; }
           const size_t next = text.find_first_not_of(blanks,at);

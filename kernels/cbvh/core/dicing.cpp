@@ -53,7 +53,7 @@ namespace embree
             "invalid direction or up: expected vectors that are not zero and not parallel");
       }
 
-      /*! Sets the rate of each edge to the highest rate of its faces. rates: one per index. */
+      /*! Sets each edge's rate to the highest of its faces. rates: one per index. */
       void agree (const SubdivMesh* mesh, std::vector<float>& rates)
       {
         struct Edge
@@ -83,7 +83,7 @@ namespace embree
         }
       }
 
-      /*! Nearest power of two by ratio, up to a bound, which may be infinite. */
+      /*! Nearest power of two by ratio, at most `bound`, which may be infinite. */
       float rounded (float rate, float bound)
       {
         const float power = std::ldexp(1.0f,int(std::lround(std::log2(max(rate,1.0f)))));
@@ -102,7 +102,7 @@ namespace embree
             for (size_t f=r.begin(); f!=r.end(); f++)
             {
               const unsigned n = mesh->faceVertices[f];
-              if (!isa::canBeEvaluated(mesh->getHalfEdge(0,f),n)) continue; // left out by commits
+              if (!isa::canBeEvaluated(mesh->getHalfEdge(0,f),n)) continue; // commits leave out such faces
               float* const out = &rates[first[f]];
               for (unsigned step=0; step<mesh->numTimeSteps; step++)
               {
@@ -112,8 +112,8 @@ namespace embree
                   samples.measure(unsigned(f),step,0.0f,0.0f,quads);
                   for (int i=0; i<4; i++) out[i] = max(out[i],quads[i]);
                 }
-                /* A patch per corner, with half of the edge ahead and half of the edge behind. Its opposite sides count
-                 * for both. Embree supports 16 corners. */
+                /* A patch per corner, with halves of both edges at the corner. Opposite sides count for both edges.
+                 * Embree supports 16 corners. */
                 else for (unsigned i=0; i<min(n,16u); i++) {
                   samples.measure(unsigned(f),step,0.5f+2.0f*float(i%4),0.5f+2.0f*float(i/4),quads);
                   float &ahead = out[i], &behind = out[(i+n-1)%n];
@@ -140,7 +140,7 @@ namespace embree
       if (Geometry::State(geometry->state) != Geometry::State::COMMITTED
           || mesh->topology[0].halfEdges.size() < mesh->numEdges() || !mesh->vertices[0])
         throw_RTCError(RTC_ERROR_INVALID_OPERATION,"the geometry must be committed before it is diced");
-      checkIndices(mesh); // commits of uncompressed geometry do not
+      checkIndices(mesh); // commits of uncompressed geometry do not check them
       validate(camera,mesh->numEdges());
       const std::vector<float> rates = ratesOf(mesh,camera);
       Ref<Buffer> levels = new Buffer(geometry->device,rates.size()*sizeof(float));

@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Dicing of subdivision surfaces for a camera. */
-
 #include "../surface/dicing_camera.h"
 #include <vector>
 
@@ -14,20 +12,11 @@ namespace embree
 
   namespace core
   {
-    /*! Sets the level buffer of a subdivision surface so that its quads have about the size in the picture that the
-     *  camera requests. Returns the levels, one per index. An existing level buffer is replaced, not written. Commit
-     *  the geometry afterwards.
-     *
-     *  Measures the limit surface with displacement: several threads call the displacement function, for about 1/16 as
-     *  many points as quads. Lengths are measured as if seen from the front, so that silhouettes, shadows and
-     *  reflections have quads as fine as visible surfaces. Rates are rounded to the nearest power of two: quads are 0.7
-     *  to 1.4 times as long as requested. An edge has the highest rate of its faces and of all time steps. Vertices
-     *  that are not finite are ignored.
-     *
-     *  Errors: RTC_ERROR_INVALID_ARGUMENT, with the name and the value of the member, for camera values that are not
-     *  finite or out of range, and for indices that are out of range. RTC_ERROR_INVALID_OPERATION for other geometry,
-     *  for geometry that was loaded from a file, and if the geometry was not committed since its buffers changed. After
-     *  an error the geometry keeps its levels. Thread safety: no other thread may use the geometry during this call. */
+    /*! Sets the level buffer of a subdivision surface and returns the levels, one per index, as rtcDiceGeometry.
+     *  Measures lengths as if seen from the front. Rates are rounded to the nearest power of two. An edge has the
+     *  highest rate of its faces and time steps. Errors: as rtcDiceGeometry; RTC_ERROR_INVALID_OPERATION also for
+     *  geometry loaded from a file. Thread safety: no other thread may use the geometry during this call, except that
+     *  several threads call the displacement function. */
     std::vector<float> dice (Geometry* geometry, const DicingCamera& camera);
   }
 }

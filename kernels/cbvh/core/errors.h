@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Errors of the functions in this folder: Embree's rtcore_error, and std::bad_alloc if memory runs out. rtc functions
- * catch them with RTC_CATCH_END. Interfaces that do not include Embree call caughtError(). */
+/* The functions in this folder throw Embree's rtcore_error, or std::bad_alloc. rtc functions catch them with
+ * RTC_CATCH_END. Interfaces that do not include Embree call caughtError(). */
 
 #include "../../../include/embree3/rtcore.h"
 #include <string>
@@ -19,8 +19,7 @@ namespace embree
       std::string text;
     };
 
-    /*! Returns the exception that is being handled; call it in a catch block. Exceptions that are not Embree's are
-     *  RTC_ERROR_UNKNOWN. */
+    /*! Call it in a catch block. Exceptions that are not Embree's become RTC_ERROR_UNKNOWN. */
     CaughtError caughtError ();
 
     [[noreturn]] void invalidArgument (const std::string& text);

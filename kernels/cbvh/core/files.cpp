@@ -14,7 +14,7 @@ namespace embree
   {
     namespace
     {
-      /*! Returns the result of function(). Rethrows errors of the codec as errors of Embree. */
+      /*! Rethrows errors of the codec as Embree's. */
       template<typename Function>
       auto withEmbreeErrors (const Function& function) -> decltype(function())
       {
@@ -25,7 +25,6 @@ namespace embree
         }
       }
 
-      /*! A geometry that can be saved. */
       struct Saved
       {
         const CompressibleGeometry* geometry;
@@ -34,7 +33,7 @@ namespace embree
         explicit Saved (Geometry* saved) : geometry(compressible(saved))
         {
           if (geometry) blocks = cbvh::blocksOf(geometry);
-          /* scenes with compressed surfaces also build blocks for surfaces that do not request compression */
+          /* scenes with compressed surfaces also build blocks for surfaces that request none */
           const auto asks = [&] {
             return geometry->compression.resolve(geometry->device->compression).compression != RTC_COMPRESSION_NONE;
           };
@@ -73,7 +72,7 @@ namespace embree
 
     void saveGeometry (Geometry* geometry, const char* path)
     {
-      const Saved saved(geometry); // throws before the file is created
+      const Saved saved(geometry); // throws before a file is created
       withEmbreeErrors([&] {
         cvert::FileWriter writer(path);
         saved.addTo(writer);
@@ -132,7 +131,7 @@ namespace embree
       const cvert::FileGeometry& record = recordOf(*file,index);
       Ref<Geometry> geometry = new LoadedGeometry(device,record,
           withEmbreeErrors([&] { return cbvh::loadSurface(file,device,index); }));
-      geometry->refInc(); // reference of the caller
+      geometry->refInc(); // the caller's reference
       return geometry.ptr;
     }
 

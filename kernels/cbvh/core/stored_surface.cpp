@@ -15,8 +15,8 @@ namespace embree
         return cbvh::TraversalTime{ time,(geometry->device->enabled_cpu_features & AVX2) == AVX2 };
       }
 
-      /*! Keeps a geometry and its blocks, because callbacks may release or commit the geometry. Throws if it has no
-       *  blocks. */
+      /*! References a geometry and its blocks, because callbacks may release or commit the geometry. Throws if it has
+       *  no blocks. */
       struct HeldBlocks
       {
         const Ref<Geometry> geometry; // released last: blocks refer to its device

@@ -23,7 +23,7 @@ namespace embree
     void checkStructSize (const KnownStruct& known, const void* data)
     {
       const size_t size = structSizeOf(data);
-      const bool isWhole = size % alignof(size_t) == 0; // otherwise a member would be cut
+      const bool isWhole = size % alignof(size_t) == 0; // otherwise the end would cut a member
       if (size < known.firstSize || size > maxStructSize || !isWhole)
         invalidArgument(std::string(known.name) + ": invalid structSize " + std::to_string(size)
                         + ": expected sizeof(struct " + known.name + "), which is " + std::to_string(known.size)

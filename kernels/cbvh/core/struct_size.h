@@ -4,13 +4,13 @@
 #pragma once
 
 /* Public structs that may grow, as specified in include/cbvh/cbvh.h and include/embree3/rtcore_compression.h. Each
- * begins with size_t structSize, the sizeof that the application was compiled with. Later versions append members, for
- * which zero selects the previous behavior. They begin at the sizeof of the previous version, so structs that the
- * library reads have no padding at their end.
+ * begins with size_t structSize, the application's sizeof. Later versions append members, for which zero selects the
+ * previous behavior. They begin at the previous version's sizeof, so structs that the library reads have no padding at
+ * the end.
  *
  * The application's struct may be smaller than this version's type. Callers may access only structSize directly.
  *
- * All functions throw RTC_ERROR_INVALID_ARGUMENT with the struct's name if structSize is out of range. */
+ * All functions throw RTC_ERROR_INVALID_ARGUMENT, naming the struct, if structSize is out of range. */
 
 #include <cstddef>
 
@@ -34,7 +34,7 @@ namespace embree
     struct KnownStruct
     {
       const char* name;
-      size_t firstSize, size;  //!< sizes in the first version and in this one
+      size_t firstSize, size;  //!< in the first version and in this one
     };
 
     /*! Larger values indicate uninitialized memory. */
@@ -48,7 +48,7 @@ namespace embree
     KnownStruct knownStruct () { return KnownStruct{ GrowingStruct<T>::name(),GrowingStruct<T>::firstSize,sizeof(T) }; }
 
     /*! Returns the application's struct as this version declares it: missing members are zero, structSize is sizeof(T).
-     *  Also throws if a byte that this version does not know is not zero. */
+     *  Also throws if a byte unknown to this version is not zero. */
     template<typename T>
     T readStruct (const T* from)
     {
@@ -57,12 +57,11 @@ namespace embree
       return to;
     }
 
-    /*! Checks a struct that will be written. Call it before computing the result. */
+    /*! Call it before computing a result to write. */
     template<typename T>
     void requireStruct (const T* to) { checkStructSize(knownStruct<T>(),to); }
 
-    /*! Writes the members that the application's struct has, and sets its other bytes to zero. structSize keeps its
-     *  value. */
+    /*! Writes the members that the application's struct has, except structSize, and zeros its other bytes. */
     template<typename T>
     void writeStruct (T* to, const T& from) { copyToApplication(knownStruct<T>(),to,&from); }
   }

@@ -3,7 +3,5 @@
 
 #pragma once
 
-/* Embree's BVH builder for motion blur. */
-
 #include "scene.h"
 #include "../../builders/bvh_builder_msmblur.h"

@@ -3,7 +3,5 @@
 
 #pragma once
 
-/* Embree's rays, ray packets, hits and query context. */
-
 #include "simd.h"
 #include "../../common/ray.h"

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Embree's devices, scenes, geometries, subdivision patches and their evaluation, BVHs with their allocators and
- * builders, and tasks. */
+/* Embree's devices, scenes, geometries, subdivision patches, BVHs with allocators and builders, and tasks. */
 
 #include "../../common/default.h"
 #include "../../common/rtcore.h"

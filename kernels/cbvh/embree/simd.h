@@ -5,8 +5,7 @@
 
 /* Embree's platform, instruction sets and vector types.
  *
- * Only the headers in this folder include Embree's internal headers. A port to another version of Embree changes this
- * folder first. */
+ * Only this folder includes Embree's internal headers. Ports to other versions of Embree start here. */
 
 #include "../../common/isa.h"
 #include "../../../common/sys/platform.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Conversion of statistics to and from the record of a file. */
+/* Converts statistics to and from the record of a file. */
 
 #include "../base/codec.h"
 #include "../base/surface_statistics.h"
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls closure(count) for each count, in the order of FileGeometry::counts. */
+    /*! In the order of FileGeometry::counts. */
     template<typename Statistics, typename Closure>
     void forEachCount (Statistics& s, const Closure& closure)
     {

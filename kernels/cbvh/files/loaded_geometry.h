@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A geometry that was loaded from a file: it has blocks but not the input that they were built from. Its mask, filters,
- * user data and enabled state can be set. Functions that read or change its input fail. */
+/* A geometry loaded from a file: it has blocks, but no input. Its mask, filters, user data and enabled state can be
+ * set. Functions that read or change its input fail. */
 
 #include "../base/codec.h"
 #include "../embree/scene.h"
@@ -15,7 +15,7 @@ namespace embree
   class LoadedGeometry : public CompressibleGeometry
   {
   public:
-    static const char* const rejectionReason; //!< message of functions that fail
+    static const char* const rejectionReason; //!< message of these errors
 
     LoadedGeometry (Device* device, const cvert::FileGeometry& record,
                     const std::shared_ptr<const SurfaceBlocks>& blocks);
@@ -48,10 +48,9 @@ namespace embree
   private:
     [[noreturn]] static void refuse ();
 
-    const BBox1f ownTimes; //!< times of the first and the last step
+    const BBox1f ownTimes; //!< times of the first and last step
   };
 
-  /*! Throws if a geometry was loaded from a file. */
   inline void requireEditable (Geometry* geometry) {
     if (dynamic_cast<const LoadedGeometry*>(geometry))
       throw_RTCError(RTC_ERROR_INVALID_OPERATION,LoadedGeometry::rejectionReason);

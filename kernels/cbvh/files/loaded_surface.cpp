@@ -23,7 +23,7 @@ namespace embree
   {
     namespace
     {
-      /*! Copy-on-write mapping of a part of a file. It begins before the part if the machine's pages are larger than
+      /*! Copy-on-write mapping of a part of a file. It begins before the part if pages of the machine are larger than
        *  the file's, as on ARM64. */
       struct PrivatePages
       {
@@ -41,7 +41,7 @@ namespace embree
         ~PrivatePages () { ::munmap(data-before,before+bytes); }
       };
 
-      /*! Keeps both alive. pages: null without private pages. */
+      /*! pages: null if the surface has no private pages. */
       struct FileAndPages
       {
         std::shared_ptr<const File> file;
@@ -68,7 +68,7 @@ namespace embree
 
         Ref leaf (FileChild type, uint64_t offset)
         {
-          if (isMovingBlock(typeOf(type))) { // scenes decode its boxes when they are committed
+          if (isMovingBlock(typeOf(type))) { // commits of scenes decode its boxes
             const BlockForm form = formOfBlock(typeOf(type));
             if (const Reason reason = mapped.validate(size_t(offset),form))
               file.failAt(i,"the block at " + std::to_string(offset) + ": " + reason.message());
@@ -133,7 +133,7 @@ namespace embree
       const std::shared_ptr<SurfaceBlocks> surface = std::make_shared<SurfaceBlocks>(device,number);
       const uint32_t ownNumber = *number | moving;
 
-      /* A second surface of the same blocks needs private pages: its number is written into them. */
+      /* A second surface of the same blocks needs private pages, into which its number is written. */
       std::shared_ptr<FileAndPages> memory = std::make_shared<FileAndPages>();
       memory->file = file;
       char* first = (char*)file->blocks(i);
@@ -159,7 +159,7 @@ namespace embree
         isa::TreeCutter(surface->parts).cut(surface->root,surface->bounds);
       }
       surface->memory.end();
-      invalidateThreadCaches(); // other blocks may have had the same addresses
+      invalidateThreadCaches(); // other blocks may have had these addresses
       return surface;
     }
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Surfaces of a file. The tree is read and checked when a surface is loaded, its blocks when rays first reach them
+/* Surfaces of a file. Loading reads and checks the tree; blocks are checked when rays first reach them
  * (mapped_blocks.h). */
 
 #include "../base/codec.h"
@@ -17,12 +17,11 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Returns the blocks of geometry i and the tree above them. Throws cvert::Error if the tree or a moving block is
-     *  damaged. */
+    /*! Throws cvert::Error if the geometry's tree or a moving block is damaged. */
     std::shared_ptr<const SurfaceBlocks> loadSurface (const std::shared_ptr<const cvert::File>& file, Device* device,
                                                       size_t i);
 
-    /*! Reads a whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
+    /*! Reads the whole file. Throws cvert::Error if a checksum differs or a block is damaged. */
     void verifyFile (const cvert::File& file);
   }
 }

@@ -20,8 +20,8 @@ namespace embree
     /*! All mapped blocks of the process. */
     class MappedBlockRegistry
     {
-      /*! By value: other threads may delete blocks of geometries that the calling thread does not trace, but not those
-       *  that it traces. */
+      /*! Passed by value, because other threads may delete blocks of geometries that the calling thread does not
+       *  trace. */
       struct Place
       {
         const char* begin;
@@ -49,7 +49,7 @@ namespace embree
         changed();
       }
 
-      /*! If there is no memory for a new list, threads search all blocks until one is made. */
+      /*! If there is no memory for a new list, threads search all blocks until a list is made. */
       static void remove (MappedBlocks* blocks)
       {
         Lock<MutexSys> lock(mutex);
@@ -61,12 +61,12 @@ namespace embree
       }
 
     private:
-      /*! Cache of the calling thread. Its list may be outdated while a geometry in it is traced. */
+      /*! Per thread. Its list may be outdated while a geometry in it is traced. */
       struct Known
       {
         uint64_t generation = 0;
         std::shared_ptr<const List> list;
-        Place last = { nullptr, 0, nullptr }; //!< where the last block was found
+        Place last = { nullptr, 0, nullptr }; //!< place of the last block
       };
 
       static bool isGood (const void* block, BlockForm form)
@@ -81,7 +81,7 @@ namespace embree
       {
         struct Owner { ~Owner () { delete known; known = nullptr; } };
         if (!known) {
-          static thread_local Owner owner; // frees the cache when the thread ends
+          static thread_local Owner owner; // frees the cache at the thread's end
           (void)owner;
           known = new Known;
         }
@@ -114,7 +114,7 @@ namespace embree
         return Place{ nullptr, 0, nullptr };
       }
 
-      /*! Returns a list of all existing mapped blocks and another. The mutex must be locked. */
+      /*! All mapped blocks and `another`. The mutex must be locked. */
       static std::shared_ptr<const List> listOf (const MappedBlocks* another)
       {
         const std::shared_ptr<List> made = std::make_shared<List>();
@@ -124,8 +124,7 @@ namespace embree
         return made;
       }
 
-      /*! Publishes a change. The mutex must be locked. The range that other threads read contains all blocks at any
-       *  time. */
+      /*! Publishes a change. The mutex must be locked. The range that other threads read always contains all blocks. */
       static void changed ()
       {
         if (!first) {
@@ -141,11 +140,11 @@ namespace embree
         generation.fetch_add(1);
       }
 
-      static MutexSys mutex;                    //!< protects the next four
+      static MutexSys mutex;                    //!< protects the next four members
       static MappedBlocks* first;
-      static std::shared_ptr<const List> list;  //!< null if out of memory
+      static std::shared_ptr<const List> list;  //!< null if there was no memory for it
       static size_t hullBegin, hullEnd;
-      static std::atomic<uint64_t> generation;  //!< counts changes
+      static std::atomic<uint64_t> generation;  //!< incremented by each change
       static __thread Known* known __attribute__((tls_model("initial-exec")));
     };
 
@@ -199,7 +198,7 @@ namespace embree
 
     void MappedBlocks::number (size_t offset, BlockForm form) const
     {
-      /* Several threads may check a block at the same time. One of them writes before any of them marks the block. */
+      /* Several threads may check a block. One of them writes before any of them marks the block. */
       uint32_t expected = record.surface;
       if (record.surface != surfaceNumber)
         surfaceOf(offset,form).exchange(expected,surfaceNumber,std::memory_order_acq_rel);

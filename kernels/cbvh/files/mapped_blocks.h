@@ -4,8 +4,8 @@
 #pragma once
 
 /* Blocks of a geometry in a mapped file. A block is checked when a ray first reaches it, so that other blocks are never
- * read from disk. Whatever bytes a good block has, decoders and traversal stay inside of it, and hits report primitives
- * that the geometry has. */
+ * read from disk. Whatever the bytes of a good block are, decoders and traversal stay inside of it, and hits report
+ * existing primitives. */
 
 #include "../base/atomic_ref.h"
 #include "../base/codec.h"
@@ -24,16 +24,15 @@ namespace embree
     class MappedBlocks
     {
     public:
-      /*! file: must outlive this object; must have at least fileReadPast bytes after the blocks. begin: of the
-       *  blocks. number: surface number, written into blocks that have another; they must then be writable. name: for
-       *  messages. */
+      /*! file: outlives this object, with at least fileReadPast bytes after the blocks. begin: of the blocks. number:
+       *  surface number, written into blocks that have another, which must then be writable. name: for messages. */
       MappedBlocks (Device* device, const std::shared_ptr<const cvert::File>& file, char* begin,
                     const cvert::FileGeometry& record, uint32_t number, const std::string& name);
       ~MappedBlocks ();
       MappedBlocks (const MappedBlocks&) = delete;
       MappedBlocks& operator= (const MappedBlocks&) = delete;
 
-      /*! offset: offset of the block from the first block, in bytes. */
+      /*! offset: from the first block, in bytes. */
       cvert::Reason validate (size_t offset, BlockForm form) const;
 
       /*! True if a block may be decoded. Reports the first damaged block to the device. */
@@ -59,13 +58,13 @@ namespace embree
       Device* device;
       std::shared_ptr<const cvert::File> file;
       char* const begin;
-      const cvert::FileGeometry record; //!< copied when the file was opened, because the file may change
+      const cvert::FileGeometry record; //!< a copy, because the file may change
       const size_t bytes;
       const uint32_t surfaceNumber;
       const std::string name;
-      std::atomic<uint64_t>* good; //!< one bit per 16 bytes, at which a block may begin
+      std::atomic<uint64_t>* good; //!< one bit per 16 bytes, the alignment of blocks
       mutable std::atomic<bool> isReported;
-      MappedBlocks* next, * previous; //!< list of all existing mapped blocks
+      MappedBlocks* next, * previous; //!< list of all MappedBlocks
     };
   }
 }

@@ -24,7 +24,6 @@ namespace embree
 
     namespace
     {
-      /*! Lays out a surface in the order of the file. */
       class Layout
       {
       public:
@@ -93,7 +92,7 @@ namespace embree
           return begin | FILE_NODE;
         }
 
-        /*! Throws for bounds that loadSurface() would reject. */
+        /*! loadSurface() would reject these bounds. */
         static void requireBounds (const float lower[3], const float upper[3]) {
           if (areBounds(lower,upper)) return;
           throw_RTCError(RTC_ERROR_INVALID_OPERATION,

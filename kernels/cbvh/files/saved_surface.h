@@ -13,7 +13,7 @@ namespace embree
 
   namespace cbvh
   {
-    /*! Returns a compressed geometry for cvert::FileWriter. The result refers to the blocks. Throws if a part of the
+    /*! Prepares a compressed geometry for cvert::FileWriter. The result refers to the blocks. Throws if a part of the
      *  geometry is not compressed. */
     FileSurface savedSurface (const CompressibleGeometry* geometry, const SurfaceBlocks& blocks);
   }

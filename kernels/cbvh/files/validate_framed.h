@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! False if a frame is not finite, or maps all points to one point, as a header of zeros does. */
+    /*! False if a frame is not finite, or maps all points to one, as a header of zeros does. */
     inline bool isFrame(const BlockHeader& header)
     {
       bool isZero = true;
@@ -28,8 +28,8 @@ namespace embree
       return !isZero;
     }
 
-    /*! Returns the first error in a block of at most `bytes` bytes. Whatever the fields of a valid block are, decoders
-     *  read only the block. */
+    /*! Returns the first error in a block of at most `bytes` bytes. Decoders of a valid block read only the block,
+     *  whatever its fields are. */
     inline Reason validateFramedBlock(const void* data, size_t bytes)
     {
       if (bytes < blockHeaderBytes) return Reason::damaged("it has % bytes: its header needs %",bytes,blockHeaderBytes);

@@ -59,7 +59,7 @@ namespace embree
                       offsetof(GridSOA,gridOffset) == 4*gridOffsetWord &&
                       offsetof(GridSOA,data) == 4*gridDataWord,"layout of a grid");
 
-        /*! grid, gridIndex: the node's grid, and its index in blocks; null above grids */
+        /*! grid, gridIndex: the node's grid and its index in blocks; null above grids */
         uint32_t reference (BVH4::NodeRef ref, const GridSOA* grid, uint32_t gridIndex, uint32_t above = 0)
         {
           if (ref == BVH4::emptyNode) return emptyReference;

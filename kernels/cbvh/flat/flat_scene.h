@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* A committed scene as plain data, for traversal outside of this library (kernels/vulkan). Contains no types of Embree.
- * The top-level tree is copied; blocks, vertices and indices are referenced, and remain valid until the scene is
- * committed again or released. */
+/* A committed scene as plain data, for traversal outside of this library (kernels/vulkan), without types of Embree. The
+ * top-level tree is copied. Blocks, vertices and indices are referenced; they remain valid until the scene is committed
+ * again or released. */
 
 #include "../../../include/embree3/rtcore.h"
 #include "../base/reference.h"
@@ -16,18 +16,18 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Version of these structures. Libraries with different versions are incompatible. */
+    /*! Libraries with different versions are incompatible. */
     static const uint32_t flatSceneVersion = 6;
 
-    /*! Four children with bounds by axis. Unused children are emptyReference, with infinite bounds that no ray hits. */
+    /*! Four children. Unused children are emptyReference, with infinite bounds that no ray hits. */
     struct FlatNode
     {
       float lower[3][4], upper[3][4];
       uint32_t children[4];           //!< see reference.h; indices of nodes, blocks and cells
     };
 
-    /*! Four moving children. At time t a plane is at its position at time 0 plus t times its difference; this is
-     *  conservative in float, fused or not. A child exists at times t with begin <= t < end. */
+    /*! Four moving children. A plane at time t is its position at time 0 plus t times its difference; this is
+     *  conservative in float, fused or not. A child exists if begin <= t < end. */
     struct FlatMovingNode
     {
       FlatNode atZero;
@@ -35,14 +35,14 @@ namespace embree
       float begin[4], end[4];
     };
 
-    /*! A block, or a grid of GRID. */
+    /*! A compressed block, or a grid of GRID. */
     struct FlatBlock
     {
       const void* data;  //!< aligned to 16 bytes
       uint32_t bytes;
       /*! blockReference(kind), movingBlockReference, meshBlockReference, or cellReference for a grid */
       uint32_t type;
-      uint32_t geomID;   //!< geomID in this scene; blocks store the surface number instead
+      uint32_t geomID;   //!< in this scene; blocks store the surface number
     };
 
     /*! 2 x 2 quads of a grid */
@@ -56,37 +56,37 @@ namespace embree
 
     struct FlatGeometry
     {
-      FlatGeometryType type;     //!< FLAT_NONE: no geometry has this ID, or it is disabled
+      FlatGeometryType type;     //!< FLAT_NONE: unused or disabled ID
       const char* typeName;
       uint32_t mask;
       uint32_t timeSteps;
       bool isTraced;             //!< a FlatScene supports it: static, compressed, or an instance with linear motion
       bool hasFilter;
-      uint64_t build; //!< number of the build of a compressed surface: equal if scenes have the same blocks; else 0
-      /* of triangles */
+      uint64_t build; //!< equal if a compressed surface has the same blocks in several scenes; otherwise 0
+      /* number of triangles */
       const char* vertices;      //!< three floats each
       const char* indices;       //!< three 32-bit integers each
       size_t vertexStride, numVertices, indexStride, numTriangles;
-      /* of an instance */
-      float worldToLocal[12];    //!< column by column: x, y, z, translation; undefined for moving instances
-      const float* localToWorld; //!< the inverse at each time step, linear between steps
-      float begin, end;          //!< times of the first and the last step; a moving instance exists only between them
+      /* members of an instance begin here */
+      float worldToLocal[12];    //!< columns x, y, z, translation; undefined for moving instances
+      const float* localToWorld; //!< inverse per time step, linear between steps
+      float begin, end;          //!< times of the first and last step; a moving instance exists only between them
       RTCScene instanced;
-      float lower[3], upper[3];  //!< bounds of the instanced scene at all times, in its own space
+      float lower[3], upper[3];  //!< of the instanced scene at all times, in its own space
     };
 
     struct FlatTree
     {
       uint32_t root;             //!< reference, or emptyReference
-      uint32_t depth;            //!< nodes on the longest path from the root to a leaf
+      uint32_t depth;            //!< nodes on the longest path to a leaf
       float lower[3], upper[3];  //!< bounds at all times
     };
 
     struct FlatScene
     {
-      uint32_t version;          //!< flatSceneVersion
-      bool isRobust;             //!< RTC_SCENE_FLAG_ROBUST
-      FlatTree still, moving;    //!< over static and moving surfaces
+      uint32_t version;
+      bool isRobust;             //!< the scene has RTC_SCENE_FLAG_ROBUST
+      FlatTree still, moving;    //!< static and moving surfaces
 
       FlatNode* nodes;
       FlatMovingNode* movingNodes;
@@ -103,7 +103,7 @@ extern "C" {
 #endif
 
 /* Describes a committed scene. Returns NULL and sets the error of the scene's device if the scene is not committed, or
- * if it has more nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
+ * has more nodes than references support. version: flatSceneVersion. Applications use rtcore_vulkan.h. */
 RTC_API const struct embree::cbvh::FlatScene* rtcFlattenScene (RTCScene scene, unsigned int version);
 
 /* Sets the error of a device, or of the calling thread if device is NULL, and calls the device's error function. */

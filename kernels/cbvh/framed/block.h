@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A block of cGRID, cVOXEL or cLEAF: 2^height x 2^height quads of a patch in one local frame. It consists of a header,
- * the words of a complete quadtree, level by level, each level in Morton order, and the leaves in Morton order (cLEAF)
- * or the vertices row by row (cGRID). It has no pointers or offsets: positions, parameters and vertex indices follow
- * from the index. docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define
- * what the bytes mean. */
+ * the words of a complete quadtree (level by level, each in Morton order), and the leaves in Morton order (cLEAF) or
+ * the vertices row by row (cGRID). Positions, parameters and vertex indices follow from the index, so there are no
+ * pointers. docs/formats/framed_block.md has the table of bytes; local_ray.h, node.h and leaf/format.h define their
+ * meaning. */
 
 #ifndef CBVH_BLOCK_H
 #define CBVH_BLOCK_H
@@ -15,26 +15,26 @@
 
 CBVH_BEGIN
 
-/*! Version of the layout. Incremented by each change that affects readers. */
+/*! Incremented by each change of the layout that affects readers. */
 CVERT_CONSTANT uint32_t formatVersion = 1u;
 
-/*! True if the last level of nodes has words of groups (leaf/format.h). */
+/*! True if words of the last node level are groups (leaf/format.h). */
 CBVH_FUNCTION bool hasGroups (uint32_t kind) { return kindFormats[kind].groupBytes != 0u; }
 
 /* --- sizes --------------------------------------------------------------------------- */
 
 CVERT_CONSTANT uint32_t blockHeaderBytes = 76u;
 
-/*! Sizes and offsets in bytes of everything after the header. */
+/*! Everything after the header, in bytes. */
 struct BlockLayout
 {
   uint32_t nodeLevels;
-  uint32_t leaves;      //!< leaves along a side
+  uint32_t leaves;      //!< number along a side
   uint32_t nodes;       //!< number of node words
   uint32_t leafOffset;
   uint32_t leafBytes;
-  uint32_t bytes;       //!< size of the block, a multiple of 4
-  uint32_t stride;      //!< distance between consecutive blocks
+  uint32_t bytes;       //!< of the block, a multiple of 4
+  uint32_t stride;      //!< distance from one block to the next
 };
 
 CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
@@ -56,15 +56,15 @@ CBVH_FUNCTION BlockLayout blockLayout (uint32_t kind, uint32_t height)
 
 /* --- header -------------------------------------------------------------------------- */
 
-/*! Header of a block. 76 bytes are 12 modulo 16, and a tree of nodes takes 4 modulo 16, so that together they leave no
- *  gap before the next block. */
+/*! 76 bytes are 12 modulo 16 and a tree of nodes has 4 modulo 16, so together they leave no gap before the next
+ *  block. */
 struct BlockHeader
 {
   float center[3];      //!< world position that the frame maps to (1/2,1/2,1/2)
   uint32_t surface;     //!< see surface_ids.h
   float columns[3][4];  //!< frame: (X,Y,Z,W) = (1/2,1/2,1/2,1) + sum_i columns[i]*(p-center)[i]
   uint32_t primID;
-  uint32_t info;        //!< kind, height, position in the patch, border width: see the accessors
+  uint32_t info;        //!< kind, height, position in the patch, border width
   uint32_t tiling;      //!< position of the patch in its face, and its last block
 };
 
@@ -73,10 +73,10 @@ CBVH_FUNCTION uint32_t blockInfo (uint32_t kind, uint32_t height, uint32_t x, ui
 }
 CBVH_FUNCTION uint32_t kindOf (uint32_t info) { return info & 15u; }
 CBVH_FUNCTION uint32_t heightOf (uint32_t info) { return (info >> 4) & 15u; }
-CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }   //!< position in the patch, in blocks
+CBVH_FUNCTION uint32_t blockXOf (uint32_t info) { return (info >> 8) & 255u; }   //!< position in blocks
 CBVH_FUNCTION uint32_t blockYOf (uint32_t info) { return (info >> 16) & 255u; }
 
-/*! cLEAF: edges on the border of the block are within this fraction of their leaves' boxes, from the outer side. */
+/*! cLEAF: edges on the block's border are within this fraction of their leaves' boxes, from the outer side. */
 CBVH_FUNCTION float borderWidthOf (uint32_t info) { return float((info >> 28)+1u)*(1.0f/16.0f); }
 
 /*! lastX, lastY: position of the patch's last block. u0, v0: face parameters of the patch's corner (0,0), times 2; not
@@ -91,9 +91,9 @@ CBVH_FUNCTION uint32_t cornerVOf (uint32_t tiling) { return tiling >> 24; }
 
 /* --- parameters ---------------------------------------------------------------------- */
 
-/*! Parameter of the face at a point x quads from the block's corner. corner: parameter of the patch's corner, times 2.
- *  block, last: positions of the block and of the patch's last block. Divides instead of multiplying by a reciprocal,
- *  so that the patch ends at 1. */
+/*! Face parameter of a point x quads from the block's corner. corner: parameter of the patch's corner, times 2.
+ *  block, last: positions of the block and the patch's last block. Divides instead of multiplying by a reciprocal, so
+ *  that the patch ends at 1. */
 CVERT_REAL CBVH_FUNCTION Real faceParameter (uint32_t corner, uint32_t block, uint32_t last, uint32_t height, Real x)
 {
   return Real(0.5f*float(corner)) + (Real(float(block << height)) + x)/Real(float((last+1u) << height));
@@ -112,7 +112,7 @@ struct Block : public BlockHeader
   uint32_t height () const { return heightOf(info); }
   BlockLayout layout () const { return blockLayout(kindOf(info),height()); }
 
-  /*! Number of quads of the patch, not of the block. */
+  /*! Size of the patch, not the block. */
   uint32_t quadsX () const { return (lastXOf(tiling)+1u) << height(); }
   uint32_t quadsY () const { return (lastYOf(tiling)+1u) << height(); }
 

@@ -5,13 +5,13 @@
 
 /* World-space bounds of a block, of two kinds.
  *
- * The top level culls with the bounds of the vertices. A ray through the surface intersects the bounds of the block
- * whose quad it crosses, and that block alone reports the hit (leaf/hit_rule.h): its leaves contain the quad, and its
- * lips close its own border. Bounds of the leaves are larger: cLEAF would have up to twice as many false hits at
- * silhouettes, and cVOXEL a tenth more.
+ * The top level culls with bounds of vertices. A ray through the surface intersects the bounds of the block whose quad
+ * it crosses, and that block alone reports the hit (leaf/hit_rule.h): its leaves contain the quad, and its lips close
+ * its border. Bounds of the leaves are larger: cLEAF would have up to twice as many false hits at silhouettes, and
+ * cVOXEL a tenth more.
  *
- * A ray that intersects these bounds can hit geometry outside of them. The bounds of the scene include that geometry,
- * because applications clip their rays to them. */
+ * Rays that intersect these bounds can hit geometry outside of them. The scene's bounds include it, because
+ * applications clip rays to them. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/world.h"
@@ -22,10 +22,10 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! The bounds of the corners are bounds of the box, because a projective map keeps it convex. */
+    /*! Bounds of the corners bound the box, because a projective map keeps it convex. */
     inline WorldBounds boundBox(const NodeBox& box, const float center[3], const InverseFrame& inverse)
     {
-      /* Lanes are the four corners of the lower and of the upper side. */
+      /* Lanes: corners of the lower and of the upper side. */
       const double x[2] = { box.lower[0],upperOf(box,0) }, y[2] = { box.lower[1],upperOf(box,1) };
       const Double4 columns(x[0],x[1],x[0],x[1]), rows(y[0],y[0],y[1],y[1]);
       const double sides[2] = { box.lower[2],upperOf(box,2) };
@@ -48,7 +48,7 @@ namespace embree
       return bounds;
     }
 
-    /*! Bounds of the vertices, enlarged by how far a neighboring face may round them differently. */
+    /*! Bounds of the vertices, enlarged by the rounding of a neighboring face. */
     inline WorldBounds boundSurface(const BlockGeometry& geometry)
     {
       WorldBounds bounds;
@@ -59,7 +59,7 @@ namespace embree
       return bounds;
     }
 
-    /*! Extends bounds by everything in a block that a ray can hit. */
+    /*! Extends bounds by everything that a ray can hit. */
     class HitBounds
     {
     public:
@@ -69,12 +69,12 @@ namespace embree
       void extend()
       {
         bounds.extend(boundSurface(geometry));
-        /* Triangles between the vertices are within the bounds of the vertices. */
+        /* triangles are within the bounds of their vertices */
         if (block->kind() != Kind::GRID) extend(0,0,rootBox());
       }
 
     private:
-      /*! No leaf below a node extends past the bounds if the node's box does not. */
+      /*! No leaf extends past the bounds if a node above it does not. */
       void extend(uint32_t level, uint32_t m, const NodeBox& box)
       {
         const WorldBounds own = boundBox(box,block->center,geometry.inverse);

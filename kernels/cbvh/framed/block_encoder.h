@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Encoder of a block. Nodes are encoded top-down, because their planes are relative to the decoded box of their parent,
- * not to its exact box: rounding errors cannot accumulate.
+/* Encodes a block. Nodes are encoded top-down, relative to the decoded box of their parent, so that rounding errors
+ * cannot accumulate.
  *
- * Each kind of leaves has an encoder with these members:
+ * Encoders of leaves have these members:
  *
  *    uint32_t group (uint32_t m, const NodeBox& box)
  *      Encodes a group of the last level, for kinds that have groups. Returns its word.
@@ -37,11 +37,10 @@ namespace embree
       bool fit(const float corners[4][3]) { return geometry.fit(corners); }
       bool isDegenerate() const { return geometry.isDegenerate(); }
 
-      /*! Writes frame, info, nodes and leaves. The caller sets surface, primID and tiling.
-       *  block:  room for blockLayout(kind,height).bytes bytes, 16-byte aligned.
-       *  x, y:   position in the patch, in blocks.
-       *  sharpSides: bits of the sides of the block where the surface ends or bends (see sharpSidesOf()); used only for
-       *    statistics. */
+      /*! Writes frame, info, nodes and leaves; the caller sets surface, primID and tiling.
+       *  block: room for blockLayout(kind,height).bytes bytes, 16-byte aligned.
+       *  x, y: position in the patch, in blocks.
+       *  sharpSides: sides of the block where the surface ends or bends (sharpSidesOf()); only for statistics. */
       void encode(Block* block, uint32_t x, uint32_t y, BlockStatistics& statistics, uint32_t sharpSides = 0)
       {
         block->info = blockInfo(uint32_t(kind),geometry.height,x,y);
@@ -54,11 +53,11 @@ namespace embree
         case Kind::GRID : encodeWith(GridEncoder (geometry,block,statistics),block); break;
         case Kind::VOXEL: encodeWith(VoxelEncoder(geometry,block,statistics),block); break;
         case Kind::LEAF : encodeWith(LeafEncoder (geometry,block,sharpSides,statistics),block); break;
-        case Kind::VERT : break; // has no frame: see cvert/encoder/block_encoder.h
+        case Kind::VERT : break; // has no frame: cvert/encoder/block_encoder.h
         }
       }
 
-      /*! Bounds of the block that encode() wrote: for culling, and of everything that a ray can hit. */
+      /*! Bounds of the encoded block: for culling, and of everything that a ray can hit. */
       WorldBounds surfaceBounds() const { return boundSurface(geometry); }
       void extendByHits(WorldBounds& bounds, const Block* block) const { HitBounds(bounds,block,geometry).extend(); }
 

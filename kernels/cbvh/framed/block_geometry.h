@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* The quads of a block in its frame, as read by the encoders of its nodes and leaves.
+/* The quads of a block in its frame, as input of its encoders.
  *
- * A cell is the part of the surface that a node of the finest level bounds: a quad, or a part of a quad if leaves are
- * smaller (cLEAF with one quad). */
+ * A cell is the surface below a node of the finest level: a quad, or a part of it if leaves are smaller (cLEAF with one
+ * quad). */
 
 #include "leaf/format.h"
 #include "frame_fit.h"
@@ -20,41 +20,41 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Leaves do not represent a quad whose area in the frame is below this fraction of the leaf's area: they would be
-     *  16 times as wide as the quad. */
+    /*! Smallest area of a quad in the frame relative to its leaf. Leaves of smaller quads would be over 16 times as
+     *  wide. */
     static constexpr double minQuadArea = 1.0/256;
 
     class BlockGeometry
     {
     public:
       const uint32_t height;
-      const uint32_t width;       //!< vertices along a side
+      const uint32_t width;       //!< along a side, in vertices
       const uint32_t cellLevels;  //!< log2 of cells along a side
       const float (*const vertices)[3]; //!< world positions
       Frame frame;
       InverseFrame inverse;
-      float lower[4], upper[4];   //!< bounds of the finite vertices, in world space
-      double coordinate = 0;      //!< largest absolute coordinate of these vertices
-      double rounding[4];         //!< largest distance between a vertex and the same vertex of a neighboring face
-      ExactBox* boxes;            //!< boxes of all quadtree levels down to cells, level by level
-      double (*local)[4];         //!< vertices of cells, in the frame
-      uint32_t invalidQuads = 0;  //!< quads with a vertex that is not finite
+      float lower[4], upper[4];   //!< of the finite vertices, in world space
+      double coordinate = 0;      //!< largest absolute value of these vertices
+      double rounding[4];         //!< largest distance between evaluations of a vertex by two faces
+      ExactBox* boxes;            //!< of all quadtree levels down to cells
+      double (*local)[4];         //!< vertices of cells in the frame
+      uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
 
-      /*! Bytes of scratch memory for blocks of this height, 16-byte aligned. */
+      /*! For blocks of this height, 16-byte aligned. */
       static size_t scratchBytes(uint32_t height) {
-        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // has cells as small as those of any kind
+        BlockGeometry geometry(Kind::LEAF,height,nullptr,nullptr); // cLEAF has the smallest cells
         return geometry.layoutScratch(nullptr);
       }
 
-      /*! vertices: (2^height+1)^2 world positions, row by row; must outlive the object. scratch: see scratchBytes();
-       *    must outlive the object. */
+      /*! vertices: (2^height+1)^2 world positions, row by row. scratch: scratchBytes() bytes. Both must outlive the
+       *  object. */
       BlockGeometry(Kind kind, uint32_t height, const float (*vertices)[3], void* scratch)
         : height(height), width((1u << height)+1),
           cellLevels(std::max(height,kindFormats[uint32_t(kind)].minNodeLevels)),
           vertices(vertices) { layoutScratch((char*)scratch); }
 
-      /*! Fits the block's frame. Returns false if there is nothing to encode: no quad is finite, or floats cannot
-       *  represent a frame. corners: world positions to align to, in the order (0,0), (1,0), (0,1), (1,1). */
+      /*! Fits the frame. Returns false if no quad is finite, or floats cannot represent a frame. corners: world
+       *  positions to align to, in the order (0,0), (1,0), (0,1), (1,1). */
       bool fit(const float corners[4][3])
       {
         const size_t all = size_t(width)*width;
@@ -72,7 +72,7 @@ namespace embree
         memcpy(aligned,corners,sizeof(aligned));
         bool ok = true;
         for (int c=0; c<4; c++) ok &= cbvh::isFinite(corners[c]);
-        if (!ok) // any frame around the vertices
+        if (!ok) // a frame that only contains the vertices
           for (int c=0; c<4; c++) memcpy(aligned[c],fitting[size_t(c)*(count-1)/3],sizeof(float[3]));
         if (!fitFrame(aligned,fitting,count,fitted,frame)) return false;
         const FrameLanes lanes(frame.columns);
@@ -82,8 +82,8 @@ namespace embree
         return true;
       }
 
-      /*! True if leaves would be much larger than most of their quads: the vertices are on a line, or some of them are
-       *  far from all others. Such a block should not be compressed. */
+      /*! True if leaves would be much larger than most quads: vertices are on a line, or a few are far from the others.
+       *  Such blocks should not be compressed. */
       bool isDegenerate() const
       {
         const uint32_t side = 1u << cellLevels, cells = side*side;
@@ -92,7 +92,7 @@ namespace embree
         uint32_t small = 0, valid = 0;
         for (uint32_t y=0; y<side; y++)
         {
-          if (allFinite && 2*(valid-small) >= cells) return false; // the remaining cells cannot change the result
+          if (allFinite && 2*(valid-small) >= cells) return false; // more cells cannot change the result
           for (uint32_t x=0; x<side; x++)
           {
             const double (*const v)[4] = local + y*(side+1)+x;
@@ -105,7 +105,7 @@ namespace embree
         return 2*small > valid;
       }
 
-      /*! Sets the boxes. Requires fit(). */
+      /*! Sets `boxes`. Requires fit(). */
       void bound()
       {
         inverse = InverseFrame(frameMap(frame.columns));
@@ -122,7 +122,7 @@ namespace embree
       bool isFinite(uint32_t i) const { return cbvh::isFinite(vertices[i]); }
 
     private:
-      /*! Returns the number of bytes; with null only counts. */
+      /*! Returns the number of bytes; null only counts. */
       size_t layoutScratch(char* scratch)
       {
         const size_t side = (size_t(1) << cellLevels) + 1, points = side*side;
@@ -153,8 +153,8 @@ namespace embree
               + (v%3)*((2-v/3)*quad[1][k] + (v/3)*quad[3][k]));
       }
 
-      /*! Transforms vertexRounding to the axes of the frame. A world-space step of r on each axis moves x = X/W by at
-       *  most r (|dX| + |dW|)/W. */
+      /*! Transforms vertexRounding to the frame. A world-space step of r on each axis moves x = X/W by at most r (|dX|
+       *  + |dW|)/W. */
       void boundRounding()
       {
         double rcpW = 0;
@@ -171,7 +171,7 @@ namespace embree
           rounding[k] = vertexRounding*coordinate*(sum(k)+sum(3))*rcpW;
       }
 
-      /*! Boxes of cells with a vertex that is not finite are empty; `invalid` counts them. */
+      /*! Cells with a vertex that is not finite are empty; `invalid` counts them. */
       void boundNode(uint32_t level, uint32_t m, uint32_t x, uint32_t y, uint32_t& invalid)
       {
         if (level == cellLevels) {
@@ -185,7 +185,7 @@ namespace embree
         boxOf(level,m) = box;
       }
 
-      /*! v: lower vertex of the cell. */
+      /*! v: lower vertex. */
       ExactBox boundCell(uint32_t v, uint32_t& invalid) const
       {
         const uint32_t above = v + (1u << cellLevels)+1;
@@ -200,7 +200,7 @@ namespace embree
         return ExactBox(min(lower,max(lower-r,frameMargin)),max(upper,min(upper+r,1-frameMargin)));
       }
 
-      /*! Bounds the finite vertices, and returns their number. */
+      /*! Returns the number of finite vertices. */
       size_t boundVertices()
       {
         const size_t all = size_t(width)*width;
@@ -220,7 +220,7 @@ namespace embree
 
     private:
       bool allFinite = false;
-      Double3* fitted;          //!< while the frame is fitted
+      Double3* fitted;          //!< only while the frame is fitted
       float (*finite)[3];
     };
   }}

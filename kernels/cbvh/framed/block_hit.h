@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Converts a hit in a leaf of a block with a frame to face parameters, distance and normal. `Real` is float, or a
- * vector of a packet's rays. Both compute the same bits: every product in a sum is explicitly fused or is exact. */
+/* Converts a hit in a leaf to face parameters, distance and normal. `Real` is float, or a vector of a packet's rays.
+ * Both compute the same bits: every product in a sum is explicitly fused or exact. */
 
 #include "local_ray4.h"
 #include "normal.h"
@@ -21,26 +21,25 @@ namespace embree
         Real s;
         Real u, v;                 //!< position in the leaf
         Real slopeX, slopeY;
-        Bool fromAbove, fromBelow; //!< side from which the ray comes; neither is set if the side is unknown
+        Bool fromAbove, fromBelow; //!< side of the ray's origin; neither is set if it is unknown
       };
 
       template<typename Real>
       struct HitRay
       {
-        Real P[3], D[3];       //!< origin and direction in the frame
+        Real P[3], D[3];       //!< position and direction in the frame
         Real t0, t1, w0, w1;   //!< see LocalRay
         Real dir[3];           //!< see RayState
         Real scale, rcpDir2;
-        Real tnear, tfar;      //!< before any hit
-        Real enter;            //!< distance at which the ray enters the block's bounds
+        Real tnear, tfar;      //!< the ray's values before any hit
+        Real enter;            //!< where the ray enters the block's bounds
 
-        /*! Distance of the point at parameter s. */
         __forceinline Real distanceAt (const Real& s) const {
           const Real sw = product(s,w0);
           return min(max(fused(Real(sw/fused(w1,Real(Real(1.0f)-s),sw)),Real(t1-t0),t0)*scale,tnear),tfar);
         }
 
-        /*! Distance that hits are compared by (nearest_hit.h). */
+        /*! See nearest_hit.h. */
         __forceinline Real comparedT (const Real& own) const { return min(max(own,enter),tfar); }
       };
 
@@ -71,7 +70,7 @@ namespace embree
         }
 
       private:
-        /*! See normal.h; the result has unit length. */
+        /*! See normal.h. Returns unit length. */
         __forceinline void setNormal (const HitRay<Real>& ray, const LeafHit<Real,Bool>& at, Vec3<Real>& Ng) const
         {
           Real p[3], n[3];
@@ -82,7 +81,7 @@ namespace embree
             n[k] = fusedNegative(level,Real(column[3]),
               fusedNegative(at.slopeY,Real(column[1]),fusedNegative(at.slopeX,Real(column[0]),Real(column[2]))));
           }
-          /* In frames of blocks smaller than 1e-19, squares of the components overflow. */
+          /* Squares would overflow in frames of blocks smaller than 1e-19. */
           const Real largest = max(max(abs(n[0]),abs(n[1])),abs(n[2])), toUnit = Real(1.0f)/max(largest,Real(1e-37f));
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
@@ -99,7 +98,7 @@ namespace embree
         }
 
         const Block* block;
-        const float leafSize; //!< in quads
+        const float leafSize; //!< side of a leaf, in quads
       };
     }
   }

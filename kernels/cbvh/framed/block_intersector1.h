@@ -3,8 +3,6 @@
 
 #pragma once
 
-/* Intersects a single ray with a block, for closest hit and any hit. */
-
 #include "voxel/visitor1.h"
 #include "leaf/visitor1.h"
 #include "grid/visitor1.h"
@@ -18,8 +16,8 @@ namespace embree
       template<template<typename> class Visitor>
       struct BlockIntersector1
       {
-        /*! Returns true if a hit was accepted. Any-hit queries end with the first one. Not inlined, so that traversal
-         *  keeps its ray in registers. */
+        /*! Returns true if a hit was accepted. Any-hit queries end with the first. Not inlined, so that traversal keeps
+         *  its ray in registers. */
         template<typename RayType>
         static __noinline bool intersect (RayType& ray, IntersectContext* context, const RayState& state,
                                           const Block* block)

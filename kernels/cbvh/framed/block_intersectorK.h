@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersects the rays of a packet with a block. block_intersector1.h is the version for a single ray. */
+/* block_intersector1.h for packets. */
 
 #include "voxel/visitorK.h"
 #include "leaf/visitorK.h"
@@ -18,7 +18,7 @@ namespace embree
       template<int K, template<int,typename> class Visitor>
       struct BlockIntersectorK
       {
-        /*! Returns the rays that accepted a hit. Any-hit queries end with the first hit of each ray. */
+        /*! Returns the rays that accepted a hit. Any-hit rays end with the first. */
         template<typename Rays>
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               const RayStates<K>& state, const Block* block)

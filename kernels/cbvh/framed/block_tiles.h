@@ -5,11 +5,11 @@
 
 /* The tiles of a block (node_cache.h), in the thread's cache.
  *
- * A tile has two levels, and the last tiles end with the leaves. If the number of levels is odd, the first tile has the
- * root as its only child. If the root is the leaf, it is the only grandchild.
+ * A tile has two levels; the last tiles end with the leaves. With an odd number of levels, the root is the only child
+ * of the first tile. A root that is a leaf is the only grandchild.
  *
- * References are valid until the next call of one of these functions, or until a hit is reported, because a filter
- * function may trace further rays. */
+ * References are valid until the next call of these functions, or until a hit is reported: a filter function may trace
+ * rays. */
 
 #include "node_decoder4.h"
 #include "block.h"
@@ -35,7 +35,7 @@ namespace embree
         __forceinline int firstLevel () const { return unlikely(nodeLevels == 0) ? -2 : -(nodeLevels & 1); }
         __forceinline int lastLevel () const { return nodeLevels-2; }
 
-        /*! Returns the tile of node m of a level; m is 0 for a tile above the root. */
+        /*! m: node of the level; 0 for a tile above the root. */
         __forceinline Tile& tile (int level, uint32_t m)
         {
           const uint32_t number = numberOf(level,m);
@@ -44,7 +44,7 @@ namespace embree
           return at;
         }
 
-        /*! As tile(), for the last level of cLEAF. */
+        /*! For the last level of cLEAF. */
         __forceinline LeafTile& leafTile (uint32_t m)
         {
           const uint32_t number = numberOf(lastLevel(),m);
@@ -53,7 +53,7 @@ namespace embree
           return at;
         }
 
-        /*! True if a tile was not replaced in the cache, and if the grandchild is decoded. */
+        /*! True if the cache has not replaced the tile, and the grandchild is decoded. */
         __forceinline bool has (const Tile& at, uint32_t number) const {
           return at.block == block && at.number == number;
         }
@@ -61,7 +61,7 @@ namespace embree
           return has(at,number) && (at.decoded >> (child >> 2)) & 1u;
         }
 
-        /*! Decodes the children of those children in `mask` that have none decoded yet. */
+        /*! Decodes the children of the children in `mask`. */
         __forceinline void need (Tile& at, uint32_t mask)
         {
           mask &= ~at.decoded;
@@ -74,12 +74,11 @@ namespace embree
         }
 
       private:
-        /*! Tiles are numbered in the order of the words, after the tile above the root. */
+        /*! In the order of words, after the tile above the root. */
         static __forceinline uint32_t numberOf (int level, uint32_t m) {
           return level < 0 ? 0 : nodesOfLevels(uint32_t(level)) + m + 1;
         }
 
-        /*! Index of the word of the first child of a tile. */
         static __forceinline uint32_t firstChild (const Tile& at) { return at.number == 0 ? 0 : 4*at.number-3; }
 
         __noinline void decodeChildren (Tile& at, int level, uint32_t m)
@@ -95,15 +94,15 @@ namespace embree
           at.present = level >= 0 ? 0xFFFFu : level == -1 ? 0xFu : 1u;
         }
 
-        /*! Prefetches a block that was not visited recently: its accesses depend on each other, so nothing else would
-         *  hide their latency. */
+        /*! Prefetches a block that was not visited recently. Accesses depend on each other, so nothing else would hide
+         *  their latency. */
         __forceinline void prefetchWords () const
         {
           const size_t bytes = min(size_t(heights-(const char*)block)*3,size_t(1024));
           for (size_t line=64; line<bytes; line+=64) prefetchL1((const char*)block + line);
         }
 
-        /*! The other three boxes do not exist (see Tile::present). */
+        /*! The other boxes do not exist (Tile::present). */
         static __forceinline void setRootAlone (NodePlanes<16>& out)
         {
           for (int axis=0; axis<3; axis++) {
@@ -116,7 +115,7 @@ namespace embree
           return unlikely(at.isAboveRoot()) ? rootBox() : boxAt(at.children,c);
         }
 
-        /*! Box of the tile's own node, read from the tile two levels above. */
+        /*! Box of the tile's node, read from the tile two levels above. */
         NodeBox boxOf (int level, uint32_t m)
         {
           if (level == 0) return rootBox();

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* A ray in a block, and its hits: shared by the visitors of the three kinds of leaves. */
+/* A ray in a block, and its hits: base of the visitors of all kinds of leaves. */
 
 #include "block_walk1.h"
 #include "block_hit.h"
@@ -38,13 +38,13 @@ namespace embree
             tiles(tiles),
             sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
 
-        /* Required by BlockWalk1; only cLEAF overrides them. */
+        /* For BlockWalk1; only cLEAF overrides them. */
         typedef NodeEntries::Tile LeafTile;
         static const uint32_t passedMask = 0u;
         __forceinline bool passSubtree (bool) { return false; }
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! True if the segment begins (ends) inside the box of a leaf, at tnear (tfar). */
+        /*! True if the segment begins (ends) inside a leaf's box, at tnear (tfar). */
         __forceinline bool startsInside (const BoxRanges<16>& ranges, uint32_t leaf) const {
           return local.startClipped && ranges.sNear[leaf] < 0.0f;
         }
@@ -52,8 +52,8 @@ namespace embree
           return local.endClipped && ranges.sFar[leaf] > 1.0f;
         }
 
-        /*! Returns true if the walk must treat the hit as a hit: it was accepted, or it is farther than the ray's hit
-         *  in another block, but would have been accepted if this block had been visited first. */
+        /*! Returns true if the walk must treat the hit as a hit: it was accepted, or would have been accepted if this
+         *  block had been visited before the one with the ray's nearer hit. */
         __forceinline bool reportHit (uint32_t leaf, const LeafHit1& at)
         {
           const HitRay<float> segment = {

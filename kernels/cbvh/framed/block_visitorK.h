@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* As block_visitor1.h, for the rays of a packet. */
+/* block_visitor1.h for packets. */
 
 #include "block_walkK.h"
 #include "block_hit.h"
@@ -44,13 +44,13 @@ namespace embree
           if (any(nearer)) sBest = select(nearer,min(frameRays.behind(state.rcpScale,rays.tfar),vfloat<K>(1.0f)),sBest);
         }
 
-        /* Required by BlockWalkK; only cLEAF overrides them. */
+        /* For BlockWalkK; only cLEAF overrides them. */
         static const bool countsPassed = false;
         __forceinline vbool<K> needsPassedBoxes () const { return vbool<K>(false); }
         __forceinline void pass (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
-        /*! Rays whose segments begin (end) inside the box of a leaf, at tnear (tfar). */
+        /*! Rays that begin (end) inside a leaf's box, at tnear (tfar). */
         __forceinline vbool<K> startInside (const BoxRangesK<K>& box) const {
           return frameRays.startClipped & (box.sNear < vfloat<K>(zero));
         }
@@ -58,7 +58,7 @@ namespace embree
           return frameRays.endClipped & (box.sFar > vfloat<K>(1.0f));
         }
 
-        /*! Returns the rays whose walks must treat the hit as a hit, see BlockVisitor1::reportHit. */
+        /*! As BlockVisitor1::reportHit. */
         __forceinline vbool<K> reportHits (const vbool<K>& lanes, uint32_t leaf, const LeafHits<K>& hits)
         {
           const HitRay<vfloat<K>> segment = segments();
@@ -98,7 +98,7 @@ namespace embree
             { state.dir.x,state.dir.y,state.dir.z },state.scale,state.rcpDir2,rays.tnear(),state.tfar,state.enter };
         }
 
-        /*! Hits that take precedence over the hits that the rays already have. */
+        /*! Hits that take precedence over the rays' current hits. */
         __forceinline vbool<K> inFront (const vbool<K>& lanes, const vfloat<K>& t, const vfloat<K>& own) const
         {
           vbool<K> front = t < rays.tfar;

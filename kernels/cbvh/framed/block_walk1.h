@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Traverses the quadtree of a block with a single ray, front to back, two levels at a time. The open part of a tile is
- * a mask, so the stack has one entry per level of tiles.
+/* Traverses a block's quadtree with a single ray, front to back, two levels at a time. A mask stores the open part of a
+ * tile, so the stack has one entry per level of tiles.
  *
- * The Visitor intersects the leaves. Its members are called in front-to-back order:
+ * The Visitor intersects the leaves. Calls are in front-to-back order:
  *
  *    Tile& leafTile (uint32_t m)
  *      Returns the tile of the last level whose grandchildren are leaves 16 m to 16 m + 15.
@@ -39,8 +39,8 @@ namespace embree
 
         struct Level
         {
-          TileHits hits;  //!< not visited yet
-          uint32_t m;     //!< node of the tile
+          TileHits hits;  //!< nodes that were not visited yet
+          uint32_t m;     //!< index of the tile's node in its level
           uint32_t number;
           NodeEntries::Tile* tile;
         };
@@ -50,7 +50,7 @@ namespace embree
         __forceinline BlockWalk1 (const FrameRay& ray, BlockTiles& tiles, Visitor& visitor)
           : ray(ray), tiles(tiles), visitor(visitor), first(tiles.firstLevel()), last(tiles.lastLevel()) {}
 
-        /*! Returns true if a call of the visitor ended the walk. */
+        /*! True if the visitor ended the walk. */
         __forceinline bool run ()
         {
           Level* l = levels;
@@ -101,15 +101,15 @@ namespace embree
           l.number = tile.number;
         }
 
-        /*! Returns the tile of a level, with a decoded grandchild. A filter function may have traced rays that replaced
-         *  the tile in the cache; it is then decoded again. */
+        /*! Returns the tile with a decoded grandchild. Decodes again if rays of a filter function replaced it in the
+         *  cache. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
           if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
-        /*! As above, with children only. */
+        /*! Requires only children. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
           if (unlikely(!tiles.has(*l.tile,l.number))) again(l,level,0u);

@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* Traverses the quadtree of a block with the rays of a packet. Each ray visits nodes in the same order as in
- * BlockWalk1.
+/* Traverses a block's quadtree with a packet. Each ray visits nodes in the order of BlockWalk1.
  *
  * The order follows from the signs of a ray's direction along x and y, so rays with the same signs share a walk. If
- * boxes overlap, some rays may require two children in the opposite order: the first child is then visited once for the
- * other rays, and once after the second child for these rays.
+ * boxes overlap, some rays may require two children in the opposite order. The first child is then visited twice,
+ * before the second child for the other rays, and after it for these rays.
  *
- * The Visitor intersects the leaves. It has these members:
+ * The Visitor intersects the leaves:
  *
  *    Tile& leafTile (uint32_t m)
  *      As in BlockWalk1.
@@ -44,7 +43,7 @@ namespace embree
         BlockTiles& tiles;
         Visitor& visitor;
         const int first, last;
-        uint32_t flip;         //!< bits for x and y, see FrameRay
+        uint32_t flip;         //!< descending axes x and y, see FrameRay
 
       public:
         __forceinline BlockWalkK (const FrameRays<K>& rays, BlockTiles& tiles, Visitor& visitor)
@@ -66,7 +65,7 @@ namespace embree
       private:
         static __forceinline vbool<K> toLanes (uint32_t mask) { return vbool<K>(int(mask)); }
 
-        /*! Four nodes and the rays that visit them, in the order of visits. A node can occur twice. */
+        /*! Four nodes, and the rays that visit them, in the order of visits. A node can occur twice. */
         struct Visits
         {
           BoxRangesK<K> box[4];   //!< by node
@@ -110,7 +109,7 @@ namespace embree
           }
         };
 
-        /*! Returns the rays that intersect the box, and reports the rays that pass it to the visitor. */
+        /*! Returns the rays that intersect the box, and reports rays that pass it. */
         __forceinline vbool<K> meet (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
           const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);
@@ -125,7 +124,7 @@ namespace embree
         {
           Tile& tile = tileOf(level,m);
           const uint32_t number = tile.number;
-          if (unlikely(tile.isAboveRoot())) { // the rays are in its box
+          if (unlikely(tile.isAboveRoot())) { // all rays are in the box of the tile
             intersectChildren(level,m,number,tile.present,0,lanes);
             return;
           }
@@ -138,7 +137,7 @@ namespace embree
           }
         }
 
-        /*! lanes: rays that intersect child c of a tile. */
+        /*! lanes: rays that intersect child c. */
         void intersectChildren (int level, uint32_t m, uint32_t number, uint32_t present, uint32_t c,
           const vbool<K>& lanes)
         {
@@ -150,7 +149,7 @@ namespace embree
             const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
-              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // a filter may trace rays
+              if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // filters may evict tiles
               visitor.leaf((const LeafTile&)*tile,m,4*c+i,visits.box[i],hit);
             }
             else intersectTile(level+2,16*m+4*c+i,hit);

@@ -12,12 +12,12 @@
  *   /__________\     |______|            line stays straight.
  *
  * In the plane of the corners, the map is the homography from the corner quad to the unit square. Along the normal, W
- * is constant and Z is the signed distance. Then x, y and z are scaled so that the vertices fill [0,1]^3: the bounds of
- * the root need no bytes.
+ * is constant and Z is the signed distance. The vertices are scaled to fill [0,1]^3, so that the root's bounds need no
+ * bytes.
  *
- * The map is stored relative to the world point "center", which it maps to (1/2,1/2,1/2) with W = 1. This leaves 3 + 12
- * floats. Vertices and ray origins are made relative to the center first, so that far from the origin no more precision
- * is lost than the coordinates themselves lack.
+ * The map is stored relative to "center", the world point of (1/2,1/2,1/2), where W = 1. This leaves 3 + 12 floats.
+ * Vertices and ray origins are first made relative to the center, so that far from the origin only the precision that
+ * coordinates lack is lost.
  *
  * Affine fallback. A homography is used only if
  *
@@ -28,8 +28,8 @@
  * - the inverse map is positive at the eight corners of the box, within the same ratio: the box is then a bounded
  *   region of the world, and a ray's part in it is a segment with finite ends.
  *
- * Otherwise the axes are the mean edges, orthogonalized if these are nearly parallel. An affine frame is looser, but
- * equally conservative.
+ * Otherwise the axes are the mean edges, orthogonalized if nearly parallel. An affine frame is looser, but as
+ * conservative.
  *
  * Based on: Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989 (square to quad); Selgrad et al. 2016,
  * Lier et al. 2018 (use for patches). */
@@ -43,16 +43,16 @@ namespace embree
   {
     static constexpr double maxWRatio = 4.0;
 
-    /*! Distance of vertices from the faces of the box: more than twice the slack of decoded planes. */
+    /*! Distance of vertices from the box's faces: more than twice the slack of decoded planes. */
     static constexpr double frameMargin = 1.0/(1<<18);
 
-    /*! Largest distance between the positions that two faces evaluate for a shared vertex, relative to its largest
-     *  coordinate. A face evaluates its patch in about twenty float operations. Bounds are widened by this distance, so
-     *  that neighboring blocks close the gap. */
+    /*! Largest distance between two faces' evaluations of a shared vertex, relative to its largest coordinate. An
+     *  evaluation has about twenty float operations. Bounds are widened by this distance, so that neighboring blocks
+     *  close the gap. */
     static constexpr double vertexRounding = 2.0/(1<<23);
 
-    /*! Smallest extent of a box relative to its largest: keeps the map invertible for flat blocks and needles. If it
-     *  widens x or y, the frame is "degenerate": leaves would be wider than their quads, and the block should not be
+    /*! Smallest extent of a box relative to its largest: keeps maps of flat blocks and needles invertible. A frame is
+     *  "degenerate" if this widens x or y: leaves would be wider than their quads, and the block should not be
      *  compressed. */
     static constexpr double minExtentRatio = 1.0/(1<<14);
 
@@ -83,7 +83,7 @@ namespace embree
       const double ll = length(longest);
       if (ln > 1e-9*length(d1)*length(d2) && ln > 0)
         plane.n = (1.0/ln)*plane.n;
-      else // collapsed: any normal of the longest edge
+      else // the corners are collapsed
         plane.n = ll > 0 ? anyOrthogonal((1.0/ll)*longest) : Double3{0,0,1};
       Double3 e1 = a - dot(a,plane.n)*plane.n;
       if (!(length(e1) > 1e-9*ll)) e1 = cross(b,plane.n);
@@ -92,13 +92,13 @@ namespace embree
       return plane;
     }
 
-    /*! Returns false if there is no good homography. */
+    /*! False if no homography is accurate enough. */
     inline bool fitProjective(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       double a[4], b[4];
       for (int i=0; i<4; i++) { a[i] = dot(p[i],plane.e1); b[i] = dot(p[i],plane.e2); }
 
-      /* Convexity: twice the area of each corner triangle. */
+      /* Convexity: compares twice the area of each corner triangle. */
       const int ring[4] = { 0, 1, 3, 2 };
       double area = 0, smallest = DBL_MAX;
       for (int i=0; i<4; i++) {
@@ -134,7 +134,7 @@ namespace embree
       return true;
     }
 
-    /*! Fits a parallelogram of the mean edges, or a rectangle if these are nearly parallel. */
+    /*! Fits a parallelogram of the mean edges, or a rectangle if they are nearly parallel. */
     inline void fitAffine(const Double3 p[4], const CornerPlane& plane, FrameMap& map)
     {
       const Double3 a = 0.5*((p[1]-p[0]) + (p[3]-p[2]));
@@ -155,7 +155,7 @@ namespace embree
       map.projective = false;
     }
 
-    /*! The axes of a sliver can become dependent by rounding. */
+    /*! Rounding can make the axes of a sliver dependent. */
     inline bool isInvertible(const Frame& frame)
     {
       Double3 row[3];
@@ -163,7 +163,7 @@ namespace embree
       return std::fabs(dot(row[0],cross(row[1],row[2]))) > 1e-6*length(row[0])*length(row[1])*length(row[2]);
     }
 
-    /*! X, Y, Z and W of a map, one per lane. */
+    /*! X, Y, Z and W, one per lane. */
     struct MapLanes
     {
       Double4 x, y, z, d;
@@ -177,11 +177,11 @@ namespace embree
 
     struct MappedVertices
     {
-      double lower[4], upper[4]; //!< x, y, z; valid only if hasGoodW()
+      double lower[4], upper[4]; //!< valid only if hasGoodW()
       double minW, maxW;
       double worldExtent;        //!< upper bound, on the longest axis
 
-      /*! vertices: world positions relative to an origin, at least one. farthest: their largest absolute coordinate. */
+      /*! vertices: at least one, relative to an origin. farthest: their largest absolute coordinate. */
       MappedVertices(const FrameMap& map, const Double3* vertices, size_t count, double farthest)
         : worldExtent(2*farthest)
       {
@@ -205,9 +205,9 @@ namespace embree
       bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
-    /*! Scales X, Y and Z so that the vertices fill the box. The extent of each axis stays above a fraction of the
-     *  block's world-space size, and above the resolution of floats. Returns true if it widened x or y, see
-     *  Frame::degenerate. */
+    /*! Scales X, Y and Z so that the vertices fill the box. Keeps each extent above a fraction of the block's
+     *  world-space size, and above the resolution of floats. Returns true if that widened x or y
+     *  (Frame::degenerate). */
     inline bool fillBox(FrameMap& map, const Double3& origin, MappedVertices& vertices)
     {
       const double coordinate = maximum(std::fabs(origin.x),maximum(std::fabs(origin.y),std::fabs(origin.z)))
@@ -228,7 +228,7 @@ namespace embree
       return degenerate;
     }
 
-    /*! True if W > 0 at the world points of the box's corners. */
+    /*! True if W > 0 at the box's corners. */
     inline bool isBounded(const FrameMap& map, const Double3& center)
     {
       if (!map.projective) return true;
@@ -241,8 +241,8 @@ namespace embree
       return true;
     }
 
-    /*! reach: largest distance of the vertices from the center, per axis. Returns false if W is not positive or a
-     *  distance is not finite. */
+    /*! reach: largest distance of vertices from the center, per axis. Returns false if W is not positive or a distance
+     *  is not finite. */
     inline bool reachOf(const Frame& frame, const Double3& center, const Double3* vertices, size_t count,
       double reach[3])
     {
@@ -261,8 +261,8 @@ namespace embree
       return positive & 8 && std::isfinite(reach[0]) && std::isfinite(reach[1]) && std::isfinite(reach[2]);
     }
 
-    /*! Rounds a map to floats. Rounding moves the center: a shift restores it to (1/2,1/2,1/2). The map is then scaled
-     *  about the center until it contains every vertex again. frame.center must be set. */
+    /*! Rounds a map to floats. A shift restores the center, which rounding moves, to (1/2,1/2,1/2). The map is then
+     *  scaled about the center until it contains every vertex again. frame.center must be set. */
     inline bool roundMap(const FrameMap& map, const Double3& origin, const Double3* vertices, size_t count,
       Frame& frame)
     {
@@ -284,7 +284,7 @@ namespace embree
         for (int k=0; k<3; k++) {
           if (reach[k] <= 0.5 - 0.5*frameMargin) continue;
           inside = false;
-          /* x - 1/2 = (X - W/2)/W: scale the numerator. */
+          /* x - 1/2 = (X - W/2)/W: scales the numerator. */
           const double s = (0.5-frameMargin)/reach[k];
           rows[k] = s*rows[k] + (0.5*(1-s))*rows[3];
         }
@@ -293,7 +293,7 @@ namespace embree
       return false;
     }
 
-    /*! Returns false if W is out of bounds. vertices: `count` world positions relative to origin, at least one.
+    /*! Returns false if W is out of bounds. vertices: `count` positions relative to origin, at least one.
      *  farthest: their largest absolute coordinate. */
     inline bool fitBox(FrameMap map, const Double3& origin, const Double3* vertices, size_t count, double farthest,
       Frame& frame)
@@ -311,12 +311,12 @@ namespace embree
       return roundMap(map,origin,vertices,count,frame);
     }
 
-    /*! Fits the frame of a block. If its vertices have no extent, the box has the size of the resolution of floats at
-     *  its position.
-     *  corners:  world positions to align to, finite, in the order (0,0), (1,0), (0,1), (1,1).
+    /*! Fits the frame of a block. If its vertices have no extent, the box has the size of the resolution of floats
+     *  there.
+     *  corners: world positions to align to, finite, in the order (0,0), (1,0), (0,1), (1,1).
      *  vertices: `count` world positions to contain, finite, at least one.
-     *  scratch:  room for `count` points.
-     *  Returns false if floats cannot represent any frame. No finite vertices with this result are known. */
+     *  scratch: room for `count` points. Returns false if floats cannot represent any frame, for which no finite
+     *  vertices are known. */
     inline bool fitFrame(const float corners[4][3], const float (*vertices)[3], size_t count, Double3* scratch,
       Frame& frame)
     {
@@ -332,7 +332,7 @@ namespace embree
       {
         const Double4 d = Double4(loadVertex(vertices,i,count))-from;
         distance = max(distance,abs(d));
-        if (i+1 < count) d.store(&scratch[i].x); // also writes the first float of the next point
+        if (i+1 < count) d.store(&scratch[i].x); // also writes the next point's first float
         else scratch[i] = relative(vertices[i]);
       }
       double far[4];

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The map from world space to the block's box [0,1]^3 as linear forms in double. For encoders and for world positions
- * of boxes. */
+/* The map from world space to the block's box [0,1]^3 as linear forms in double, for encoders and world positions of
+ * boxes. */
 
 #include "block.h"
 #include "../base/codec.h"
@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! A linear form n.p + d. */
+    /*! The linear form n.p + d. */
     struct Form
     {
       Double3 n;
@@ -32,7 +32,7 @@ namespace embree
       bool projective;
     };
 
-    /*! Maps a point relative to the center. X, Y, Z and W are in lanes 0 to 3. */
+    /*! Maps a point relative to the center to lanes X, Y, Z and W. */
     struct FrameLanes
     {
       Double4 columns[3];
@@ -44,7 +44,7 @@ namespace embree
       }
     };
 
-    /*! A stored frame, see BlockHeader. */
+    /*! See BlockHeader. */
     struct Frame
     {
       float center[3];
@@ -68,7 +68,7 @@ namespace embree
       }
     };
 
-    /*! Solves X = x W, Y = y W, Z = z W for the world point p. Returns false if there is no finite one. */
+    /*! Solves X = x W, Y = y W, Z = z W for the world point p. False if no finite p exists. */
     inline bool unproject(const FrameMap& m, double x, double y, double z, Double3& p)
     {
       const Form a = m.X + (-x)*m.W, b = m.Y + (-y)*m.W, c = m.Z + (-z)*m.W;
@@ -79,7 +79,7 @@ namespace embree
       return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     }
 
-    /*! The stored map, from world points relative to the center. */
+    /*! From world points relative to the center. */
     inline FrameMap frameMap(const float columns[3][4])
     {
       auto row = [&](int k, double d) { return Form{ { columns[0][k],columns[1][k],columns[2][k] },d }; };

@@ -16,8 +16,8 @@ namespace embree
     {
       struct FrameRay
       {
-        vfloat4 P, D;              //!< start and direction
-        vfloatV Pnear[3], Pfar[3]; //!< start, moved outwards by epsilon; the same in all lanes
+        vfloat4 P, D;
+        vfloatV Pnear[3], Pfar[3]; //!< moved outwards by epsilon; the same in all lanes
         vfloatV rcpD[3];
         float epsilonZ;
         uint32_t flip;             //!< bit k: the ray descends along axis k
@@ -40,14 +40,14 @@ namespace embree
           }
         }
 
-        /*! Index of the first child along the ray. */
+        /*! Number of the first child along the ray. */
         __forceinline uint32_t flipXY () const { return flip & 3u; }
         __forceinline bool descends () const { return (flip & 4u) != 0u; }
 
-        /*! 1 if the near planes of an axis are the upper ones. */
+        /*! 1 if upper planes of an axis are near. */
         __forceinline uint32_t nearSide (int axis) const { return (flip >> axis) & 1u; }
 
-        /*! Near (far) planes of boxes on an axis. N/4 converts the row to bytes. */
+        /*! N/4 converts the row to bytes. */
         template<int N>
         __forceinline const float* nearPlanes (const NodePlanes<N>& c, int axis) const {
           return (const float*)((const char*)&c + nearRow[axis]*(N/4));
@@ -57,7 +57,7 @@ namespace embree
           return (const float*)((const char*)&c + (nearRow[axis]^16)*(N/4));
         }
 
-        /*! s at which the ray's line intersects the near (far) plane of a box, widened. */
+        /*! s at the near (far) plane of a box, widened. */
         template<int N>
         __forceinline float enter (const NodePlanes<N>& c, int axis, uint32_t i) const {
           return (nearPlanes(c,axis)[i] - Pnear[axis][0])*rcpD[axis][0];
@@ -76,14 +76,14 @@ namespace embree
         }
       };
 
-      /*! s at which the ray's line enters and leaves boxes; may be outside of [0,1]. */
+      /*! s where the ray's line enters and leaves boxes; may be outside of [0,1]. */
       template<int N>
       struct alignas(64) BoxRanges { float sNear[N], sFar[N]; };
 
       struct BoxMasks
       {
         uint32_t hit;    //!< boxes that the segment intersects
-        uint32_t passed; //!< boxes that it overlaps in x and y, but misses
+        uint32_t passed; //!< that it overlaps in x and y, but misses
       };
 
       /*! Tests the first `number` boxes against the segment up to sBest. */
@@ -93,7 +93,7 @@ namespace embree
                                         int number = N)
       {
         static_assert(int(vfloatW::size) <= vectorWidth, "lanes of the ray");
-        /* The compiler must assume that the stores below modify the ray. */
+        /* copies, because the compiler must assume that the stores below modify the ray */
         const float* nearPlanes[3]; const float* farPlanes[3];
         vfloatW Pnear[3], Pfar[3], rcpD[3];
         for (int k=0; k<3; k++) {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* As local_ray4.h and frame_ray.h, with one ray of a packet per lane. Computes the same bits. Inactive lanes are
+/* local_ray4.h and frame_ray.h with a ray of a packet per lane. Computes the same bits. Inactive lanes are
  * undefined. */
 
 #include "frame_ray.h"
@@ -37,7 +37,6 @@ namespace embree
           scaledTnear = product(max(vfloat<K>(rays.tnear()),vfloat<K>(zero)),rcpScale);
         }
 
-        /*! Sets the final tfar. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const
         {
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
@@ -62,8 +61,7 @@ namespace embree
         vfloat<K> t0, t1, w0, w1;               //!< see LocalRay
         vbool<K> startClipped, endClipped;
 
-        /*! Returns the rays that intersect the block's box between tnear and `nearest`, the distance of their hits so
-         *  far. */
+        /*! Returns the rays that intersect the block's box between tnear and `nearest`, the distance of their hits. */
         __forceinline vbool<K> init (const RayStates<K>& state, const Block* block, const vfloat<K>& nearest,
                                      const vbool<K>& valid)
         {
@@ -120,7 +118,7 @@ namespace embree
         }
 
       private:
-        /*! See LocalRay::Clip: keeps the part where a + tau d >= 0. */
+        /*! As LocalRay::Clip: keeps the part where a + tau d >= 0. */
         static __forceinline void clip (const vfloat<K>& a, const vfloat<K>& d, vfloat<K>& tauIn, vfloat<K>& tauOut,
                                         vbool<K>& outside)
         {
@@ -144,7 +142,7 @@ namespace embree
         }
       };
 
-      /*! s at which rays enter and leave a box: in x and y, in z, and in all three. */
+      /*! s where rays enter and leave a box: in x and y, in z, and in all three. */
       template<int K>
       struct BoxRangesK
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The paper's representations as seen by traversal of single rays. traversal/kind_visitors1.h replaces this file in
+/* The paper's representations, as used by single-ray traversal. traversal/kind_visitors1.h replaces this file in
  * libraries without them. */
 
 #include "../base/primitive_type.h"
@@ -20,13 +20,13 @@ namespace embree
       public:
         __forceinline explicit FramedRay (float tfar) : state(tfar) {}
 
-        /*! type: type of a leaf of the top-level tree. */
+        /*! type: of a leaf of the top-level tree. */
         static __forceinline bool isFramed (size_t type) { return type == FRAMED_BLOCK; }
 
-        /*! t: distance at which the ray enters the bounds of the next block. */
+        /*! t: where the ray enters the next block's bounds. */
         __forceinline void setEnter (float t) { state.enter = t; }
 
-        /*! Returns true if a hit was accepted. */
+        /*! True if a hit was accepted. */
         template<typename RayType>
         __forceinline bool intersect (RayType& ray, IntersectContext* context, const void* prim)
         {
@@ -41,7 +41,7 @@ namespace embree
           }
         }
 
-        /*! Returns the final tfar. Call it after the traversal. */
+        /*! Call it after the traversal. Returns the final tfar. */
         __forceinline float end (float tfar) const { return state.nearest.end(tfar); }
 
       private:

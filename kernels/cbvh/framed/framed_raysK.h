@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* As framed_rays1.h, for packets. traversal/no_framed_raysK.h replaces this file. */
+/* framed_rays1.h for packets. traversal/no_framed_raysK.h replaces this file. */
 
 #include "block_intersectorK.h"
 
@@ -37,7 +37,7 @@ namespace embree
           }
         }
 
-        /*! Sets the final tfar. Call it after the traversal. */
+        /*! Call it after the traversal. */
         __forceinline void end (const vbool<K>& valid, vfloat<K>& tfar) const { state.end(valid,tfar); }
 
       private:

@@ -4,16 +4,16 @@
 /* A ray in the frame of a block.
  *
  * The projective map transforms the part of the ray inside the block's box to a segment P(s) = P0 + s (P1-P0), s in
- * [0,1]. Traversal happens entirely in s. The world parameter follows exactly from W at the two ends:
+ * [0,1]. Traversal uses s only. The world parameter follows exactly from W at both ends:
  *
  *   tau(s) = s w0 / (w1 (1-s) + s w0),   t = t0 + tau (t1-t0)
  *
  * Numerics. The ray is first moved to its point nearest to the block's center, relative to that center. This loses a
  * few ulps of the distance between ray origin and block, as in any float ray tracer, and as many ulps of the block's
- * own size: position and direction are rounded by 3/2 ulps of their terms, and no point of the box is much farther from
- * the center than its longest side. This loss, times the map's stretch of each axis and of W, plus a few ulps of 1, all
- * divided by W, is the vector "epsilon". Traversal widens every bound by it, axis by axis. Neighboring blocks see the
- * same ray displaced by less than their epsilons, so no ray passes between them.
+ * size: position and direction are rounded by 3/2 ulps of their terms, and no point of the box is much farther from the
+ * center than its longest side. This loss, times the map's stretch of each axis and of W, plus a few ulps of 1, all
+ * divided by W, is the vector "epsilon". Traversal widens every bound by it. Neighboring blocks see the same ray
+ * displaced by less than their epsilons, so no ray passes between them.
  *
  * local_ray4.h is the SIMD version. */
 
@@ -29,12 +29,12 @@ CBVH_BEGIN
 CVERT_CONSTANT float distanceUlps = 4.0f;
 CVERT_CONSTANT float unitUlps = 8.0f;
 
-/*! Distance that a box extends from its center, relative to 1/(the smallest stretch of x, y and z). If its sides are
- *  orthogonal, its longest side is at most sqrt(3) times this, and it extends sqrt(3)/2 of that length: the 3/2 ulps
- *  that are lost there are less than distanceUlps of this. */
+/*! Distance from a box's center to its surface, relative to 1/(the smallest stretch of x, y and z). If the sides are
+ *  orthogonal, the longest is at most sqrt(3) times this, and extends sqrt(3)/2 of that length: the 3/2 ulps lost there
+ *  are less than distanceUlps of this. */
 CVERT_CONSTANT float reachOfBox = 0.75f;
 
-/*! Greater than any parameter of a ray. */
+/*! Greater than any ray parameter. */
 CVERT_CONSTANT float beyondAll = 3.0e38f;
 
 CVERT_REAL struct Range
@@ -50,7 +50,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) makeRange (Real lower, Real upper)
   return range;
 }
 
-/*! Keeps the part of a range of s in which o + s d >= 0. */
+/*! Keeps the part where o + s d >= 0. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) clipRange (CVERT_OF(Range) range, Real o, Real d)
 {
   if (d > Real(0)) range.lower = greater(range.lower,-o/d);
@@ -66,16 +66,16 @@ CVERT_REAL struct WorldRay
   Real tnear, tfar;
 };
 
-/*! The part of a ray in the frame. */
+/*! Part of a ray in the frame. */
 CVERT_REAL struct Segment
 {
   Real P0[3], P1[3];
-  Real epsilon[3];   //!< see above
-  Real t0, t1;       //!< t at both ends
+  Real epsilon[3];   //!< see the top of this file
+  Real t0, t1;       //!< parameters of the ray at both ends
   Real w0, w1;
   bool startClipped; //!< starts at tnear, inside the box
   bool endClipped;   //!< ends at tfar, inside the box
-  bool valid;        //!< false if the ray misses the box
+  bool valid;        //!< false for a miss
 };
 
 /*! Component k of epsilon times W. distance: largest component of the ray's origin relative to the center. */
@@ -94,7 +94,7 @@ CVERT_REAL CBVH_FUNCTION Real rayEpsilon (BlockHeader block, Real distance, int 
   return Real(distanceUlps*floatUlp)*reach*(stretchK+stretchW) + Real(unitUlps*floatUlp);
 }
 
-/*! widening: factor of epsilon; the SIMD version uses 1. */
+/*! widening: factor of epsilon; 1 in the SIMD version. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_OF(WorldRay) ray, Real widening)
 {
   Real o[3], od = Real(0), dd = Real(0), distance = Real(0);
@@ -117,7 +117,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Segment) enterBlock (BlockHeader block, CVERT_
   }
 
   CVERT_OF(Segment) segment;
-  /* Clip to X >= 0, W-X >= 0, and so on, which are linear in the parameter. */
+  /* clips to X >= 0, W-X >= 0, and so on, which are linear in the parameter */
   CVERT_OF(Range) inBox = makeRange(Real(-beyondAll),Real(beyondAll));
   for (int k=0; k<3; k++) {
     segment.epsilon[k] = widening*rayEpsilon(block,distance,k);
@@ -163,7 +163,7 @@ CVERT_REAL CBVH_FUNCTION Real segmentAt (CVERT_OF(Segment) segment, int axis, Re
   return segment.P0[axis] + s*(segment.P1[axis]-segment.P0[axis]);
 }
 
-/*! The part of the segment's line within the first `axes` (2 or 3) axes of a box, widened by epsilon. */
+/*! Part of the segment's line within the first `axes` (2 or 3) axes of a box, widened by epsilon. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Range) rangeInBox (CVERT_OF(Segment) segment, NodeBox box, int axes)
 {
   CVERT_OF(Range) range = makeRange(Real(-beyondAll),Real(beyondAll));

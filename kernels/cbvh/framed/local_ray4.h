@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* local_ray.h with the four components of a point in one vector. */
+/* local_ray.h with a point per vector. */
 
 #include "local_ray.h"
 #include "nearest_hit.h"
@@ -19,21 +19,21 @@ namespace embree
       using namespace embree::cbvh;
 
       /*! A ray, and its nearest hit in blocks with frames. The direction is scaled to a largest component of 1, so that
-       *  squares of directions of length 1e-20 or 1e20 are finite and not 0. */
+       *  squares of directions of length 1e-20 or 1e20 neither overflow nor underflow. */
       struct RayState
       {
         Vec3fa org, dir;
         float scale;    //!< t = t' * scale, t' along dir
         float rcpScale;
-        float rcpDir2;  //!< 1/dot(dir,dir)
-        float scaledTnear; //!< tnear in t'
-        float tfar;        //!< before any hit
-        float enter;       //!< lower bound of the distance at which the ray enters the block's bounds
+        float rcpDir2;
+        float scaledTnear; //!< tnear in units of t'
+        float tfar;        //!< the ray's tfar before any hit
+        float enter;       //!< lower bound of the distance to the block's bounds
         mutable NearestHit nearest;
 
         bool isSet;
 
-        /*! The first block sets the other members, because many rays visit no block. */
+        /*! The first block sets the other members: many rays visit none. */
         __forceinline explicit RayState (float tfar) : tfar(tfar), enter(neg_inf), isSet(false) {}
         __forceinline explicit RayState (const Ray& ray) : tfar(ray.tfar), enter(neg_inf), isSet(false) { set(ray); }
 
@@ -51,11 +51,11 @@ namespace embree
         }
       };
 
-      /*! Stretch of a block's map, from world space to the frame. */
+      /*! Stretch of a block's map from world space to the frame. */
       struct BlockStretch
       {
-        vfloat4 withW; //!< stretches of x, y and z, each plus the stretch of W
-        float longest; //!< approximate, of the box
+        vfloat4 withW; //!< of x, y and z, each plus the stretch of W
+        float longest; //!< approximate extent of the box
 
         __forceinline BlockStretch (const vfloat4& cx, const vfloat4& cy, const vfloat4& cz)
         {
@@ -65,28 +65,27 @@ namespace embree
         }
       };
 
-      /*! t: along the scaled direction. Returns 1 at the end of the segment and after it. */
+      /*! t: along the scaled direction. Returns 1 from the segment's end on. */
       __forceinline float localParameter (float t0, float t1, float w0, float w1, float t) {
         return t < t1 ? localFraction(w0,w1,(t-t0)/(t1-t0)) : 1.0f;
       }
 
-      /*! Upper bound of the error of s of a world parameter. */
+      /*! Bound of the error of s of a world parameter. */
       static const float slackOfS = 1e-5f;
 
-      /*! Products in sums are explicitly fused or not, instead of by the compiler, so that packets compute the same
-       *  bits (frame_rays.h). */
+      /*! Products in sums are explicitly fused or not, so that packets compute the same bits (frame_rays.h). */
       struct LocalRay
       {
-        /*! Lanes: x, y, z. Lane 3 is W, and undefined after the division. */
+        /*! Lanes x, y, z; W, which is undefined after the division. */
         vfloat4 P0, P1;
         vfloat4 epsilon;
-        float t0, t1;     //!< the ends as values of t'
+        float t0, t1;     //!< ends of the segment, in units of t'
         float w0, w1;
         bool startClipped; //!< see Segment
         bool endClipped;
 
-        /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its hit so far.
-         *  The segment does not depend on `nearest`, so results do not depend on the order of blocks. */
+        /*! Returns false if the ray misses the block's box between tnear and `nearest`, the distance of its hit. The
+         *  segment is independent of `nearest`, so that results are independent of the order of blocks. */
         __forceinline bool init (const RayState& state, const Block* block, float nearest)
         {
           const vfloat4 cx = vfloat4::load(block->columns[0]);
@@ -118,13 +117,13 @@ namespace embree
           return w0 > 0.0f && w1 > 0.0f;
         }
 
-        /*! s at or after world parameter t: adds a slack for rounding. */
+        /*! s at or after world parameter t, with slack for rounding. */
         __forceinline float behind (float rcpScale, float t) const {
           return localParameter(t0,t1,w0,w1,t*rcpScale) + slackOfS;
         }
 
       private:
-        /*! The range where X >= 0, W-X >= 0, and so on. */
+        /*! Where X >= 0, W-X >= 0, and so on. */
         struct Clip
         {
           float tauIn, tauOut;

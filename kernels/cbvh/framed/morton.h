@@ -10,7 +10,7 @@
 
 CBVH_BEGIN
 
-/*! Moves the lower 8 bits of x to the even bits. */
+/*! Moves the lower 8 bits to the even bits. */
 CBVH_FUNCTION uint32_t spreadBits (uint32_t x)
 {
   x = (x | (x << 4)) & 0x0F0Fu;
@@ -18,7 +18,6 @@ CBVH_FUNCTION uint32_t spreadBits (uint32_t x)
   return (x | (x << 1)) & 0x5555u;
 }
 
-/*! Inverse of spreadBits. */
 CBVH_FUNCTION uint32_t gatherBits (uint32_t x)
 {
   x &= 0x5555u;
@@ -31,10 +30,10 @@ CBVH_FUNCTION uint32_t morton (uint32_t x, uint32_t y) { return spreadBits(x) | 
 CBVH_FUNCTION uint32_t mortonX (uint32_t m) { return gatherBits(m); }
 CBVH_FUNCTION uint32_t mortonY (uint32_t m) { return gatherBits(m >> 1); }
 
-/*! Column (axis 0) or row (axis 1) of a child, or of a corner of a box. */
+/*! Column (axis 0) or row (axis 1) of a child, or of a box's corner. */
 CBVH_FUNCTION int childColumn (int child, int axis) { return (child >> axis) & 1; }
 
-/*! Number of nodes in the first n levels, and index of the first node of level n. */
+/*! Nodes in the first n levels, and index of the first node of level n. */
 CBVH_FUNCTION uint32_t nodesOfLevels (uint32_t n) { return ((1u << (2*n)) - 1u)/3u; }
 
 CBVH_END

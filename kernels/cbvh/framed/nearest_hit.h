@@ -16,18 +16,17 @@ namespace embree
       using namespace embree::cbvh;
 
       /*! The nearest hit of a ray in blocks with frames, independent of the order of visits. Blocks extend slightly
-       *  past their bounds at the top level (framed/block_bounds.h). Hits are compared by their distance, but not less
-       *  than the distance at which the ray enters the bounds of the block. Traversal culls with this distance, so it
-       *  is the ray's tfar during traversal. Ties are resolved by the hits' own distances, then by the order of faces
-       *  and blocks. After the traversal, the ray's tfar becomes the hit's own distance. */
+       *  past their top-level bounds (framed/block_bounds.h). Hits are compared by distance, but by no less than the
+       *  distance at which the ray enters the block's bounds. Traversal culls with this distance, which is the ray's
+       *  tfar until the end of traversal; then tfar becomes the hit's own distance. Ties are resolved by own distances,
+       *  then by the order of faces and blocks. */
       struct NearestHit
       {
-        float t = pos_inf;   //!< distance that hits are compared by
+        float t = pos_inf;   //!< distance by which hits are compared
         float own = pos_inf; //!< distance of the hit itself
         const Block* block = nullptr;
 
-        /*! True if the stored hit takes precedence over another. tfar: tfar of the ray, whose hit can be of another
-         *  kind. */
+        /*! tfar: the ray's, whose hit can be of another kind. */
         __forceinline bool isBefore (float otherT, float otherOwn, const Block* other, float tfar,
                                      const SurfaceIDs& ids) const {
           return likely(otherT < tfar) ? false : otherT > tfar || otherOwn > own
@@ -38,7 +37,7 @@ namespace embree
           this->t = t; this->own = own; this->block = block;
         }
 
-        /*! The final tfar of the ray. */
+        /*! The ray's final tfar. */
         __forceinline float end (float tfar) const { return block && tfar == t ? own : tfar; }
 
       private:

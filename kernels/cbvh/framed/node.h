@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Words of inner nodes. 32 bits store the bounds of 4 children, relative to the decoded bounds of their parent. The
- * children are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row).
+/* Words of inner nodes: 32 bits for the bounds of 4 children, relative to their parent's decoded bounds. The children
+ * are the 2 x 2 quadrants of the parent's quads, in Morton order (child = column + 2 row).
  *
  *   column      0        1          Siblings share planes: both children of a
  *            |-----|  |-----|       column (row) have the same two x (y) planes,
@@ -12,10 +12,10 @@
  *
  * Each child has one z interval, from a codebook of 8.
  *
- * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. One step, fused to a multiply-add or not,
- * is off by at most one ulp of a number below 2, and 8 levels together by less than 2^-20. The encoder keeps every
- * decoded plane at least containmentSlack away from the geometry. Bounds therefore contain the geometry on every ISA,
- * whatever the compiler contracts.
+ * Decoding is lower + T * extent in floats, where T is a multiple of 1/256. A step, fused or not, is off by at most one
+ * ulp of a number below 2, and 8 levels by less than 2^-20. The encoder keeps every decoded plane at least
+ * containmentSlack away from the geometry. Bounds therefore contain the geometry on every ISA, whatever the compiler
+ * contracts.
  *
  * Based on: Selgrad et al., "A Compressed Representation for Ray Tracing Parametric Surfaces", 2016 (relative bounds,
  * shared planes). */
@@ -27,7 +27,7 @@
 
 CBVH_BEGIN
 
-/*! Bounds in the block's frame, where the box of the block is [0,1]^3. */
+/*! In the block's frame; the block's box is [0,1]^3. */
 struct NodeBox
 {
   float lower[3];
@@ -45,24 +45,24 @@ CBVH_FUNCTION float upperOf (NodeBox box, int axis) { return box.lower[axis] + b
 
 CVERT_CONSTANT float containmentSlack = 1.0f/1048576.0f;
 
-/* Codebooks are packed into words: a GPU would load a table from memory. */
+/* Codebooks are packed into words, because GPUs would load tables from memory. */
 
 CBVH_FUNCTION uint32_t packedByte (uint32_t low, uint32_t high, uint32_t i) {
   return ((i < 4u ? low : high) >> (8u*(i & 3u))) & 255u;
 }
 
-/*! Distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. The steps are small because outer planes
- *  only compensate for the rounding of the parent. */
+/*! Distance from the parent's plane, in parent extents: 0, 6, 16 or 36 of 256. Small, because outer planes only
+ *  compensate for the parent's rounding. */
 CBVH_FUNCTION float outerOffset (uint32_t code) { return float((0x24100600u >> (8u*code)) & 255u)*(1.0f/256.0f); }
 
 /*! Upper plane of column 0, which the lower plane of column 1 mirrors: 116, 125, 130, 136, 144, 160, 192 or 256 of 256
- *  (packed less 1). Fine around the middle, where frames that are aligned to patches put it, and 1 for surfaces that
- *  fold over their neighbor. */
+ *  (packed less 1). Fine around the middle, where frames aligned to patches put it, and 1 for surfaces that fold over
+ *  their neighbor. */
 CBVH_FUNCTION float innerPosition (uint32_t code) {
   return float(packedByte(0x87817C73u,0xFFBF9F8Fu,code) + 1u)*(1.0f/256.0f);
 }
 
-/*! z intervals in parent extents. The first one always contains the child. The others minimize the mean logarithm of a
+/*! z intervals in parent extents. The first always contains the child. The others minimize the mean logarithm of a
  *  child's height over blocks of real and of analytic displacements: 8% less per level than halves and quarters. In
  *  1/32:
  *
@@ -77,7 +77,7 @@ CBVH_FUNCTION Interval zInterval (uint32_t code)
   return z;
 }
 
-/* Bits of a word. A plane pair is 5 bits: 2 for the outer plane, then 3 for the inner one.
+/* Bits of a word. A plane pair has 2 bits for the outer plane, then 3 for the inner one.
  *
  *   bits  0..4   x lower planes of columns 0 (outer) and 1 (inner)
  *   bits  5..9   x upper planes of columns 1 (outer) and 0 (inner)

@@ -5,8 +5,8 @@
 
 /* Decoded nodes of blocks with frames.
  *
- * A tile contains the two levels below a node: four children and their sixteen children, which traversal tests at once.
- * The children of a child are decoded when a ray first intersects that child. */
+ * A tile has the two levels below a node, which traversal tests at once: four children and sixteen grandchildren.
+ * Grandchildren are decoded when a ray first intersects their parent. */
 
 #include "../base/thread_cache.h"
 #include <cstdint>
@@ -15,17 +15,17 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Boxes of N nodes in the frame: [axis][0 lower, 1 upper][node]. */
+    /*! In the frame: [axis][0 lower, 1 upper][node]. */
     template<int N>
     struct alignas(64) NodePlanes { float at[3][2][N]; };
 
     struct LeafSurfaces
     {
-      /*! Per leaf: lower x and y of its box, and the reciprocals of its extents in x and y. */
+      /*! Per leaf: lower x and y of its box, and reciprocals of its extents in x and y. */
       alignas(64) float footprint[16][4];
-      float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3], where u and v are the position in the box
-      float reach[16];                //!< half of the thickness, in z
-      uint32_t solid, empty;          //!< masks
+      float height[16][4];            //!< z = [0] + u [1] + v [2] + u v [3] at (u,v) in the box
+      float reach[16];                //!< half the thickness of each leaf, in z
+      uint32_t solid, empty;          //!< masks of leaves
     };
 
     class NodeEntries
@@ -37,8 +37,8 @@ namespace embree
         NodePlanes<4> children;
         const void* block;
         uint32_t number;              //!< number of the tile in its block, see BlockTiles
-        uint32_t decoded;             //!< mask of children whose children are decoded
-        uint32_t present;             //!< mask of grandchildren that exist: all, except in tiles above the root
+        uint32_t decoded;             //!< children whose children are decoded
+        uint32_t present;             //!< grandchildren that exist: all, except in tiles above the root
 
         __forceinline bool isAboveRoot () const { return number == 0; }
       };
@@ -48,7 +48,7 @@ namespace embree
         LeafSurfaces surfaces;
       };
 
-      /*! The slot of a tile. If its `block` or `number` differ, the caller must fill it and set them. */
+      /*! If the slot's `block` or `number` differ, the caller must fill it and set them. */
       __forceinline Tile& tile (const void* block, uint32_t number) { return tiles[slot(block,number) % numTiles]; }
       __forceinline LeafTile& leafTile (const void* block, uint32_t number) {
         return leafTiles[slot(block,number) % numLeafTiles];

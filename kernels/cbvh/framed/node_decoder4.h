@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Decoders of nodes (node.h) and of cLEAF groups (leaf/format.h), for four children at once. `first`: index in the
- * output. */
+/* Decodes four children of nodes (node.h) and of cLEAF groups (leaf/format.h). `first`: index in the output. */
 
 #include "node_cache.h"
 #include "node_tables.h"
@@ -78,7 +77,7 @@ namespace embree
           for (int i=0; i<4; i++) vfloat4::store(rows[first+i],leaf[i]);
         }
 
-        /*! q: in bins, at the corners of the leaves. base: z of height 0. */
+        /*! q: in bins, at the leaves' corners. base: z of height 0. */
         __forceinline void storeSurfaces (const vfloat4 q[4], const vfloat4& bin, const vfloat4& base, float thickness)
         {
           const vfloat4 a = q[1]-q[0], b = q[2]-q[0], twist = (q[3]-q[2])-a;
@@ -126,7 +125,7 @@ namespace embree
           for (int k=0; k<4; k++) corner[k] = vfloat4(vint4(pickBytes(nine,nodeTables.latticeCorner[k])));
         }
 
-        /*! Extracts 4 integers from 16 bytes. control: as for _mm_shuffle_epi8. */
+        /*! control: as for _mm_shuffle_epi8. */
         static __forceinline __m128i pickBytes (const __m128i& bytes, const uint8_t control[16])
         {
 #if defined(CBVH_BYTE_SHUFFLES)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of node words (node.h). Computes in double, because it must not round inwards. */
+/* Encodes node words (node.h), in double, because it must not round inwards. */
 
 #include "node.h"
 #include "../base/codec.h"
@@ -14,7 +14,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! The fourth number pads to full lanes. */
+    /*! Padded to full lanes. */
     struct ExactBox
     {
       double lower[4] = { 1e300, 1e300, 1e300, 1e300 };
@@ -46,14 +46,13 @@ namespace embree
     inline uint32_t lowestBit(uint32_t bits) { return uint32_t(__builtin_ctz(bits)); }
     inline uint32_t highestBit(uint32_t bits) { return 31u-uint32_t(__builtin_clz(bits)); }
 
-    /*! outer, inner: masks of the planes that contain the children. Selects the highest outer plane and the lowest
-     *  inner one. */
+    /*! outer, inner: planes that contain the children. Selects the highest outer and the lowest inner one. */
     inline uint32_t pairOf(uint32_t outer, uint32_t inner) {
       return highestBit(outer | 1) | (lowestBit(inner | 1u << 7) << 2);
     }
 
-    /*! Code of the highest lower planes of both columns that keep the slack. The parent's plane, outer code 0, keeps
-     *  it, as does inner code 7. */
+    /*! Highest lower planes of both columns that keep the slack. Outer code 0, the parent's plane, and inner code 7
+     *  always do. */
     inline uint32_t encodeLowerPair(float lower, float extent, double outer, double inner)
     {
       const Float4 l = lower, e = extent;
@@ -73,7 +72,7 @@ namespace embree
                       | (i <= Double4(l + innerPositions(4)*e)).bits() << 4);
     }
 
-    /*! The z intervals of a parent, sorted by size, then by code. */
+    /*! z intervals of a parent, sorted by size, then by code. */
     class IntervalsOf
     {
     public:
@@ -88,7 +87,7 @@ namespace embree
         upper[1] = l + Float4(f.upper,g.upper,h.upper,all.upper)*e;
       }
 
-      /*! Code of the smallest interval that contains a child. Interval 0 always does. */
+      /*! Smallest interval that contains a child. Interval 0 always does. */
       uint32_t smallest(double childLower, double childUpper) const
       {
         const Double4 l = childLower - containmentSlack, u = childUpper + containmentSlack;
@@ -101,7 +100,7 @@ namespace embree
       Double4 lower[2], upper[2];
     };
 
-    /*! Children without geometry get any bounds. The parent must contain all children with the slack. */
+    /*! Children without geometry get arbitrary bounds. The parent must contain all children with the slack. */
     inline uint32_t encodeNode(const NodeBox& parent, const ExactBox children[4])
     {
       uint32_t node = 0;
@@ -121,7 +120,7 @@ namespace embree
       return node;
     }
 
-    /*! The four children of a node, as decodeChild(). */
+    /*! As decodeChild(). */
     struct NodeBoxes
     {
       float lower[3][4], extent[3][4];

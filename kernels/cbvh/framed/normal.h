@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Geometric normals of hits. */
-
 #ifndef CBVH_NORMAL_H
 #define CBVH_NORMAL_H
 
@@ -17,8 +15,7 @@ CVERT_REAL struct Vector
 };
 
 /*! Returns the world-space normal, not normalized, of the plane z = slopeX x + slopeY y + const through a point of the
- *  frame. A plane (a,b,c,d) of homogeneous frame coordinates is the plane (a,b,c,d) M in world space, so no inverse is
- *  required. */
+ *  frame. A plane (a,b,c,d) of homogeneous frame coordinates is (a,b,c,d) M in world space: no inverse is required. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_OF(Vector) p, Real slopeX, Real slopeY)
 {
   CVERT_OF(Vector) normal;
@@ -29,11 +26,11 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_
   return normal;
 }
 
-/*! Square of the sine of 30 degrees. If a ray hits a step behind a silhouette, the surface can face away from the side
- *  from which the ray comes. Such a normal is mirrored across the ray if it faces away by less than this angle. */
+/*! Squared sine of 30 degrees. If a ray hits a step behind a silhouette, the surface can face away from the ray's
+ *  origin. A normal that faces away by less than this angle is mirrored across the ray. */
 CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
-/*! along: dot product of normal and direction. normal2, direction2: squared lengths. from: side, see hit_rule.h. */
+/*! along: dot product of normal and direction. normal2, direction2: squared lengths. from: see hit_rule.h. */
 CVERT_REAL CBVH_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));

@@ -3,16 +3,16 @@
 
 #pragma once
 
-/* Borders of patches on edges with a lower rate than the patch. Embree evaluates such a border at the lower rate, and
- * gives each of its vertices to several vertices of the patch; the quads between these collapse. Blocks with frames
- * keep only the nearest of these vertices, and distribute the others over the straight line to the next one:
+/* Borders of patches on edges of a lower rate. Embree evaluates such a border at the lower rate, and gives each of its
+ * vertices to several vertices of the patch, between which quads collapse. Blocks with frames keep only the nearest of
+ * these vertices, and distribute the others over the straight line to the next one:
  *
  *     x---x---x---x---x---x      x: vertices of the patch
  *     |   |   |   |   |   |      o: vertices of an edge of rate 2 among them
  *     o---x---x-o-x---x---o
  *
- * The border is the same polyline except for a lip of 2^-20. No quad collapses or extends over another block, and
- * parameters differ by at most half a quad along the border from the parameters of the regular patch. */
+ * The border is the same polyline except for a lip of 2^-20. No quad collapses or extends over another block.
+ * Parameters along the border differ from the regular patch by at most half a quad. */
 
 #include "../surface/shared_border.h"
 #include <cmath>
@@ -49,8 +49,7 @@ namespace embree
       }
     }
 
-    /*! vertices: displaced or not, of the size of `patch`. rate: in the order of SurfacePatch::rate, not above the
-     *  patch's own. */
+    /*! vertices: of the size of `patch`. rate: in the order of SurfacePatch::rate, not above the patch's own. */
     inline void spreadBorders (const float rate[4], const PatchVertices& patch, float (*vertices)[3])
     {
       const unsigned quadsX = unsigned(patch.width)-1, quadsY = unsigned(patch.height)-1;

@@ -6,8 +6,8 @@
 /* The nodes of a tile that a ray intersects, in front-to-back order.
  *
  * A rank is a position in this order: 4 c + i is child i of child c, both counted along the ray. Its node is the rank
- * with the bits of those axes flipped along which the ray descends. Of four ranks, 1 and 2 are alternatives, but if
- * their boxes overlap, a ray can intersect both. The one that begins first is then visited first. */
+ * with the bits of descending axes flipped. Of four ranks, 1 and 2 are alternatives. If their boxes overlap, a ray can
+ * intersect both; the nearer one is then visited first. */
 
 #include "block_tiles.h"
 #include "frame_ray.h"
@@ -23,12 +23,12 @@ namespace embree
       public:
         __forceinline TileHits () {}
 
-        /*! Mask of the ranks that the ray visits. passedMask: all bits to include ranks that it passes, otherwise 0. */
+        /*! Ranks to visit. passedMask: all bits to include ranks that the ray passes, otherwise 0. */
         __forceinline uint32_t events (uint32_t passedMask) const {
           return (ranks | (ranks >> 16 & passedMask)) & 0xFFFFu;
         }
 
-        /*! Removes a rank and all ranks before it. Returns true if the ray intersects its node. */
+        /*! Removes a rank and all before it. True if the ray intersects its node. */
         __forceinline bool take (uint32_t rank)
         {
           const bool isHit = (ranks >> rank) & 1u;
@@ -40,7 +40,7 @@ namespace embree
           return !((childHit >> (grandchild >> 2)) & 1u);
         }
 
-        /*! The upper bits of the result are the child. */
+        /*! The result's upper bits are the child. */
         __forceinline uint32_t grandchild (uint32_t rank) const
         {
           uint32_t p = rank;
@@ -51,8 +51,8 @@ namespace embree
           return p ^ flip;
         }
 
-        /*! Intersects the tile of a node. Returns the children that the ray intersects but whose children are not
-         *  decoded: the caller must decode them and call it again. */
+        /*! Intersects a tile. Returns the intersected children whose children are not decoded: the caller must decode
+         *  them and call it again. */
         __forceinline uint32_t set (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           BoxRanges<4> childRanges;
@@ -79,7 +79,7 @@ namespace embree
           return 0u;
         }
 
-        /*! For a tile above the root. The ray is in the root's box. */
+        /*! For a tile above the root, whose box the ray intersects. */
         __forceinline void setAboveRoot (const FrameRay& ray, const NodeEntries::Tile& tile, float sBest)
         {
           childHit = 1u;
@@ -90,7 +90,7 @@ namespace embree
           swapOverlapping();
         }
 
-        BoxRanges<16> ranges; //!< by grandchild
+        BoxRanges<16> ranges; //!< ranges of the grandchildren
 
       private:
         static const uint32_t childSwap = 16u;
@@ -118,7 +118,7 @@ namespace embree
           ranks = toRanks(masks.hit | masks.passed << 16,first);
         }
 
-        /*! Swaps alternatives if the second begins before the first. */
+        /*! Swaps alternatives if the second is nearer. */
         __forceinline void swapOverlapping ()
         {
           const uint32_t either = ranks | ranks >> 16;
@@ -132,11 +132,10 @@ namespace embree
           }
         }
 
-        /*! Lower half: ranks that the ray intersects. Upper half: ranks that it passes; if it passes an entire child,
-         *  its first. */
+        /*! Lower half: intersected ranks. Upper half: passed ranks; if the ray passes an entire child, its first. */
         uint32_t ranks;
-        uint32_t childHit;    //!< mask
-        uint32_t flip, swaps; //!< swaps: one bit per four ranks whose alternatives are swapped
+        uint32_t childHit;
+        uint32_t flip, swaps; //!< swaps: one bit per four ranks with swapped alternatives
       };
     }
   }

@@ -12,8 +12,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! A patch as blocks with frames, of 2^height x 2^height quads. Along u and v it has as many blocks as the higher
-     *  rate of its two opposite edges requires:
+    /*! A patch as blocks of 2^height x 2^height quads. Along u and v, the higher rate of two opposite edges determines
+     *  the number of blocks:
      *
      *       rate 9
      *     +---+---+---+
@@ -25,15 +25,15 @@ namespace embree
     struct PatchTiling
     {
       unsigned height = 0;
-      unsigned x = 0, y = 0; //!< number of blocks
-      Vec2i quads = Vec2i(0); //!< number of quads of all blocks together
+      unsigned x = 0, y = 0; //!< number of blocks along u and v
+      Vec2i quads = Vec2i(0); //!< quads of all blocks together
 
       size_t size () const { return size_t(x)*size_t(y); }
       unsigned quadsX () const { return unsigned(quads.x); }
       unsigned quadsY () const { return unsigned(quads.y); }
     };
 
-    /*! 2^level is the highest rate, rounded up to a power of two. */
+    /*! Highest rate, rounded up to 2^level. */
     inline unsigned levelOf (const float rate[4])
     {
       unsigned level = 0;
@@ -42,8 +42,8 @@ namespace embree
       return level;
     }
 
-    /*! Blocks have 2^(level-frameLevel) quads per side, or fewer if these blocks need fewer bytes, as for long and
-     *  narrow patches or for rates just above a multiple. */
+    /*! Blocks have 2^(level-frameLevel) quads per side, or fewer if those need fewer bytes, as for long and narrow
+     *  patches or rates just above a multiple. */
     inline PatchTiling tilingOf (cbvh::Kind kind, const float rate[4], unsigned frameLevel)
     {
       const unsigned level = levelOf(rate);

@@ -15,7 +15,7 @@ CBVH_FUNCTION bool isGroupLevel (uint32_t kind, uint32_t level, uint32_t nodeLev
   return hasGroups(kind) && level+1u == nodeLevels;
 }
 
-/*! group: true for the word of a group. heights: ignored otherwise. */
+/*! group: the word is a group's. heights: ignored otherwise. */
 CBVH_FUNCTION NodeBox childBox (bool group, uint32_t word, Heights heights, int child, NodeBox parent)
 {
   if (group) return decodeLeaf(word,heights,child,parent).box;
@@ -36,7 +36,7 @@ inline Heights heightsOf (const Block* block, uint32_t m)
   return heights;
 }
 
-/*! Child c of node m of a level. parent: bounds of the node. */
+/*! parent: bounds of node m. */
 inline NodeBox childBox (const Block* block, uint32_t level, uint32_t m, uint32_t c, const NodeBox& parent)
 {
   const bool group = isGroupLevel(kindOf(block->info),level,block->layout().nodeLevels);

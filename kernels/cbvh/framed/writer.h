@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Writer of blocks with frames. The patches of a cage become blocks of one kind, or Embree's grids if they cannot be
- * compressed. Each task owns a writer, which reuses its memory. */
+/* Writes patches of a cage as blocks with frames of one kind, or as Embree's grids if they cannot be compressed. Each
+ * task owns a writer, which reuses its memory. */
 
 #include "block_encoder.h"
 #include "tiling.h"
@@ -19,12 +19,12 @@ namespace embree
     class FramedWriter
     {
     public:
-      /*! If plan.sharesBorders(), faces share borders, and patches may be stored as cVERT instead. */
+      /*! If plan.sharesBorders(), faces share borders, and patches may be stored as cVERT. */
       FramedWriter (const CompressionPlan& plan, SubdivMesh* mesh, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), shares(plan.sharesBorders()), store(store), statistics(statistics), grids(mesh,store,statistics),
           own(mesh->device,0), vertices(mesh->device,0), scratch(mesh->device,0), encoded(mesh->device,0) {}
 
-      /*! Smallest frame level at which no leaf of the patch is thicker than maxError. */
+      /*! Smallest frame level at which no leaf is thicker than maxError. */
       unsigned boundedFrameLevel (CagePatch& patch)
       {
         const unsigned level = levelOf(patch.rate);
@@ -53,7 +53,7 @@ namespace embree
       bool write (CagePatch& patch, const PatchTiling& tiling)
       {
         evaluate(patch,tiling);
-        /* Nodes have no code for children without surface. If quads are left out, leaves must represent it. */
+        /* nodes have no code for children without surface, so only leaves can leave out quads */
         float lower[3], upper[3];
         const bool hasHoles = !patchVertices->bound(lower,upper);
         const cbvh::Kind kind = hasHoles && !cbvh::describe(plan.kind()).supportsHoles ? kindForHoles : plan.kind();
@@ -69,10 +69,10 @@ namespace embree
         }
         fit = cbvh::LeafFit();
         const size_t quads = size_t(tiling.quadsX())*size_t(tiling.quadsY());
-        /* two per quad on the border, because the quad is divided into leaves */
+        /* two per quad on the border, because its leaves divide the quad */
         const size_t edges = 4*(size_t(tiling.quadsX())+size_t(tiling.quadsY()));
         for (size_t k=0; k<count; k++) {
-          /* diagonal order: the first blocks are a sample of the whole patch */
+          /* in diagonal order, so that the first blocks are a sample of the patch */
           const unsigned y = unsigned(k) % tiling.y, x = (y + unsigned(k)/tiling.y) % tiling.x;
           Encoding e(kind,tiling,y*tiling.x+x);
           e.sharpSides = sharpSides & e.sidesOfPatch();
@@ -89,25 +89,25 @@ namespace embree
         return true;
       }
 
-      /*! The vertices of the last patch as its face evaluates them, or null if it was evaluated with another number of
-       *  quads. Only if plan.sharesBorders(). */
+      /*! Vertices of the last patch as its face evaluates them; null if they were evaluated with another number of
+       *  quads. Requires plan.sharesBorders(). */
       const float (*evaluated (unsigned quadsX, unsigned quadsY) const)[3] {
         const bool isEvaluated = patchVertices && patchVertices->width == quadsX+1 && patchVertices->height == quadsY+1;
         return isEvaluated ? (const float(*)[3])own.data() : nullptr;
       }
 
     private:
-      static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF; //!< for patches whose own kind cannot leave out quads
+      static const cbvh::Kind kindForHoles = cbvh::Kind::LEAF;
 
       struct Encoding
       {
         cbvh::Kind kind;
         PatchTiling tiling;
         unsigned height;
-        unsigned index, x, y;   //!< position in the tiling
+        unsigned index, x, y;   //!< position of the block in the tiling
         uint32_t sharpSides = 0;
         cbvh::BlockLayout layout;
-        float corners[4][3];    //!< that the frame is aligned to
+        float corners[4][3];    //!< corners to which the frame is aligned
 
         Encoding (cbvh::Kind kind, const PatchTiling& tiling, unsigned index)
           : kind(kind), tiling(tiling), height(tiling.height), index(index), x(index % tiling.x), y(index / tiling.x),
@@ -115,7 +115,7 @@ namespace embree
 
         size_t width () const { return (size_t(1) << height) + 1; }
 
-        /*! Sides of the patch that the block is on. */
+        /*! Sides of the patch on which the block is. */
         uint32_t sidesOfPatch () const {
           return uint32_t(y == 0) | uint32_t(x+1 == tiling.x) << 1 | uint32_t(y+1 == tiling.y) << 2
             | uint32_t(x == 0) << 3;
@@ -181,7 +181,7 @@ namespace embree
         const unsigned quads = 1u << e.height;
         if (refused && shares) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
-          return; // the patch will be stored as cVERT
+          return; // the patch becomes cVERT
         }
         if (refused && finite == count && !isStitched) {
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
@@ -191,8 +191,8 @@ namespace embree
         }
         if (!fits) { drop(e,ofPatch); return; }
         if (refused && e.kind != cbvh::Kind::GRID) {
-          /* GridSOA does not support holes, and on stitched borders its vertices differ from the adjacent blocks. The
-           * triangles of cGRID are exact in any frame. */
+          /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
+           * of cGRID are exact in any frame. */
           ofPatch.refusedQuads += size_t(quads)*size_t(quads);
           Encoding exact(cbvh::Kind::GRID,e.tiling,e.index);
           avector<Vec3fa> memory(exact.layout.stride/sizeof(Vec3fa));
@@ -241,12 +241,12 @@ namespace embree
       const GridSOAWriter grids;
       cbvh::LeafFit fit;
       PatchVertices* patchVertices = nullptr;
-      bool isStitched = false;       //!< an edge of the patch has a lower rate than its quads
-      std::vector<BBox3fa> blocks;   //!< bounds, by position in the tiling; empty for blocks that were not encoded
+      bool isStitched = false;       //!< an edge has a lower rate than the quads
+      std::vector<BBox3fa> blocks;   //!< by position in the tiling; empty for blocks that were not encoded
       mvector<float> own;            //!< vertices as the patch's face evaluates them
       mvector<float> vertices;       //!< vertices of one block
       mvector<Vec3fa> scratch;
-      mvector<Vec3fa> encoded;       //!< blocks of a patch, or a trial block
+      mvector<Vec3fa> encoded;       //!< of a patch, or a trial block
     };
   }
 }

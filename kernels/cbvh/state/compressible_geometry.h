@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* State of geometries that can be compressed, in addition to Embree's. Subdivision surfaces without motion blur are
- * compressed by the scene that traces them. Moving subdivision surfaces, grids, quads and triangles are taken from
- * Embree's own kernels when they are committed: they then have a type that Embree does not use. */
+/* State of geometries that can be compressed, in addition to Embree's. Scenes compress subdivision surfaces without
+ * motion blur. Commits compress moving subdivision surfaces, grids, quads and triangles, and give them a type that
+ * Embree's kernels ignore. */
 
 #include "../embree/geometry.h"
 #include "settings.h"
@@ -21,24 +21,23 @@ namespace embree
   struct QuadRegions;
   namespace cbvh { class SurfaceNumber; }
 
-  /*! The surface of a geometry: its blocks, and what changed since the last commit of the geometry. */
+  /*! A geometry's blocks, and what changed since its last commit. */
   struct SurfaceState
   {
-    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until a scene or a commit needs it
-    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until they are built, and after the surface changed
+    std::shared_ptr<const cbvh::SurfaceNumber> number; //!< null until needed
+    std::shared_ptr<const SurfaceBlocks> blocks;       //!< null until built, and after a change
     std::shared_ptr<const QuadRegions> regions;        //!< quads and triangles: from the commit until blocks are built
     bool inputReleased = false;                        //!< RTC_COMPRESSION_FLAG_RELEASE_INPUT, or the key release_input
-    const char* rejectionReason = nullptr;             //!< reason why compression was requested but not done
+    const char* rejectionReason = nullptr;             //!< why compression was requested but not done
 
-    /*! Records a change of the visibility. counted: number of modifications that Embree counts for it. */
+    /*! counted: modifications that Embree counts for a change of visibility. */
     void changeVisibility (unsigned counted) { visibilityChanged = true; visibilityChanges += counted; }
 
-    /*! Records a change of the surface or of the arguments of its displacement function that Embree may not count. */
+    /*! Records a change of the surface, or of arguments of its displacement function, that Embree may not count. */
     void change () { changed = true; }
 
-    /*! True if blocks remain valid: since the last commit something changed, and only the visibility. If nothing
-     *  changed that the library can detect, a displacement function may return other values, so blocks are rebuilt,
-     *  unless the input was released. */
+    /*! True if blocks remain valid: only the visibility changed since the last commit. If no change was detected,
+     *  blocks are rebuilt, because a displacement function may return other values, unless the input was released. */
     bool isKept (unsigned modCounter) const {
       return (visibilityChanged || (inputReleased && blocks)) && !changed
         && modCounter - committedModCounter == visibilityChanges;
@@ -62,7 +61,7 @@ namespace embree
     CompressibleGeometry (Device* device, GType type, unsigned numPrimitives, unsigned numTimeSteps)
       : Geometry(device,type,numPrimitives,numTimeSteps), ownType(type) {}
 
-    /*! Type of geometry that is compressed when it is committed. Embree does not use this value. */
+    /*! Type of geometry that commits compress. Embree does not use this value. */
     static const GType GTY_COMPRESSED = GType(24);
 
     void enable () override { surface.changeVisibility(isDisabled()); Geometry::enable(); }
@@ -77,28 +76,27 @@ namespace embree
     }
     void setUserData (void* ptr) override { surface.change(); Geometry::setUserData(ptr); }
 
-    /*! True if blocks are traced instead of Embree's own representation of the type. */
+    /*! True if blocks are traced instead of Embree's representation. */
     bool isCompressed () const { return getType() == GTY_COMPRESSED; }
 
-    /*! Takes the geometry from Embree's kernels, or returns it to them. */
+    /*! False returns the geometry to Embree's kernels. */
     void setCompressed (bool compressed) { gtype = compressed ? GTY_COMPRESSED : ownType; }
 
-    /*! Scenes count primitives of compressed geometry as primitives of subdivision surfaces, whose trees contain its
-     *  blocks. */
+    /*! Counts compressed geometry as subdivision surfaces, whose trees contain its blocks. */
     void addToCount (GeometryCounts& counts) const {
       (numTimeSteps == 1 ? counts.numSubdivPatches : counts.numMBSubdivPatches) += numPrimitives;
     }
 
-    const GType ownType;             //!< type with which it was created
+    const GType ownType;             //!< type at creation
     CompressionSettings compression; //!< set by rtcSetGeometryCompression
     SurfaceState surface;
 
   protected:
-    /*! Throws if a buffer of this type is interpolated and its input was released. */
+    /*! Throws if interpolation needs released input. */
     void requireInput (RTCBufferType type) const;
   };
 
-  /*! Casts a geometry, or returns null if its type cannot be compressed. */
+  /*! Null for types that cannot be compressed. */
   inline CompressibleGeometry* compressible (Geometry* geometry)
   {
     switch (int(geometry->getType())) {
@@ -109,8 +107,8 @@ namespace embree
     }
   }
 
-  /*! Returns a geometry that a scene's tree of moving, or of static, blocks may contain, else null. It must be enabled,
-   *  and either compressed or a static subdivision surface. */
+  /*! Null unless a scene's tree of moving, or static, blocks may contain the geometry: it must be enabled, and
+   *  compressed or a static subdivision surface. */
   inline CompressibleGeometry* geometryOfTree (Geometry* geometry, bool moves)
   {
     if (!geometry || !geometry->isEnabled() || (geometry->numTimeSteps != 1) != moves) return nullptr;
@@ -119,16 +117,16 @@ namespace embree
       ? surface : nullptr;
   }
 
-  /*! Returns data, the data of a buffer. Throws if it is null because the input was released. */
+  /*! Returns data, a buffer's contents. Throws if it is null because the input was released. */
   void* requireBuffer (Geometry* geometry, void* data);
 
-  /*! Begins a commit. Returns true if the surface must be read from its buffers again. Throws if they were released. */
+  /*! Begins a commit. True if the surface must be read again. Throws if its buffers were released. */
   bool beginCommit (SubdivMesh* mesh);
   bool beginCommit (GridMesh* mesh);
   bool beginCommit (QuadMesh* mesh);
   bool beginCommit (TriangleMesh* mesh);
 
-  /*! Compresses a geometry that is compressed when it is committed, and releases its input. */
+  /*! Compresses a geometry if commits do so for its type, and releases its input. */
   void endCommit (SubdivMesh* mesh);
   void endCommit (GridMesh* mesh);
   void endCommit (QuadMesh* mesh);

@@ -22,7 +22,6 @@ namespace embree
       }
     }
 
-    /*! Offset of the surface number in a block. */
     inline uint32_t offsetOfSurface (BlockForm form)
     {
       static_assert(offsetof(MeshHeader,surface) == offsetof(VertHeader,surface),"same offset in both headers");

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Clusters of a surface in formats that GPUs read. Plain data without headers of Embree. docs/formats/clusters.md
- * describes the formats. */
+/* Clusters of a surface in formats that GPUs read, as plain data without Embree. docs/formats/clusters.md describes the
+ * formats. */
 
 #include "part.h"
 #include <algorithm>
@@ -16,19 +16,19 @@ namespace embree
   {
     enum class ClusterFormat : int
     {
-      FLOAT3 = 0,      //!< x, y, z of each vertex as floats
+      FLOAT3 = 0,      //!< x, y, z per vertex
       /*! D3D12_VERTEX_FORMAT_COMPRESSED1: header and vertices, padded to 4 bytes. */
       COMPRESSED1 = 1,
-      DGF1 = 2         //!< 128 bytes of AMD's Dense Geometry Format, including the topology
+      DGF1 = 2         //!< 128 bytes of AMD's Dense Geometry Format, with topology
     };
 
-    /*! Reason why a cluster is returned as floats. */
+    /*! Why a cluster is returned as floats. */
     enum class ClusterReason : int
     {
-      FITS = 0,   //!< it has the requested format
-      RAW = 1,    //!< its block stores floats, or as many bits
-      MOVING = 2, //!< its vertices are interpolated between two time steps, or its block is a moving mesh block
-      RANGE = 3   //!< its lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
+      FITS = 0,
+      RAW = 1,    //!< the block stores floats, or as many bits
+      MOVING = 2, //!< vertices are interpolated between time steps, or the block is a moving mesh block
+      RANGE = 3   //!< the lattice extends more than 2^23 steps from the origin, or has steps below 2^-126
     };
     enum { numClusterReasons = 4 };
 
@@ -40,12 +40,12 @@ namespace embree
       uint32_t numVertices, numTriangles;
       const void* data;            //!< aligned to 4 bytes
       size_t bytes;
-      const uint8_t* indices;      //!< three per triangle; for DGF in the order of a decoder
-      /*! Index of each triangle in the part: 2 ((width-1) y + x) for quad x, y, plus 1 for its second triangle. */
+      const uint8_t* indices;      //!< three per triangle; for DGF in a decoder's order
+      /*! Triangle in the part: 2 ((width-1) y + x) for quad x, y, plus 1 for its second triangle. */
       const uint32_t* triangles;
-      /*! Number of triangles in all previous clusters; for DGF the first primitive index of the block. */
+      /*! Triangles of all previous clusters; for DGF the block's first primitive index. */
       uint32_t firstTriangle;
-      /*! In vertices, if the cluster is a whole grid, row by row: clusters of the same size then have the same indices.
+      /*! In vertices, if the cluster is a whole grid, row by row: such clusters of the same size have the same indices.
        *  Otherwise, and for DGF, 0, 0. */
       uint32_t width, height;
       const StoredPart* part;
@@ -54,15 +54,14 @@ namespace embree
     struct ClusterReport
     {
       size_t numClusters = 0, numTriangles = 0;
-      size_t numVertices = 0;      //!< counted in each cluster that has them
+      size_t numVertices = 0;      //!< counts a vertex in each cluster that has it
       size_t bytes = 0;
-      size_t indexBytes = 0;       //!< 3 per triangle, except for whole grids and for DGF
+      size_t indexBytes = 0;       //!< 3 per triangle, except for whole grids and DGF
       size_t numClustersOf[numClusterReasons] = {};  //!< by ClusterReason
       size_t numTrianglesOf[numClusterReasons] = {}; //!< by ClusterReason
     };
 
-    /*! Converts a cluster for a public interface. Cluster: its struct, with the same members in the same order. part:
-     *  must outlive the result. */
+    /*! Cluster: struct of a public interface with the same members in the same order. part: must outlive the result. */
     template<typename Cluster, typename Part>
     Cluster clusterAs (const StoredCluster& cluster, const Part& part)
     {
@@ -71,7 +70,7 @@ namespace embree
           cluster.firstTriangle,cluster.width,cluster.height,&part };
     }
 
-    /*! Converts a report for a public interface. Report: its struct, with members of the same names. */
+    /*! Report: struct of a public interface with members of the same names. */
     template<typename Report>
     Report reportAs (const ClusterReport& report)
     {

@@ -7,10 +7,10 @@
 
 namespace embree
 {
-  /*! Tree of a scene over blocks and over grids of GRID. */
+  /*! A scene's tree over blocks and grids of GRID. */
   struct CompressedTree : public BVH4
   {
     using BVH4::BVH4;
-    bool hasGrids = false; //!< a geometry was given as grids, which point queries find
+    bool hasGrids = false; //!< a geometry is a grid geometry, which point queries find
   };
 }

@@ -12,9 +12,9 @@ namespace embree
   /*! Results of a build other than its BVH. */
   struct CompressionReport
   {
-    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< whose parts are in the BVH
+    std::vector<std::shared_ptr<const SurfaceBlocks>> surfaces; //!< surfaces with parts in the BVH
     cbvh::CompressionStatistics statistics;
-    std::vector<std::string> errors; //!< that did not stop the build
+    std::vector<std::string> errors; //!< errors that did not stop the build
     MutexSys mutex;                  //!< protects errors, which any thread that joins a commit may read
 
     void clear ()
@@ -26,8 +26,7 @@ namespace embree
     }
   };
 
-  /*! Accelerator for the moving compressed surfaces of a scene, or for its static subdivision surfaces if one of them
-   *  is compressed. */
+  /*! For a scene's moving compressed surfaces, or for its static subdivision surfaces if one is compressed. */
   struct CompressedAccel : public AccelInstance
   {
     CompressedAccel (AccelData* accel, Builder* builder, Intersectors& intersectors, CompressionReport* report,

@@ -13,7 +13,7 @@ namespace embree
         "the geometry has not been compressed: it asks for no compression, or neither it nor its scene was committed");
   }
 
-  /*! Returns the blocks of a geometry, valid until its next commit. Throws if it has none. */
+  /*! The blocks are valid until the geometry's next commit. Throws if it has none. */
   inline const SurfaceBlocks& requireBlocks (Geometry* geometry)
   {
     const CompressibleGeometry* const surface = compressible(geometry);

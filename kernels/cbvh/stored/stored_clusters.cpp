@@ -24,7 +24,7 @@ namespace embree
         Cutter (ClusterFormat format, const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report)
           : format(format), closure(closure), report(report) {}
 
-        /*! Returns false if the closure did. */
+        /*! False if the closure returned false. */
         bool cut (const StoredBlock& block, const StoredPart& part)
         {
           this->part = &part;
@@ -45,7 +45,7 @@ namespace embree
         }
 
       private:
-        /*! Calls closure(square) for squares of up to 8 x 8 quads until it returns false. */
+        /*! Squares have up to 8 x 8 quads. */
         template<typename Closure>
         static bool forEachSquare (const QuadRectangle& rect, const Closure& closure)
         {
@@ -64,7 +64,7 @@ namespace embree
                               rect.width+1,rect.height+1);
         }
 
-        /*! Passes a cluster to the closure, in COMPRESSED1 if possible. */
+        /*! In COMPRESSED1 if possible. */
         bool handOutVertices (const QuadRectangle& square)
         {
           if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);
@@ -104,7 +104,7 @@ namespace embree
           return true;
         }
 
-        /*! rect: rectangle of points; contains the piece. */
+        /*! rect: rectangle of points around the piece. */
         bool handOutDgf (const QuadRectangle& rect, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);
@@ -118,7 +118,7 @@ namespace embree
                            "2^29, because primitive indices of DGF have 29 bits");
           if (!block.write(triangles,points,uint32_t(report.numTriangles)))
           {
-            /* if triangles are left out, the piece may need several strips */
+            /* without all triangles, the piece may need several strips */
             QuadRectangle halves[2] = { piece,piece };
             if (piece.width >= piece.height) {
               halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width;
@@ -162,7 +162,7 @@ namespace embree
         const std::function<bool(const StoredCluster&)>& closure;
         ClusterReport& report;
         const StoredPart* part = nullptr;
-        ClusterReason reasonForFloats = ClusterReason::FITS; //!< reason if a cluster of the part is stored as floats
+        ClusterReason reasonForFloats = ClusterReason::FITS; //!< if a cluster is stored as floats
         LatticePoints points;
         dgf::Block block;
         uint32_t data[3*QuadTriangles::maxVertices];

@@ -10,7 +10,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Calls closure(cluster) until it returns false, and adds the clusters to the report. Throws as forEachPart. */
+    /*! Calls closure(cluster) until it returns false, and adds clusters to the report. Throws as forEachPart. */
     void forEachCluster (const SurfaceBlocks& blocks, const TraversalTime& time, ClusterFormat format,
                          const std::function<bool(const StoredCluster&)>& closure, ClusterReport& report);
   }

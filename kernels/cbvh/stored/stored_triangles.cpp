@@ -46,11 +46,11 @@ namespace embree
         for (size_t block : blocks.moving) forEachBlock(BVH4::NodeRef(block),closure);
       }
 
-      /*! Position of the quads of a block in their patch. */
+      /*! Position of a block's quads in their patch. */
       struct Place
       {
         uint32_t patchQuads[2], first[2], quads[2];
-        float corner[2];   //!< corner of the patch
+        float corner[2];   //!< corner of the patch, in parameters of the face
         bool isCut;        //!< the block stores edges
         VertEdges edges;
 
@@ -74,15 +74,14 @@ namespace embree
           corner[0] = 0.5f*float(cornerUOf(block->tiling)); corner[1] = 0.5f*float(cornerVOf(block->tiling));
         }
 
-        /*! Rate of a row (d = 0) or column (d = 1) of vertices: of an edge of the patch, or of its quads. across:
-         *  number of the row or column. */
+        /*! Rate of a row (d = 0) or column (d = 1) of vertices: an edge's or the quads'. across: row or column. */
         uint32_t rate (int d, uint32_t across) const {
           return isCut && across == 0 ? vertRate(edges,d == 0 ? 0 : 3)
             : isCut && across == patchQuads[1-d] ? vertRate(edges,d == 0 ? 2 : 1) : patchQuads[d];
         }
       };
 
-      /*! A decoded block without numbers of quads. */
+      /*! A decoded block without numbers. */
       struct DecodedBlock
       {
         const Place place;
@@ -116,14 +115,13 @@ namespace embree
           for (uint32_t x=0; x<vertQuadsX(block->region); x++) closure(x,y);
       }
 
-      /*! True if a block exists at a time. */
       bool isPresent (const StoredBlock& block, const TraversalTime& time)
       {
         if (block.isMesh()) return MeshAtTime::isPresent(block.mesh(),time);
         return !block.isVert() || VerticesAtTime::isPresent(block.vert(),time);
       }
 
-      /*! Calls closure(number, corners) for the triangles of a mesh block at a time. */
+      /*! Calls closure(number, corners). */
       template<typename Closure>
       void forEachTriangle (const MeshHeader* block, const TraversalTime& time, const Closure& closure)
       {
@@ -141,7 +139,7 @@ namespace embree
         }
       }
 
-      /*! Finds the triangle of a primitive that contains a hit. */
+      /*! Finds the triangle with a hit. */
       class Search
       {
       public:
@@ -232,7 +230,7 @@ namespace embree
             }
         }
 
-        /*! Bound of the rounding error of a parameter. */
+        /*! Bound of a parameter's rounding error. */
         static double slackOf (float parameter) {
           return 4.0*std::numeric_limits<float>::epsilon()*(1.0 + std::fabs(double(parameter)));
         }
@@ -240,7 +238,6 @@ namespace embree
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        /*! vertexU, vertexV: parameters of the vertices. */
         void consider (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
@@ -251,7 +248,7 @@ namespace embree
           }
           /* barycentric distance of the hit from the triangle */
           const double area = (s[1]-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(t[1]-t[0]);
-          if (area == 0) return; // collapsed at a stitched edge
+          if (area == 0) return; // the triangle is collapsed at a stitched edge
           const double w1 = ((u-s[0])*(t[2]-t[0]) - (s[2]-s[0])*(v-t[0]))/area,
             w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
@@ -267,7 +264,7 @@ namespace embree
           }
         }
 
-        /*! Angle between the normal of a triangle and Ng, as 1 minus the square of the cosine. */
+        /*! Angle between a triangle's normal and Ng, as 1 minus the squared cosine. */
         double angle (const float* const p[3]) const
         {
           double a[3], b[3], n[3], dot = 0, nn = 0, gg = 0;
@@ -342,8 +339,8 @@ namespace embree
     }
 
     /*! Calls closure(block, part) for each quad of a mesh block whose triangles are both in the block, and for each
-     *  other triangle, until it returns false. A quad whose triangles are in different blocks is two parts. Returns the
-     *  result of the last call. */
+     *  other triangle, until it returns false. Quads with triangles in different blocks are two parts. Returns the last
+     *  result. */
     static bool forEachMeshPart (const StoredBlock& block, const TraversalTime& time,
                                  const std::function<bool(const StoredBlock&, const StoredPart&)>& closure)
     {

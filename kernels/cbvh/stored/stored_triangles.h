@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Triangles of a stored surface, for uses other than traversal. */
+/* Triangles of a stored surface, other than for traversal. */
 
 #include "../framed/block.h"
 #include "../base/codec.h"
@@ -21,7 +21,7 @@ namespace embree
 
   namespace cbvh
   {
-    /*! isFused: the device that traces fuses multiplications and additions. */
+    /*! isFused: the tracing device fuses multiply-adds. */
     struct TraversalTime
     {
       float time;
@@ -61,16 +61,15 @@ namespace embree
       enum : uint32_t { none = 0xFFFFFFFFu };
 
       std::vector<StoredBlock> blocks; //!< sorted by primitive
-      std::vector<uint32_t> blockOf;   //!< block of each primitive of a mesh; otherwise empty
-      /*! Primitive and block, sorted: quads with a triangle in a second mesh block. */
+      std::vector<uint32_t> blockOf;   //!< by primitive of a mesh; otherwise empty
+      /*! Sorted pairs of primitive and block, for quads with a triangle in a second mesh block. */
       std::vector<std::pair<uint32_t,uint32_t>> secondBlockOf;
 
       void add (uint32_t primID, uint32_t block);
     };
 
-    /*! Calls closure(block, part) for the blocks of a surface until it returns false. Each quad of a mesh block is a
-     *  part if both of its triangles are in the block, otherwise each triangle. Throws if a block is not cVERT, cGRID
-     *  or a mesh block. */
+    /*! Calls closure(block, part) until it returns false. Quads of a mesh block are parts if both triangles are in the
+     *  block; other triangles are parts of their own. Throws if a block is not cVERT, cGRID or a mesh block. */
     void forEachPart (const SurfaceBlocks& blocks, const TraversalTime& time,
         const std::function<bool(const StoredBlock&, const StoredPart&)>& closure);
   }

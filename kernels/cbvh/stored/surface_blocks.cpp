@@ -18,11 +18,11 @@ namespace embree
     namespace
     {
       MutexSys mutex;                    //!< protects the following, and the blocks of geometries
-      /*! Numbers below usedNumbers, as a heap with the smallest one first. Has capacity for all of them, because
+      /*! Numbers below usedNumbers, as a heap with the smallest first. Has capacity for all of them, because
        *  destructors add numbers and must not allocate. */
       std::vector<uint32_t> freeNumbers;
       uint32_t usedNumbers = 0;
-      std::set<uint32_t> fileNumbers;    //!< in use
+      std::set<uint32_t> fileNumbers;    //!< numbers of files in use
     }
 
     SurfaceNumber::SurfaceNumber (uint32_t fileNumber)
@@ -55,7 +55,7 @@ namespace embree
         Lock<MutexSys> lock(mutex);
         if (geometry->surface.number) return geometry->surface.number;
       }
-      /* constructor and destructor lock the mutex */
+      /* constructor and destructor of SurfaceNumber lock the mutex */
       std::shared_ptr<const SurfaceNumber> number = std::make_shared<SurfaceNumber>();
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.number == nullptr) geometry->surface.number = number;
@@ -98,7 +98,7 @@ namespace embree
     {
       Lock<MutexSys> lock(mutex);
       if (geometry->surface.blocks == nullptr) geometry->surface.blocks = blocks;
-      // builds in progress hold their own reference
+      // builds in progress hold a reference
       std::atomic_store(&geometry->surface.regions,std::shared_ptr<const QuadRegions>());
       return geometry->surface.blocks;
     }
@@ -155,7 +155,7 @@ namespace embree
     if (const cbvh::BlockIndex* made = blockIndex) return *made;
     const cbvh::BlockIndex* made = new cbvh::BlockIndex(*this), * other = nullptr;
     if (blockIndex.compare_exchange_strong(other,made)) return *made;
-    delete made; // another thread was faster
+    delete made; // another thread has already built one
     return *other;
   }
 }

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Trees above blocks, built with Embree's binned SAH builder for BVH4. A surface has a tree over its blocks. A scene
- * has a tree over parts of its surfaces. A part is a subtree of a few blocks. The tree of the scene is therefore fast
- * to build, but as good as a tree over all blocks. */
+/* Trees above blocks, from Embree's binned SAH builder for BVH4. A surface has a tree over its blocks. A scene has a
+ * tree over parts of its surfaces, which are subtrees of a few blocks: it is fast to build, but as good as a tree over
+ * all blocks. */
 
 #include "../embree/scene.h"
 
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Maximum number of blocks of a part. */
+    /*! Maximum number of blocks in a part. */
     static const size_t blocksOfPart = 16;
 
     /*! Counts the nodes of a tree whose leaves are marked as barriers, and removes the marks. */
@@ -26,8 +26,7 @@ namespace embree
       return n;
     }
 
-    /*! Returns the root of a tree over `prims`, whose IDs are the references of its leaves. Sets `nodes` to the number
-     *  of nodes. progress() may throw. */
+    /*! `prims`: their IDs are references of leaves. nodes: set to the number of nodes. progress() may throw. */
     template<typename Progress>
     inline BVH4::NodeRef buildTree (FastAllocator& memory, mvector<PrimRef>& prims, const Progress& progress,
                                     size_t& nodes)
@@ -56,7 +55,7 @@ namespace embree
       return root;
     }
 
-    /*! Moves the largest nodes, which most rays traverse, next to each other in memory. Returns the new root. */
+    /*! Moves the largest nodes, which most rays traverse, next to each other. Returns the new root. */
     inline BVH4::NodeRef moveLargestNodes (BVH4::NodeRef root, size_t numNodes, FastAllocator& memory)
     {
       const size_t count = numNodes/200;
@@ -86,7 +85,7 @@ namespace embree
       return root;
     }
 
-    /*! Cuts trees into parts: appends the largest subtrees with at most blocksOfPart leaves. */
+    /*! Appends the largest subtrees with at most blocksOfPart leaves. */
     class TreeCutter
     {
     public:
@@ -98,8 +97,7 @@ namespace embree
       }
 
     private:
-      /*! Returns the number of leaves below a node. If they are too many for a part, appends the children that are
-       *  parts. */
+      /*! Returns the number of leaves. If they are too many for a part, appends the children that are parts. */
       size_t visit (BVH4::NodeRef ref, const BBox3fa& bounds)
       {
         if (ref == BVH4::emptyNode) return 0;

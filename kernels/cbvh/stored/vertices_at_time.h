@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices of a cVERT block or a mesh block at a time, the same floats as in traversal. */
+/* Vertices of a cVERT or mesh block at a time: the floats of traversal. */
 
 #include "../base/codec.h"
 #include "../../cvert/decoder/decoded_block.h"
@@ -16,7 +16,7 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Interpolates as vert/interpolation.h does for vectors. */
+    /*! As vert/interpolation.h for vectors. */
     inline float interpolated (float a, float b, float f, bool isFused)
     {
       const float last = f*b;
@@ -46,7 +46,7 @@ namespace embree
 
       const float* vertex (uint32_t x, uint32_t y) const { return vertices[y*width+x]; }
 
-      /*! True if a block exists at a time. Always true if it does not move. */
+      /*! Also true if the block does not move. */
       static bool isPresent (const VertHeader* block, const TraversalTime& at) {
         return !isMoving(block->boxForm) || cbvh::isPresent(motionOf(block),at.time);
       }
@@ -57,7 +57,7 @@ namespace embree
     public:
       const MeshView view;
 
-      /*! The block must exist at the time, and must outlive this object. */
+      /*! The block must exist then, and must outlive this object. */
       MeshAtTime (const MeshHeader* block, const TraversalTime& at) : view(block), isFused(at.isFused), fraction(0)
       {
         if (!moves()) return;
@@ -69,7 +69,7 @@ namespace embree
 
       bool moves () const { return isMovingMesh(view.block); }
 
-      /*! True if a block exists at a time. Always true if it does not move. */
+      /*! Also true if the block does not move. */
       static bool isPresent (const MeshHeader* block, const TraversalTime& at) {
         return !isMovingMesh(block) || cbvh::isPresent(motionOfMesh(block),at.time);
       }
@@ -90,7 +90,7 @@ namespace embree
 
       const bool isFused;
       float fraction;
-      std::unique_ptr<const MeshStepView> before, after; //!< null: the first step; null if the block does not move
+      std::unique_ptr<const MeshStepView> before, after; //!< null before: first step; null after: no motion
     };
   }
 }

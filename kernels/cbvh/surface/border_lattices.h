@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lattices of primitives and of shared vertices at each time step: part 3 of the rule in shared_border.h. A Topology
- * determines which vertices are shared. Several threads call its members at once, for different primitives:
+/* Lattices of primitives and shared vertices per time step: part 3 of the rule in shared_border.h. A Topology
+ * determines which vertices are shared. Threads call its members concurrently, for different primitives:
  *
  *   typedef Scratch
  *       Memory of a task, constructed from a Device*.
@@ -34,27 +34,27 @@ namespace embree
 {
   namespace isa
   {
-    /*! Chooses the lattice of a primitive from samples of its vertices. */
+    /*! Chooses a primitive's lattice from samples of its vertices. */
     class LatticeChoice
     {
     public:
-      /*! ofEdge: default spacing as a fraction of the median edge, for an application's vertices; 0 for evaluated
+      /*! ofEdge: default spacing of an application's vertices, as a fraction of the median edge; 0 for evaluated
        *  vertices. */
       explicit LatticeChoice (double ofEdge = 0) : ofEdge(ofEdge) {}
 
       /*! quads: along u and v. */
       void addPatch (const unsigned quads[2]) { for (int d=0; d<2; d++) fewest[d] = min(fewest[d],quads[d]); }
 
-      /*! isCoarse: true on a border that has a lower rate than its patch. */
+      /*! isCoarse: the border's rate is below its patch's. */
       void addLine (bool alongU, const float (*vertices)[3], size_t count, bool isCoarse = false) {
         samples[alongU ? 0 : 1][isCoarse].add(vertices,count);
       }
 
-      /*! Exponent of the lattice. diagonal: of the geometry's bounds. */
+      /*! diagonal: of the geometry's bounds. */
       int exponent (const CompressionPlan& plan, double diagonal)
       {
         if (plan.isLossless()) return cbvh::exactLattice;
-        double spacing = 0; // spacing of the shorter sides, because quads can be much longer than wide
+        double spacing = 0; // of the shorter sides, because quads can be much longer than wide
         for (int d=0; d<2; d++) {
           const double median = samples[d][samples[d][0].empty()].median();
           if (median > 0) medianEdge = medianEdge > 0 ? min(medianEdge,median) : median;
@@ -64,11 +64,11 @@ namespace embree
         return cbvh::latticeExponent(requestedSpacing(plan,spacing));
       }
 
-      /*! Shorter one of the median edges along u and v, or 0. Call exponent() first. */
+      /*! Shorter median edge of u and v, or 0. Call exponent() first. */
       double edge () const { return medianEdge; }
 
     private:
-      /*! The spacing that the application requests, or the default. */
+      /*! The requested spacing, or the default. */
       double requestedSpacing (const CompressionPlan& plan, double byDefault) const
       {
         const CompressionSettings& settings = plan.settings;
@@ -103,7 +103,7 @@ namespace embree
       BorderLattices (Device* device, const CompressionPlan& plan)
         : device(device), plan(plan), own(device,0), shared(device,0) {}
 
-      /*! Calls progress() from time to time, which may throw to cancel. */
+      /*! Regularly calls progress(), which may throw to cancel. */
       template<typename Topology, typename Progress>
       void choose (Topology& topology, size_t perTask, const Progress& progress)
       {
@@ -137,7 +137,7 @@ namespace embree
       }
 
       /*! Chooses the lattices of elements 0 to numElements-1. All start with the finest lattice of all primitives, so
-       *  that few must be raised. An element that no primitive has keeps it. */
+       *  that few must be raised. Elements without a primitive keep it. */
       template<typename Topology, typename Progress>
       void share (Topology& topology, size_t numElements, size_t perTask, const Progress& progress)
       {
@@ -155,7 +155,7 @@ namespace embree
 
       void clear () { own.clear(); shared.clear(); }
 
-      /*! exactLattice if the primitive has no vertices. */
+      /*! exactLattice without vertices. */
       int ofPrimitive (size_t primitive, unsigned step) const { return own[primitive*plan.numTimeSteps + step]; }
 
       /*! exactLattice if the element is on no lattice. */
@@ -166,7 +166,7 @@ namespace embree
       }
 
     private:
-      enum { ofGrid = 127 }; //!< element without a lattice; greater than all exponents
+      enum { ofGrid = 127 }; //!< stands for no lattice; greater than all exponents
 
       void fill (mvector<int8_t>& exponents, size_t count, int8_t value) const
       {

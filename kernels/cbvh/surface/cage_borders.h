@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* Borders of the faces of a cage, by the rule in shared_border.h. Faces evaluate the same vertex some ulps apart, and
- * far apart where their normals differ or a height map jumps. cage_topology.h finds the owners.
+/* Borders of the faces of a cage, by the rule in shared_border.h. Faces evaluate a vertex some ulps apart, and far
+ * apart where normals differ or a height map jumps. cage_topology.h finds the owners.
  *
- * An n-gon has a patch at each corner. It owns its center and the spokes from the center to the middles of its edges,
- * which only its own patches share.
+ * An n-gon has a patch at each corner. It owns its center and the spokes from there to the middles of its edges, which
+ * only its patches share.
  *
- * The owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Until
- * the build ends, points of edges use 12 bytes each. The border of a patch with few vertices costs as much to evaluate
- * as the whole patch, so all vertices of small surfaces are kept for their blocks. */
+ * Owners' vertices are evaluated before any patch is encoded: about 5% of all vertices are evaluated twice. Points of
+ * edges use 12 bytes each until the build ends. Evaluating the border of a small patch costs as much as the whole
+ * patch, so small surfaces keep all vertices for their blocks. */
 
 #include "border_lattices.h"
 #include "cage_side.h"
@@ -31,8 +31,8 @@ namespace embree
         : plan(plan), mesh(mesh), topology(mesh,plan), lattices(mesh->device,plan), firsts(mesh->device,0),
           points(mesh->device,0), firstKept(mesh->device,0), kept(mesh->device,0) {}
 
-      /*! Finds owners, evaluates their vertices and chooses all lattices. Calls progress() from time to time, which may
-       *  throw to cancel. */
+      /*! Finds owners, evaluates their vertices and chooses all lattices. Regularly calls progress(), which may throw
+       *  to cancel. */
       template<typename Progress>
       void build (size_t facesPerTask, const Progress& progress)
       {
@@ -45,12 +45,12 @@ namespace embree
 
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
 
-      /*! All vertices of a patch, row by row, or null if they were not kept. */
+      /*! A patch's vertices, row by row, or null if they were not kept. */
       const float (*evaluated (size_t face, int subPatch, unsigned step) const)[3] {
         return firstKept.size() ? (const float(*)[3])kept.data() + step*numKept + firstOf(face,subPatch) : nullptr;
       }
 
-      /*! s: number of the side, in the order of PatchOfFace::rate. */
+      /*! s: side, in the order of PatchOfFace::rate. */
       CageSide side (size_t face, int subPatch, int s, unsigned step) const
       {
         const HalfEdge* edge = edgeOfSide(mesh,face,subPatch,s);
@@ -117,15 +117,15 @@ namespace embree
       }
 
     private:
-      static const size_t maxKept = 1 << 15; //!< vertices, at all time steps
-      static const size_t fewVertices = 9*9;  //!< vertices of a patch whose lines cost as much as the patch
+      static const size_t maxKept = 1 << 15; //!< limit for all time steps together
+      static const size_t fewVertices = 9*9;  //!< in patches whose lines cost as much as the patch
 
       static bool isQuad (const HalfEdge* h) { return h->numEdges() == 4; }
       static size_t cornerElement (const CageTopology::Edge& edge) { return 2*size_t(edge.cornerOwner); }
       static size_t edgeElement (const CageTopology::Edge& edge) { return 2*size_t(edge.owner) + 1; }
 
-      /* Points of a half-edge: its corner and its edge if it owns them, then its spoke. The center follows the face's
-       * last half-edge. */
+      /* Points of a half-edge: its corner and edge if it owns them, then its spoke. The center follows the face's last
+       * half-edge. */
       size_t edgePoints (uint32_t i) const { return topology.ownsEdge(i) ? topology.at(i).rate-1 : 0; }
       size_t spokePoints (const HalfEdge* h) const { return isQuad(h) ? 0 : topology.at(h).ownRate/2-1; }
       size_t cornerPoint (uint32_t owner) const { return firsts[owner]; }
@@ -150,7 +150,7 @@ namespace embree
           std::fill(points.begin(),points.end(),std::numeric_limits<float>::quiet_NaN());
       }
 
-      /*! Reserves room for all vertices if the surface has few. */
+      /*! Makes room for all vertices if the surface has few. */
       void placeKept ()
       {
         const size_t most = maxKept/plan.numTimeSteps;
@@ -183,7 +183,7 @@ namespace embree
         return (float(*)[3])evaluated(face,subPatch,step);
       }
 
-      /*! For faces with a vertex of the cage that is not finite at that step: sets the kept vertices to NaN. */
+      /*! Sets kept vertices of a face to NaN, because a vertex of the cage is not finite at that step. */
       void invalidateKept (size_t f, unsigned step)
       {
         if (firstKept.size())
@@ -193,13 +193,13 @@ namespace embree
             });
       }
 
-      /*! Stores the points of side s of a patch that the face owns. line: fine+1 vertices along u or v. */
+      /*! Stores the points of side s that the face owns. line: fine+1 vertices along u or v. */
       void storeOwnedPoints (size_t f, const PatchOfFace& patch, unsigned s, const float (*line)[3], unsigned fine,
                     unsigned step)
       {
         const unsigned own = unsigned(patch.rate[s]);
         const bool descends = s >= 2;
-        /* k: counted around the patch. Keeps the first vertex of the line that is stitched to k. */
+        /* k: counted around the patch. Keeps the line's first vertex that is stitched to k. */
         auto keep = [&](size_t i, unsigned k) {
           memcpy(point(i,step),line[min(firstStitched(descends ? own-k : k,fine,own),fine)],sizeof(*line));
         };
@@ -242,7 +242,7 @@ namespace embree
         return side;
       }
 
-      /*! From the middle of an edge of an n-gon to its center, or back. */
+      /*! Between the middle of an n-gon's edge and its center. */
       CageSide spoke (size_t face, const HalfEdge* h, bool fromCenter, unsigned step) const
       {
         const HalfEdge* start = mesh->getHalfEdge(0,face);
@@ -263,11 +263,11 @@ namespace embree
       const SubdivMesh* const mesh;
       CageTopology topology;
       BorderLattices lattices;
-      size_t numPoints = 0, numKept = 0; //!< per time step
-      mvector<size_t> firsts;            //!< first point, by half-edge
-      mvector<float> points;             //!< step by step
-      mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty if the surface is not small
-      mvector<float> kept;               //!< vertices of a small surface, step by step
+      size_t numPoints = 0, numKept = 0; //!< counts per time step
+      mvector<size_t> firsts;            //!< index of the first point, by half-edge
+      mvector<float> points;             //!< points, step by step
+      mvector<uint32_t> firstKept;       //!< by the half-edge of a patch's corner; empty unless the surface is small
+      mvector<float> kept;               //!< of a small surface, step by step
     };
   }
 }

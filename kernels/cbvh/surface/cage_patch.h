@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Patch (source.h) of a face of a cage. */
+/* A face of a cage as a patch (source.h). */
 
 #include "cage_borders.h"
 #include "source.h"
@@ -15,7 +15,7 @@ namespace embree
     class CagePatch : public SurfacePatch
     {
     public:
-      /*! borders: null if faces do not share their borders. */
+      /*! borders: null if faces share none. */
       CagePatch (SubdivMesh* mesh, uint32_t surface, size_t face, const PatchOfFace& patch, const CageBorders* borders,
                  PatchEvaluator& evaluator)
         : mesh(mesh), patch(patch), borders(borders), evaluator(evaluator), base(patch.make(mesh,surface,face))
@@ -49,7 +49,7 @@ namespace embree
 
       uint32_t sharpSides () const { return sharpSidesOf(mesh,primID,patch); }
 
-      /*! Embree's patch, for patches that GRID traces. */
+      /*! For patches that GRID traces. */
       const SubdivPatch1Base& ofEmbree () const { return base; }
 
     private:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices along a side of a patch of a cage: an edge, half of the edge of an n-gon, or a spoke. */
+/* Vertices along a side of a cage's patch: an edge, half of an n-gon's edge, or a spoke. */
 
 #include "shared_border.h"
 
@@ -16,7 +16,7 @@ namespace embree
       SharedVertex begin, end;
       const float (*interior)[3]; //!< rate-1 positions in the owner's direction, see CageBorders
       bool reversed;              //!< the side runs against the owner's direction
-      int exponent;               //!< exponent of the lattice of the interior
+      int exponent;               //!< exponent of the interior's lattice
       unsigned rate;
 
       /*! k: 0 to rate, counted around the patch. */
@@ -27,9 +27,9 @@ namespace embree
         return SharedVertex(interior[(reversed ? rate-k : k) - 1],exponent);
       }
 
-      /*! The first or the second half of an edge of an n-gon. Embree gives such an edge an even rate in all faces that
-       *  it connects. On an edge of three faces, the rate of a quad can be odd: the n-gon then uses the vertex before
-       *  the middle, as in Embree's stitching; if the rate is 1, the first half is a point. */
+      /*! A half of an n-gon's edge. Embree gives such an edge an even rate in both faces. On an edge of three faces, a
+       *  quad's rate can be odd: the n-gon then uses the vertex before the middle, as in Embree's stitching; if the
+       *  rate is 1, the first half is a point. */
       CageSide half (int which) const
       {
         CageSide side = *this;

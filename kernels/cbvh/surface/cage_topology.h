@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* Owners and rates of the edges and corners of a cage, by the rule in shared_border.h. Faces without a surface do not
- * take part.
+/* Owners and rates of a cage's edges and corners, by the rule in shared_border.h. Faces without a surface do not take
+ * part.
  *
  *          face A             A and B claim the edge. All faces around corner x that are
  *    x----o----o----o----x    reached over edges claim x. Claims are numbered by half-edges.
  *          face B
  *
- * Half-edges of an edge with three or more faces have no opposite. Embree keeps the vertices of such an edge in place,
- * so all faces have the same straight edge. They share it and its ends, whether GRID traces one of them or not. */
+ * An edge of three or more faces has half-edges without opposite. Embree keeps its vertices in place, so all faces have
+ * the same straight edge. They share it and its ends, even if GRID traces a face. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -31,17 +31,17 @@ namespace embree
     public:
       struct Edge
       {
-        unsigned ownRate;      //!< rate in this face; noRate if the edge does not take part
-        unsigned rate;         //!< rate in all faces at the edge
-        uint32_t owner;        //!< half-edge of the face that owns the edge
-        uint32_t cornerOwner;  //!< half-edge at the same vertex, of the face that owns the corner
-        bool isTracedByGrid;   //!< GRID traces at least one patch of the face
+        unsigned ownRate;      //!< in this face; noRate if the edge takes no part
+        unsigned rate;         //!< rate in all faces
+        uint32_t owner;        //!< half-edge of the edge's owner
+        uint32_t cornerOwner;  //!< half-edge, at the same vertex, of the corner's owner
+        bool isTracedByGrid;   //!< at least one patch of the face
       };
 
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0) {}
 
-      /*! Calls progress() from time to time, which may throw to cancel. */
+      /*! Regularly calls progress(), which may throw to cancel. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
@@ -51,7 +51,7 @@ namespace embree
         joinNonManifold();
       }
 
-      size_t numEdges () const { return edges.size(); } //!< half-edges
+      size_t numEdges () const { return edges.size(); } //!< number of half-edges
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
@@ -60,7 +60,7 @@ namespace embree
       bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
 
-      /*! Calls closure(half-edge) for the edges of a face that takes part. */
+      /*! Calls closure only if the face takes part. */
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
@@ -71,7 +71,7 @@ namespace embree
 
     private:
       static const unsigned noRate = 0;
-      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< both vertices of an edge, and a half-edge
+      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< vertices of an edge, and a half-edge
 
       template<typename Progress, typename Closure>
       void forFaces (size_t facesPerTask, const Progress& progress, const Closure& closure) const
@@ -82,7 +82,7 @@ namespace embree
           });
       }
 
-      /*! Half-edges of faces. The index buffer and Embree's half-edges can be longer. */
+      /*! The index buffer and Embree's half-edges can be longer. */
       size_t numHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
@@ -131,7 +131,7 @@ namespace embree
           });
       }
 
-      /*! Calls closure for the half-edges of participating faces that begin at the same vertex. */
+      /*! Half-edges of participating faces that begin at the same vertex. */
       template<typename Closure>
       void forEachAround (const HalfEdge* e, const Closure& closure) const
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Warning for a max_error as large as the quads. Vertices of a quad then coincide, and pictures get speckles. */
+/* Warns of a max_error as large as the quads: their vertices coincide, and pictures get speckles. */
 
 #include "../base/environment.h"
 #include "../embree/scene.h"
@@ -14,11 +14,11 @@ namespace embree
 {
   namespace isa
   {
-    /*! Fraction of an edge. Quads start to flip at this spacing. */
+    /*! Fraction of an edge at which quads start to flip. */
     static const double coarseSpacing = 0.5;
 
-    /*! Warns on stderr once per process, and at each commit if the device or the environment is verbose. spacing, edge:
-     *  means over the primitives of a geometry. */
+    /*! Warns on stderr once per process, or at each commit if the device or environment is verbose. spacing, edge:
+     *  means over a geometry's primitives. */
     inline void warnIfCoarse (Device* device, double spacing, double edge)
     {
       static std::atomic<bool> wasReported(false);

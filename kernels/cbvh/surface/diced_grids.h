@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Grids that an application diced: the grids of a grid geometry, or the regions of a mesh (quad_regions.h). GridSource
+/* Grids that an application diced: a grid geometry's grids, or a mesh's regions (quad_regions.h). GridSource
  * (building/grid_source.h) makes patches of them. Both classes have these members, all thread-safe:
  *
  *   typedef Mesh, Grid
@@ -40,8 +40,7 @@ namespace embree
   {
     static_assert(minGridSide == QuadRegions::minRegionSide,"minGridSide must equal QuadRegions::minRegionSide");
 
-    /*! Vertices: has width and height, in vertices, and vertex(x,y), the number of a vertex in the geometry's
-     *  buffer. */
+    /*! Vertices: has width and height, in vertices, and vertex(x,y), a vertex's number in the geometry's buffer. */
     template<typename Vertices>
     struct DicedGrid : public Vertices
     {
@@ -117,7 +116,7 @@ namespace embree
       struct Corners
       {
         const Quads* mesh;
-        const unsigned* quadsOfRegion;     //!< quads of the region, row by row
+        const unsigned* quadsOfRegion;     //!< row by row
         unsigned width, height; //!< in vertices
 
         size_t vertex (unsigned x, unsigned y) const

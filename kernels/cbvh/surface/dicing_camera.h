@@ -12,23 +12,23 @@ namespace embree
   struct DicingCamera
   {
     float position[3] = { 0,0,0 };
-    float direction[3] = { 0,0,1 };    //!< towards the center of the picture; any length
-    float up[3] = { 0,1,0 };           //!< up direction of the picture; any length, not parallel to direction
-    bool orthographic = false;         //!< if true, position is ignored
+    float direction[3] = { 0,0,1 };    //!< towards the picture's center; any length
+    float up[3] = { 0,1,0 };           //!< up in the picture; any length, not parallel to direction
+    bool orthographic = false;         //!< the picture does not depend on `position`
     /*! Width of a pixel at distance 1, or at any distance if orthographic. Greater than 0. */
     float pixelSize = 0;
-    /*! In pixels. 0: everything is inside of the picture, and direction and up are ignored. */
+    /*! In pixels. 0: everything is inside of the picture; direction and up are ignored. */
     float width = 0, height = 0;
-    /*! From object space to world space: 12 floats, column by column. Null: identity. */
+    /*! Object to world space: 12 floats, column by column. Null: identity. */
     const float* transform = nullptr;
-    float quadSize = 1;                //!< approximate length of edges in pixels; greater than 0
-    /*! Factor by which quads far outside of the picture and behind the camera are larger. At least 1. */
+    float quadSize = 1;                //!< approximate edge length in pixels; greater than 0
+    /*! Factor of quad sizes far outside of the picture and behind the camera. At least 1. */
     float outside = 8;
     float maxRate = 4096;              //!< quads along an edge, 1 to 4096
-    const float* maxRates = nullptr;   //!< the same per index, at least 1; null: maxRate only
+    const float* maxRates = nullptr;   //!< per index, at least 1; null: maxRate only
   };
 
-  /*! args: a struct of a public interface, which has members with the same names. */
+  /*! args: struct of a public interface with members of the same names. */
   template<typename Arguments>
   DicingCamera dicingCamera (const Arguments& args)
   {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Measures how many quads a patch needs, from points on it: about one point per four quads. */
+/* Measures how many quads a patch needs, at one point per four quads. */
 
 #include "dicing_view.h"
 
@@ -14,9 +14,9 @@ namespace embree
   public:
     DicingSamples (SubdivMesh* mesh, const DicingView& view) : mesh(mesh), view(view) {}
 
-    /*! Estimates the number of quads that each edge of a patch needs. step: time step. (u0,v0): corner of the patch in
-     *  parameters of the face; the patch has size 1 x 1. quads: set, along v = 0, u = 1, v = 1 and u = 0; at least 1,
-     *  not rounded. */
+    /*! Estimates how many quads each edge of a patch needs. step: time step. (u0,v0): corner of the patch in parameters
+     *  of the face; the patch has size 1 x 1. quads: set, along v = 0, u = 1, v = 1 and u = 0; at least 1, not
+     *  rounded. */
     void measure (unsigned primID, unsigned step, float u0, float v0, float quads[4])
     {
       const unsigned fewest = 2, most = 64;
@@ -33,7 +33,7 @@ namespace embree
     }
 
   private:
-    /*! Evaluates (n+1) x (n+1) points, row by row. */
+    /*! Row by row. */
     void sample (unsigned primID, unsigned step, float u0, float v0, unsigned n)
     {
       const unsigned count = (n+1)*(n+1), padded = (count+15) & ~15u;
@@ -88,10 +88,10 @@ namespace embree
       for (unsigned i=0; i<count; i++) points[i] = view.toWorld(Double3{ P[i],P[padded+i],P[2*padded+i] });
     }
 
-    /*! Sets the number of quads of each edge, from n x n cells of samples. Divides the patch into up to 4 x 4 parts.
-     *  The number of quads that a part needs is the quadratic mean over the part: quads are uniform in parameter space,
-     *  so quads on steep displacement are longer. A camera can see the parts at different distances: each edge gets the
-     *  maximum over the parts in the half of the patch next to it. */
+    /*! Sets each edge's number of quads, from n x n cells of samples. Divides the patch into up to 4 x 4 parts. A part
+     *  needs the quadratic mean over its cells: quads are uniform in parameter space, so quads on steep displacement
+     *  are longer. Parts can be at different distances, so each edge gets the maximum of the adjacent half of the
+     *  patch. */
     void need (unsigned n, float quads[4]) const
     {
       const unsigned parts = min(n,4u), cells = n/parts;
@@ -108,7 +108,7 @@ namespace embree
               const double perUnit = double(n)*view.quadsPerUnit(corners);
               const double u = perUnit*perUnit*0.5*(squared(corners[0],corners[1])+squared(corners[2],corners[3]));
               const double v = perUnit*perUnit*0.5*(squared(corners[0],corners[2])+squared(corners[1],corners[3]));
-              // the cell is not finite, or the eye is in it: its neighbors are sufficient
+              // the cell is not finite, or contains the eye; its neighbors are sufficient
               if (!(u < maxSquared) || !(v < maxSquared)) continue;
               sum[0] += u; sum[1] += v; count++;
             }
@@ -121,7 +121,7 @@ namespace embree
         }
     }
 
-    static constexpr double maxSquared = 1e38; //!< squared number of quads
+    static constexpr double maxSquared = 1e38;
 
     const Double3& at (unsigned n, unsigned x, unsigned y) const { return points[y*(n+1)+x]; }
     static double squared (const Double3& a, const Double3& b) { const Double3 d = b-a; return dot(d,d); }

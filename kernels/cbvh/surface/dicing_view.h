@@ -4,7 +4,7 @@
 #pragma once
 
 /* Measures sizes in pixels, as a camera sees them and as if seen from the front. Computes in doubles: squares of
- * lengths that occur in scenes, 1e-20 to 1e20, overflow or underflow in floats. */
+ * lengths in scenes, 1e-20 to 1e20, overflow or underflow in floats. */
 
 #include "../embree/scene.h"
 #include "../base/codec.h"
@@ -50,9 +50,9 @@ namespace embree
         m[2]*p.x+m[5]*p.y+m[8]*p.z+m[11] };
     }
 
-    /*! Number of quads of the requested size per unit of length, on a cell with these corners; infinite at the eye.
-     *  Uses the point of the cell's borders and diagonals that is nearest to the eye, and the point of the ball around
-     *  the cell that is nearest to the picture. */
+    /*! Quads of the requested size per unit of length, on a cell with these corners; infinite at the eye. Uses the
+     *  point of the cell's borders and diagonals that is nearest to the eye, and the point of the ball around the cell
+     *  that is nearest to the picture. */
     double quadsPerUnit (const Double3 corners[4]) const
     {
       const Double3 center = 0.25*(corners[0]+corners[1]+corners[2]+corners[3]);
@@ -74,9 +74,8 @@ namespace embree
       return sqr_length(e-t*d);
     }
 
-    /*! Factor by which quads may be larger than in the picture. It grows continuously with the distance from the
-     *  picture, so that adjacent faces get similar rates, up to where a line to the cell is 60 degrees off its
-     *  border. */
+    /*! Factor of quad sizes outside of the picture. It grows continuously with the distance from the picture, so that
+     *  adjacent faces get similar rates, until a line to the cell is 60 degrees off the picture's border. */
     double growth (const Double3 corners[4], const Double3& center) const
     {
       if (!hasPicture) return 1.0;
@@ -96,7 +95,7 @@ namespace embree
     bool hasPicture;
     double transform[12];
     double size = 0.0;
-    Double3 normals[4];   //!< normals of the picture's borders, pointing outwards
+    Double3 normals[4];   //!< normals of the picture's borders, outwards
     double offsets[4];
   };
 }

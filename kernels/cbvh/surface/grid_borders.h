@@ -4,8 +4,8 @@
 #pragma once
 
 /* Borders of grids and of regions of meshes, by the rule in shared_border.h. Grids have no topology: they share border
- * vertices that have the same index, or whose positions are equal floats at all time steps (position_table.h). All
- * owners have the same positions, so only lattices have to be chosen.
+ * vertices with the same index, or with equal floats at all time steps (position_table.h). Owners have the same
+ * positions, so only lattices must be chosen.
  *
  * Lossless geometry shares nothing: its vertices stay in place. */
 
@@ -40,8 +40,7 @@ namespace embree
       const float* position (size_t vertex, unsigned step = 0) const { return grids.position(vertex,step); }
       bool number (size_t i, cbvh::QuadNumbers& out) const { return grids.number(i,out); }
 
-      /*! Finds shared vertices and chooses all lattices. Calls progress() from time to time, which may throw to
-       *  cancel. */
+      /*! Finds shared vertices and chooses all lattices. Regularly calls progress(), which may throw to cancel. */
       template<typename Progress>
       void build (size_t gridsPerTask, const Progress& progress)
       {
@@ -66,7 +65,7 @@ namespace embree
 
       int exponent (size_t grid, unsigned step) const { return lattices.ofPrimitive(grid,step); }
 
-      /*! A vertex on the border of a grid. own: exponent of the grid's lattice. */
+      /*! A vertex on a grid's border. own: exponent of the grid's lattice. */
       SharedVertex shared (size_t vertex, int own, unsigned step) const
       {
         const float* p = position(vertex,step);
@@ -78,7 +77,7 @@ namespace embree
         return SharedVertex(onEdge,cbvh::exactLattice);
       }
 
-      /*! Returns where a vertex is stored. For meshes with one time step. */
+      /*! Stored position of a vertex. For meshes with one time step. */
       bool find (size_t vertex, float out[3]) const override
       {
         if (table.isEmpty() || table.find(*this,vertex) == Table::none) return false;
@@ -99,7 +98,7 @@ namespace embree
         return true;
       }
 
-      /*! For StitchedVertices. Calls closure for the entries at the ends of each border edge whose length is not 0. */
+      /*! For StitchedVertices: the entries at the ends of each border edge, unless its length is 0. */
       template<typename Closure>
       void forBorderEdges (size_t i, const Closure& closure) const
       {
@@ -167,7 +166,7 @@ namespace embree
       const Grids grids;
       const CompressionPlan& plan;
       BorderLattices lattices;
-      Table table;                            //!< vertices on borders; empty for a single grid
+      Table table;                            //!< on borders; empty for a single grid
       StitchedVertices<GridBorders> stitched;
     };
   }

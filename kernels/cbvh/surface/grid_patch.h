@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Patch (source.h) of a grid that an application diced. */
+/* A grid that an application diced, as a patch (source.h). */
 
 #include "grid_borders.h"
 #include "source.h"

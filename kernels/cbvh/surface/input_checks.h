@@ -3,14 +3,13 @@
 
 #pragma once
 
-/* Checks of buffers before Embree or the kernels read them. All throw rtcore_error, which names the first wrong
- * value. */
+/* Checks of buffers before Embree or the kernels read them. All throw rtcore_error, naming the first wrong value. */
 
 #include "../embree/scene.h"
 
 namespace embree
 {
-  /*! Throws if a time step has fewer vertices than the first, or if the time range is empty. */
+  /*! Throws if a time step has fewer vertices than the first, or the time range is empty. */
   template<typename Mesh>
   void checkTimeSteps (const Mesh* mesh)
   {
@@ -26,17 +25,16 @@ namespace embree
         + std::to_string(mesh->time_range.upper));
   }
 
-  /*! Throws if buffers of a cage are shorter than its faces and creases require: Embree would access memory past their
+  /*! Throws if a cage's buffers are shorter than its faces and creases require: Embree would access memory past their
    *  ends. */
   void checkSizes (const SubdivMesh* mesh);
 
-  /*! Throws if a face of a cage refers to indices or vertices that do not exist. Also checks time steps and sizes. */
+  /*! Throws if a face refers to missing indices or vertices. Also checks time steps and sizes. */
   void checkIndices (const SubdivMesh* mesh);
 
-  /*! Throws if a grid has more vertices along a side than Embree's own kernel can count in 15 bits. */
+  /*! Throws if a side has more vertices than Embree's kernel can count in 15 bits. */
   void checkSides (const GridMesh* mesh);
 
-  /*! Throws if all rows of a large grid are the same vertices: its quads have no area, but there can be billions of
-   *  them. */
+  /*! Throws if all rows of a large grid are the same vertices: its quads have no area, but there can be billions. */
   void checkStrides (const GridMesh* mesh);
 }

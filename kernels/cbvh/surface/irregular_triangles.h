@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* The triangles of a mesh that are in no grid. They are stored in mesh blocks (vert/mesh_writer.h) on one lattice. Its
- * exceptions are found before any block is encoded, so that blocks agree on shared vertices. At each time step of a
- * moving mesh, the lattice has exceptions of its own. */
+/* The triangles of a mesh that are in no grid, stored in mesh blocks (vert/mesh_writer.h) on one lattice per time step.
+ * The lattice's exceptions are found before any block is encoded, so that blocks agree on shared vertices. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -38,18 +37,18 @@ namespace embree
 
       bool areHalvesOfQuads () const { return perPrimitive == 2; }
 
-      /*! i: 0 for the first triangle of a primitive, 1 for the second. */
+      /*! i: first (0) or second (1) triangle of a primitive. */
       uint32_t triangleOf (uint32_t primitive, uint32_t i) const { return (primitive << (perPrimitive-1)) + i; }
 
       /*! Sets pointers to the corners at the first step, in the application's order. Returns false if Embree skips the
-       *  primitive because an index is out of range or a vertex is not finite at a step. */
+       *  primitive, because an index is out of range or a vertex is not finite at a step. */
       bool corners (size_t triangle, const float* out[3]) const
       {
         unsigned numbers[3];
         return corners(triangle,out,numbers);
       }
 
-      /*! numbers: receives the numbers of the vertices. */
+      /*! numbers: receives the vertices' numbers. */
       bool corners (size_t triangle, const float* out[3], unsigned numbers[3]) const
       {
         static const uint8_t ofQuad[2][3] = { { 0,1,3 },{ 2,3,1 } };
@@ -74,7 +73,7 @@ namespace embree
 
       const float* vertex (unsigned step, size_t i) const { return (const float*)steps[step].getPtr(i); }
 
-      /*! Finds vertices that are equal at all steps, as WeldedVertices::find. */
+      /*! As WeldedVertices::find. */
       std::shared_ptr<const WeldedVertices> weld () const { return WeldedVertices::find(steps,numSteps,numVertices); }
 
     private:
@@ -85,11 +84,11 @@ namespace embree
       const size_t stride;
     };
 
-    /*! Stored positions of border vertices of a mesh's grids, for the triangles next to them. */
+    /*! Stored positions of border vertices of grids, for adjacent triangles. */
     class StoredBorders
     {
     public:
-      /*! Returns false if the vertex is on no border. vertex: number in the mesh; must be finite. */
+      /*! Returns false if the vertex is on no border. vertex: must be finite. */
       virtual bool find (size_t vertex, float out[3]) const = 0;
 
     protected:
@@ -99,7 +98,7 @@ namespace embree
     class IrregularTriangles
     {
     public:
-      /*! primitives: ascending; null for all of the mesh. plan and primitives must outlive this object. */
+      /*! primitives: ascending; null for the whole mesh. plan and primitives must outlive this object. */
       IrregularTriangles (const TrianglesOfMesh& mesh, const mvector<unsigned>* primitives, const CompressionPlan& plan,
                       Device* device)
         : mesh(mesh), primitives(primitives), plan(plan), device(device), centers(device,0) {}
@@ -114,7 +113,7 @@ namespace embree
       }
 
       /*! Chooses the lattice and its exceptions, and finds the triangles that a ray can hit. borders: of the mesh's
-       *  grids, or null; must exist until release(). Calls progress() from time to time, which may throw to cancel. */
+       *  grids, valid until release(), or null. Regularly calls progress(), which may throw to cancel. */
       template<typename Progress>
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
@@ -147,8 +146,8 @@ namespace embree
         welded.reset();
       }
 
-      /*! Sets the stored corners. Corners on borders of grids are where the grids store them. Returns the square of the
-       *  largest distance that a corner moved. */
+      /*! Sets the stored corners; on borders of grids, those of the grids. Returns the square of the largest distance
+       *  that a corner moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];
@@ -165,7 +164,7 @@ namespace embree
         return farthest;
       }
 
-      /*! For moving meshes. Sets the IDs of the corners: equal for vertices that are equal at all steps. */
+      /*! For moving meshes. Sets the corners' IDs: equal for vertices that are equal at all steps. */
       void identify (uint32_t triangle, uint32_t out[3]) const
       {
         const float* p[3];
@@ -174,8 +173,8 @@ namespace embree
         for (int c=0; c<3; c++) out[c] = welded ? (*welded)[vertices[c]] : vertices[c];
       }
 
-      /*! Returns the stored position of a vertex at a step in `out`. id: see identify(). Returns the square of the
-       *  distance that the vertex moved. */
+      /*! Stored position of a vertex at a step. id: see identify(). Returns the squared distance that the vertex
+       *  moved. */
       double storeVertex (unsigned step, uint32_t id, float out[3]) const
       {
         const float* const p = mesh.vertex(step,id);
@@ -185,7 +184,7 @@ namespace embree
         return square;
       }
 
-      /*! True if no ray can hit a triangle, because it has no area. */
+      /*! True if no ray can hit the triangle, because it has no area. */
       bool isDegenerate (uint32_t triangle) const
       {
         const float* p[3];
@@ -193,8 +192,8 @@ namespace embree
         return cbvh::MeshLattice::isDegenerate(p[0],p[1],p[2]);
       }
 
-      /*! True if two corners of a triangle of a moving mesh are equal at all steps: no ray can hit it. A triangle that
-       *  has no area at some steps can have one between them. */
+      /*! True if two corners of a moving triangle are equal at all steps: no ray can hit it. A triangle without area at
+       *  some steps can have area between them. */
       bool haveEqualCorners (uint32_t triangle) const
       {
         uint32_t ids[3];
@@ -218,7 +217,7 @@ namespace embree
       float spacing () const { return spacingOfLattice; }
 
       const TrianglesOfMesh mesh;
-      size_t numInvalid = 0;               //!< left out because of their indices or vertices
+      size_t numInvalid = 0;               //!< primitives with an invalid index or vertex
 
     private:
       static const size_t perTask = 1 << 14, sampledPrimitives = 1 << 16;
@@ -226,7 +225,7 @@ namespace embree
       struct Found
       {
         size_t count = 0, numInvalid = 0;
-        std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip, of a moving mesh at any step
+        std::vector<uint32_t> fragile;     //!< triangles that the lattice may flip, at any step
       };
 
       uint32_t primitiveAt (size_t i) const { return primitives ? (*primitives)[i] : uint32_t(i); }
@@ -290,8 +289,7 @@ namespace embree
         return lattices[step]->isRobust(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
       }
 
-      /*! A vertex on a finer lattice can flip other triangles that use it, so the check is repeated until none
-       *  flips. */
+      /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. */
       template<typename Progress>
       void settle (const std::vector<Found>& found, const Progress& progress)
       {
@@ -319,7 +317,7 @@ namespace embree
       float spacingOfLattice = 0.0f;
 
     public:
-      /*! Centers of the primitives that can be hit. Set by prepare(); users reorder them. */
+      /*! Primitives that can be hit. Set by prepare(); users reorder them. */
       mvector<cbvh::MeshCenter> centers;
     };
   }

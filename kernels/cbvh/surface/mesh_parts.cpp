@@ -11,7 +11,7 @@ namespace embree
 {
   namespace
   {
-    /*! Moves the quads of a region to the irregular primitives if the region needs less memory in mesh blocks. */
+    /*! Moves quads to the irregular primitives if their region needs less memory in mesh blocks. */
     template<typename Mesh>
     void moveToMeshBlocks (const Mesh* mesh, QuadRegions& parts)
     {
@@ -22,8 +22,8 @@ namespace embree
         isMoved.push_back(QuadRegions::isSmallerInMeshBlocks(region));
         if (isMoved.back()) numMoved += size_t(region.width)*region.height;
       }
-      // Where most quads are irregular, the others are regular by accident. In CAD models, such a grid took more bytes
-      // than estimated, and rays were slower. It stays a grid only if its numbers at least do not make it larger.
+      // If most quads are irregular, the others are regular by accident. In CAD models, such grids took more bytes than
+      // estimated, and slowed rays. They stay grids only if at least their numbers do not make them larger.
       if (2*numMoved > parts.quads.size())
       {
         cbvh::QuadNumbers numbers;
@@ -62,7 +62,7 @@ namespace embree
       std::sort(parts.loose.begin(),parts.loose.end());
     }
 
-    /*! All of a moving mesh is stored in grids, or all of it in mesh blocks. */
+    /*! A moving mesh is stored entirely in grids, or entirely in mesh blocks. */
     template<typename Mesh>
     std::shared_ptr<const QuadRegions> findPartsOf (const Mesh* mesh, size_t bytesInEmbree)
     {

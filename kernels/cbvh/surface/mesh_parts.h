@@ -3,19 +3,17 @@
 
 #pragma once
 
-/* Primitives that form grids are stored as grids (quad_regions.h), all others in mesh blocks
- * (irregular_triangles.h). */
+/* Divides meshes into grids (quad_regions.h) and mesh blocks for all other primitives (irregular_triangles.h). */
 
 #include "quad_regions.h"
 
 namespace embree
 {
-  /*! Finds the grids and the irregular primitives of a mesh. Never null. */
+  /*! Never null. */
   std::shared_ptr<const QuadRegions> findParts (const QuadMesh* mesh);
   std::shared_ptr<const QuadRegions> findParts (const TriangleMesh* mesh);
 
-  /*! Returns the parts that the commit of a compressed mesh found. Finds them again if a build has released them.
-   *  Throws if out of memory. */
+  /*! Returns the parts that the commit found, or finds them again if a build released them. Throws if out of memory. */
   template<typename Mesh>
   inline std::shared_ptr<const QuadRegions> partsOf (const Mesh* mesh)
   {

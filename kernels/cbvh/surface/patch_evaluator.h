@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Evaluates vertices of a patch of a cage with the same parameters and operations as Embree's GRID
- * (subdivpatch1base_eval.cpp), so that the floats are the same. All vertices of a part are evaluated at once: irregular
- * patches are subdivided once, and the displacement function is called once per part. Edges of lower rates are stitched
- * as in Embree. */
+/* Evaluates vertices of a cage's patch with the parameters and operations of Embree's GRID (subdivpatch1base_eval.cpp),
+ * which makes the floats equal. All vertices of a part are evaluated at once: irregular patches are subdivided once,
+ * and the displacement function is called once. Edges of lower rates are stitched as in Embree. */
 
 #include "../embree/scene.h"
 #include "patch_vertices.h"
@@ -20,7 +19,7 @@ namespace embree
     public:
       explicit PatchEvaluator (Device* device) : PatchVertices(device), arrays(device,0) {}
 
-      /*! quadsX, quadsY: quads of the whole patch, at least the rates of its edges. */
+      /*! quadsX, quadsY: of the whole patch, at least its edges' rates. */
       void evalPart (const SubdivPatch1Base& patch, const SubdivMesh* mesh, unsigned quadsX, unsigned quadsY,
                      const PatchPart& part)
       {
@@ -28,7 +27,7 @@ namespace embree
         const float* rate = patch.level;
         stitched = min(rate[0],rate[2]) < float(quadsX) || min(rate[1],rate[3]) < float(quadsY);
         stride = (count + 2*VSIZEX - 1) & ~size_t(VSIZEX-1); // allows full-width stores
-        arrays.reserve(8*stride+16); // without this, vectors grow to a power of two
+        arrays.reserve(8*stride+16); // otherwise vectors grow to a power of two
         arrays.resize(8*stride+16);
         float* P[3] = { array(0), array(1), array(2) };
         float* N[3] = { array(3), array(4), array(5) };
@@ -45,7 +44,7 @@ namespace embree
       }
 
     private:
-      /*! width, height: vertices of the whole patch. */
+      /*! width, height: of the whole patch. */
       struct Range
       {
         unsigned width, height;
@@ -81,7 +80,7 @@ namespace embree
         }
       }
 
-      /*! As Embree's stitchUVGrid(), which for a part would stitch columns to the rates of the opposite edges. */
+      /*! Embree's stitchUVGrid() would stitch columns of a part to the rates of the opposite edges. */
       void stitchParameters (const float rate[4], const Range& range, float* u, float* v) const
       {
         const PatchPart& part = range.part;
@@ -119,7 +118,7 @@ namespace embree
              x0,x1,y0,y1,range.width,range.height,P[0],P[1],P[2],u,v,Nx,Ny,Nz,w,h);
         }
 
-        /* From parameters of the sub-patch to parameters of the face. */
+        /* parameters of the sub-patch to parameters of the face */
         const Vec2f uv0 = patch.getUV(0), uv1 = patch.getUV(1), uv2 = patch.getUV(2), uv3 = patch.getUV(3);
         for (size_t i=0; i<count; i+=VSIZEX)
         {
@@ -137,18 +136,18 @@ namespace embree
         mesh->displFunc(&args);
       }
 
-      mvector<float> arrays;      //!< P, N, u and v
+      mvector<float> arrays;      //!< arrays of P, N, u and v
       size_t stride = 0;
-      bool stitched = false;      //!< an edge has a lower rate
+      bool stitched = false;      //!< an edge has a lower rate than the patch
     };
 
-    /*! Rows and columns of a patch, evaluated one by one, or copied from all vertices of the patch. */
+    /*! Rows and columns of a patch, evaluated one by one, or copied from all vertices. */
     class PatchLines
     {
     public:
       struct Line { const float (*vertices)[3]; size_t count; };
 
-      /*! all: room for the vertices of the patch, which the constructor evaluates, or null. */
+      /*! all: room for all vertices, which the constructor evaluates, or null. */
       PatchLines (const SubdivMesh* mesh, const SubdivPatch1Base& base, PatchEvaluator& evaluator,
                   const unsigned quads[2], float (*all)[3])
         : mesh(mesh), base(base), evaluator(evaluator), quads(quads), all(all)
@@ -168,7 +167,7 @@ namespace embree
         }
         const size_t width = quads[0]+1, height = quads[1]+1;
         if (alongU) return { all+at*width,width };
-        float (*column)[3] = evaluator.undisplaced(); // has room, and is not in use
+        float (*column)[3] = evaluator.undisplaced(); // memory that is not used otherwise
         for (size_t y=0; y<height; y++) memcpy(column[y],all[y*width+at],sizeof(*column));
         return { column,height };
       }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vertices of a patch or a part of it, row by row, before and after displacement. */
+/* Vertices of a patch or its part, row by row, before and after displacement. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/vertices4.h"
@@ -13,7 +13,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Vertices x0 to x1 along u and y0 to y1 along v. */
+    /*! x0 to x1 along u and y0 to y1 along v, inclusive. */
     struct PatchPart { unsigned x0, x1, y0, y1; };
 
     class PatchVertices
@@ -21,17 +21,17 @@ namespace embree
     public:
       explicit PatchVertices (Device* device) : interleaved(device,0) {}
 
-      /*! Sets the number of columns and rows of vertices. The values of the vertices are undefined afterwards. */
+      /*! Leaves the vertices undefined. */
       void setSize (size_t width, size_t height)
       {
         this->width = width; this->height = height;
         count = width*height;
-        interleaved.reserve(6*count); // without this, vectors grow to a power of two
+        interleaved.reserve(6*count); // otherwise vectors grow to a power of two
         interleaved.resize(6*count);
       }
       void setSize (const PatchPart& part) { setSize(part.x1-part.x0+1,part.y1-part.y0+1); }
 
-      /*! Sets the displaced vertices. The undisplaced vertices are undefined. */
+      /*! Leaves the undisplaced vertices undefined. */
       void set (unsigned quadsX, unsigned quadsY, const float (*vertices)[3])
       {
         setSize(quadsX+1,quadsY+1);

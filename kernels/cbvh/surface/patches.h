@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The patches of a face: the face itself if it is a quadrilateral, otherwise one patch at each of its corners. */
+/* The patches of a face: the face itself if it has four corners, otherwise one per corner. */
 
 #include "../embree/scene.h"
 
@@ -11,10 +11,10 @@ namespace embree
 {
   namespace isa
   {
-    /*! Embree's half-edge of a face without edges belongs to the next face. */
+    /*! For a face without edges, Embree returns a half-edge of the next face. */
     inline bool hasEdges(const SubdivMesh* mesh, size_t face) { return mesh->faceVertices[face] != 0; }
 
-    /*! True if a face has a surface at any time step. */
+    /*! True if the face has a surface at any time step. */
     inline bool hasSurface(const SubdivMesh* mesh, size_t face)
     {
       if (!hasEdges(mesh,face)) return false;
@@ -23,12 +23,12 @@ namespace embree
       return false;
     }
 
-    /*! True if Embree cannot evaluate the surface at the vertex where an edge begins: a face at the vertex has fewer
-     *  than 3 or more than 16 corners, or the vertex has more than 64 faces or more neighbors than a ring stores. */
+    /*! True if Embree cannot evaluate the surface where an edge begins: a face at that vertex has fewer than 3 or more
+     *  than 16 corners, or the vertex has more than 64 faces or more neighbors than a ring stores. */
     inline bool isUnsupportedAtVertex(const HalfEdge* edge)
     {
       size_t faceValence = 0, edgeValence = 0;
-      const HalfEdge* around = edge; // backwards around the vertex; at a border, continues from the other end
+      const HalfEdge* around = edge; // backwards around the vertex; continues at the other end of a border
       do {
         const unsigned corners = around->numEdges();
         if (corners < 3 || corners > MAX_PATCH_VALENCE) return true;
@@ -36,17 +36,17 @@ namespace embree
         edgeValence += corners-2;
         around = around->prev();
         if (around->hasOpposite()) { around = around->opposite(); continue; }
-        faceValence++; // at a border, a ring stores two more vertices
+        faceValence++; // at a border, rings store two more vertices
         edgeValence += 2;
         for (around = edge; around->hasOpposite(); ) around = around->opposite()->next();
       } while (around != edge);
       return faceValence > MAX_RING_FACE_VALENCE || edgeValence > MAX_RING_EDGE_VALENCE;
     }
 
-    /*! True if Embree's patches support a face. first: its first half-edge. */
+    /*! first: the face's first half-edge. */
     inline bool canBeEvaluated(const HalfEdge* first, unsigned corners)
     {
-      if (corners < 3) return false; // a single corner has no next edge
+      if (corners < 3) return false; // the only corner has no next edge
       const HalfEdge* edge = first;
       while (!isUnsupportedAtVertex(edge))
         if ((edge = edge->next()) == first) return true;
@@ -62,14 +62,14 @@ namespace embree
       return true;
     }
 
-    /*! Properties that are known before a patch is evaluated. */
+    /*! Known before a patch is evaluated. */
     struct PatchOfFace
     {
-      const Vec2f* uv;         //!< parameters of the patch's 4 corners
+      const Vec2f* uv;         //!< face parameters of the 4 corners
       const int* subdiv;
       const float* edgeLevel;
-      int subPatch;            //!< corner of the face; 0 for a quadrilateral
-      float rate[4];           //!< rates of the edges v = 0, u = 1, v = 1, u = 0
+      int subPatch;            //!< corner of the face; 0 for four-cornered faces
+      float rate[4];           //!< of the edges v = 0, u = 1, v = 1, u = 0
 
       SubdivPatch1Base make (const SubdivMesh* mesh, uint32_t surface, size_t face, unsigned timeStep = 0) const {
         return SubdivPatch1Base(surface,unsigned(face),unsigned(subPatch),mesh,timeStep,uv,edgeLevel,subdiv,VSIZEX);
@@ -87,7 +87,7 @@ namespace embree
         });
     }
 
-    /*! Half-edge of side s of a patch, in the order of PatchOfFace::rate, or null for a spoke of an n-gon. */
+    /*! Half-edge of side s, in the order of PatchOfFace::rate, or null for an n-gon's spoke. */
     inline const HalfEdge* edgeOfSide(const SubdivMesh* mesh, size_t face, int subPatch, int s)
     {
       const HalfEdge* h = mesh->getHalfEdge(0,face);
@@ -96,8 +96,7 @@ namespace embree
       return s == 0 ? h+subPatch : s == 3 ? h+(subPatch+n-1)%n : nullptr;
     }
 
-    /*! Bits of the sides where the surface ends or is creased, or where the patch has so few quads that it may bend as
-     *  much as at a crease. */
+    /*! Sides where the surface ends or is creased, or where the patch has so few quads that it may bend as much. */
     inline uint32_t sharpSidesOf(const SubdivMesh* mesh, size_t face, const PatchOfFace& patch)
     {
       const float smooth = 32.0f; // quads along a side

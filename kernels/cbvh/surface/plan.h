@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Settings of all patches of a geometry. Diced or moving geometry is always stored as cVERT. */
+/* Settings of all patches of a geometry. Diced or moving geometry is always cVERT. */
 
 #include "../embree/scene.h"
 #include "../base/kinds.h"
@@ -28,7 +28,7 @@ namespace embree
         if (geometry->ownType != Geometry::GTY_SUBDIV_MESH || moves()) blockKind = cbvh::Kind::VERT;
       }
 
-      /*! True if a moving geometry that requests compression is compressed. */
+      /*! For a moving geometry that requests compression. */
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
@@ -42,21 +42,21 @@ namespace embree
       /*! Undefined unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
-      /*! exact_faces: patches that frames represent badly are stored as cVERT. */
+      /*! exact_faces: patches that frames represent badly become cVERT. */
       bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
 
-      /*! True if faces use the border vertices of the face that owns them. */
+      /*! True if faces use their owners' border vertices. */
       bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasExactFaces()); }
 
       bool compresses () const { return isCompressed; }
 
-      /*! True if frame levels follow from max_error. */
+      /*! True if max_error determines frame levels. */
       bool boundsError () const {
         return settings.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_AUTO && settings.maxError > 0.0f && compresses()
           && cbvh::describe(kind()).hasThickness;
       }
 
-      /*! Storage of a patch: Embree's GRID, blocks with frames, or cVERT. */
+      /*! Embree's GRID, blocks with frames, or cVERT. */
       enum Storage { GRID, FRAMED, VERT };
 
       Storage storage (const float rate[4]) const

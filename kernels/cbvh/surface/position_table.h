@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Hash table of vertices by position. Vertices that are equal floats at all time steps have one entry. Several threads
- * may add vertices at once. */
+/* Hash table of vertices by position. Vertices that are equal floats at all time steps have one entry. Threads may add
+ * vertices concurrently. */
 
 #include "../base/codec.h"
 #include "../base/atomic_ref.h"
@@ -15,8 +15,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has position(vertex), which is finite and at the first time step, and areEqualAtOtherSteps(a,b), true
-     *  if two vertices that are equal there are equal at all other time steps. */
+    /*! Positions: has position(vertex), finite and at the first time step, and areEqualAtOtherSteps(a,b) for two
+     *  vertices that are equal there. */
     template<typename Positions>
     class PositionTable
     {
@@ -26,7 +26,7 @@ namespace embree
 
       explicit PositionTable (Device* device) : slots(device,0) {}
 
-      /*! vertices: upper bound of the number of different vertices. */
+      /*! vertices: upper bound of different vertices. */
       void reserve (size_t vertices)
       {
         size_t size = 16;
@@ -42,7 +42,7 @@ namespace embree
 
       void clear () { slots.clear(); }
       bool isEmpty () const { return slots.empty(); }
-      size_t size () const { return slots.size(); } //!< entries are less than this
+      size_t size () const { return slots.size(); } //!< upper bound of entries
 
       Entry add (const Positions& positions, size_t vertex)
       {
@@ -59,7 +59,7 @@ namespace embree
         }
       }
 
-      /*! Returns the entry of a vertex's position, or none. */
+      /*! `none` if there is no entry. */
       Entry find (const Positions& positions, size_t vertex) const
       {
         const float* p = positions.position(vertex);
@@ -69,13 +69,11 @@ namespace embree
         return none;
       }
 
-      /*! One of the vertices of an entry. */
       size_t vertexOf (Entry entry) const { return size_t(slots[entry] & indexBits); }
 
-      /*! True if the entry was added more than once. */
+      /*! Added more than once. */
       bool isShared (Entry entry) const { return (slots[entry] & sharedBit) != 0; }
 
-      /*! True if any entry is not shared. */
       bool hasUnshared () const
       {
         return parallel_reduce(size_t(0),slots.size(),size_t(1) << 16,false,[&](const range<size_t>& r) {
@@ -85,12 +83,12 @@ namespace embree
           },std::logical_or<bool>());
       }
 
-      /*! The user of the table defines the meaning of marks. Not thread-safe. */
+      /*! Users define the meaning of marks. Not thread-safe. */
       void mark (Entry entry) { slots[entry] |= markBit; }
       bool isMarked (Entry entry) const { return (slots[entry] & markBit) != 0; }
 
     private:
-      /* A slot: number of a vertex, three flags, and bits of the hash; 0 if free. */
+      /* A slot: vertex, three flags, and bits of the hash; 0 if free. */
       static const int tagShift = 36;
       static const uint64_t indexBits = (uint64_t(1) << 33)-1;
       static const uint64_t sharedBit = uint64_t(1) << 33, markBit = uint64_t(1) << 34, usedBit = uint64_t(1) << 35;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The neighbors of the quads of a mesh, as defined in quad_regions.h. */
+/* Neighbors of a mesh's quads, as defined in quad_regions.h. */
 
 #include "../base/atomic_ref.h"
 #include "../base/resize_to_fit.h"
@@ -20,9 +20,9 @@ namespace embree
     enum : unsigned { none = ~0u };
     enum Side { RIGHT, ABOVE, LEFT, BELOW, NUM_SIDES };
 
-    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< neighbor of each quad, or `none`
+    cbvh::UnmonitoredVector<unsigned> at[NUM_SIDES]; //!< quad, or `none`
     cbvh::UnmonitoredVector<uint8_t> isValid;        //!< all corners are vertices
-    size_t numLeftOut = 0;                           //!< invalid quads
+    size_t numLeftOut = 0;
     bool formsDiffer = false;                        //!< neighbors may have different forms
 
     size_t size () const { return isValid.size(); }
@@ -35,7 +35,7 @@ namespace embree
     NeighborFinder (const Quads& quads, size_t numVertices, QuadNeighbors& out)
       : quads(quads), numVertices(numVertices), out(out) {}
 
-    /*! Returns false, and finds none, if a sample shows that few quads are regular. */
+    /*! Returns false, and finds no neighbors, if few quads of a sample are regular. */
     bool run ()
     {
       if (!findCorners()) return false;
@@ -80,8 +80,7 @@ namespace embree
 
     bool isValid (const Corners& q) const { return max(max(q.v[0],q.v[1]),max(q.v[2],q.v[3])) < numVertices; }
 
-    /*! True if two quads can be neighbors: neighbors have the same form, or with formsDiffer the same number of
-     *  triangles. */
+    /*! True if quads can be neighbors: they have the same form, or with formsDiffer the same number of triangles. */
     bool fit (const Quad& q, const Quad& other) const
     {
       const unsigned different = q.form ^ other.form;
@@ -89,8 +88,8 @@ namespace embree
       return out.formsDiffer ? (different & cbvh::numbersOfOneTriangle) == 0 : different == 0;
     }
 
-    /*! Copies the corners of all quads, because they are visited repeatedly and in the order of neighbors. Returns
-     *  false if a table of their vertices would be much larger than the mesh. */
+    /*! Copies all corners, because they are visited repeatedly and in the order of neighbors. Returns false if a table
+     *  of their vertices would be much larger than the mesh. */
     bool findCorners ()
     {
       cbvh::resizeToFit(corners,quads.size());
@@ -135,7 +134,6 @@ namespace embree
       while (to < found && !slot.exchangeWeak(found,to,std::memory_order_relaxed)) {}
     }
 
-    /*! Sets `begins` and the other quads at each vertex. */
     void link ()
     {
       parallel_for(size_t(0),quads.size(),perTask,[&](const range<size_t>& r) {
@@ -179,8 +177,8 @@ namespace embree
     bool rightOf (const Quad& q, Quad& found) const { return find(q,q.v[1],q.v[2],3,othersRight,found); }
     bool above (const Quad& q, Quad& found) const { return find(q,q.v[3],q.v[2],1,othersAbove,found); }
 
-    /*! True if at least a quarter of a sample of quads has a quad on the right and a quad above that share their own
-     *  neighbor. Sets formsDiffer if far more quads do so when forms are ignored. */
+    /*! True if at least a quarter of a sample of quads has right and upper neighbors that share a neighbor. Sets
+     *  formsDiffer if this holds for far more quads without regard to forms. */
     bool looksRegular ()
     {
       const size_t step = max(quads.size()/4096,size_t(1));
@@ -216,7 +214,7 @@ namespace embree
         });
     }
 
-    /*! If several quads have the same neighbor, the neighbor stores only the first of them. */
+    /*! A neighbor of several quads stores only the first of them. */
     void set (const Quad& q, const Quad& next, int side, int opposite)
     {
       out.at[side][q.index] = next.index;

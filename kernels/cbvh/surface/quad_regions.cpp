@@ -13,12 +13,12 @@ namespace embree
 {
   namespace
   {
-    /*! Finds regions. The first seeds are quads that have no free quad on the left and none below: corners of regions.
-     *  From a seed, a region grows to the right and up by a column or a row at a time, as square as it can. Large
-     *  regions are taken first, so that a row of quads at a pole does not separate the columns above it.
+    /*! Finds regions. The first seeds are corners: quads without a free quad on the left or below. A region grows from
+     *  a seed to the right and up by a column or row at a time, as square as it can. Large regions are taken first, so
+     *  that a row of quads at a pole does not separate the columns above it.
      *
-     *  Other seeds first move left and down until the next quad is not free: the position of a region then does not
-     *  depend on which of its quads comes first, and closed meshes, which have no corners, are filled too. */
+     *  Other seeds first move left and down until the next quad is not free. The position of a region is then the same
+     *  for each of its quads as seed, and closed meshes, which have no corners, are filled too. */
     class RegionFinder
     {
     public:
@@ -43,8 +43,8 @@ namespace embree
 
     private:
       enum : unsigned { none = QuadNeighbors::none, maxSide = QuadRegions::maxSide };
-      /*! The bits above TAKEN are the number of the last pass in which a region that began here was too small. If seeds
-       *  are not corners, all quads of such a region are marked, so that a pass visits each quad once, even in narrow
+      /*! The bits above TAKEN are the last pass in which a region that began here was too small. If seeds are not
+       *  corners, all quads of such a region are marked, so that a pass visits each quad once, even in narrow
        *  strips. */
       enum Flags : uint8_t { TAKEN = 1, PASS = 2 };
       enum Seeds { CORNERS, EDGES, ALL };
@@ -60,7 +60,7 @@ namespace embree
         return seeds == CORNERS ? !hasLeft && !hasBelow : !hasLeft || !hasBelow;
       }
 
-      /*! side: minimum quads along each side of a region. */
+      /*! side: minimum quads per side. */
       void take (Seeds seeds, unsigned side)
       {
         pass++;
@@ -70,8 +70,7 @@ namespace embree
             if (!growAll(seeds == CORNERS ? unsigned(i) : moved(unsigned(i)),side,seeds)) break;
       }
 
-      /*! Grows regions from a seed and from the seeds that this creates. Returns false if the first region is too
-       *  small. */
+      /*! Grows regions from a seed and from seeds that this creates. Returns false if the first is too small. */
       bool growAll (unsigned seed, unsigned side, Seeds seeds)
       {
         const bool isTaken = grow(seed,side);
@@ -87,7 +86,7 @@ namespace embree
         return isTaken;
       }
 
-      /*! The quad at which the region of a quad begins. If quads form a ring, any of them. */
+      /*! First quad of a quad's region; any quad of a ring. */
       unsigned moved (unsigned quad)
       {
         for (QuadNeighbors::Side side : { QuadNeighbors::LEFT,QuadNeighbors::BELOW }) {
@@ -103,7 +102,7 @@ namespace embree
       bool isMarked (unsigned quad) const { return flags[quad]/PASS == pass; }
       unsigned& quadOfRegion (unsigned x, unsigned y) { return region[y*maxSide+x]; }
 
-      /*! Returns false if the region of a seed is too small. */
+      /*! False if the region is too small. */
       bool grow (unsigned seed, unsigned side)
       {
         if (isMarked(seed)) return false;
@@ -139,7 +138,7 @@ namespace embree
 
       void releaseQuad (unsigned quad) { flags[quad] &= uint8_t(~TAKEN); }
 
-      /*! Takes the neighbor of a quad if it is free and adjacent to the quad taken before it. */
+      /*! Takes a quad's neighbor if it is free and adjacent to `before`, the quad taken before it. */
       bool takeNext (unsigned quad, QuadNeighbors::Side side, unsigned before, QuadNeighbors::Side across,
                      unsigned& next)
       {
@@ -173,23 +172,22 @@ namespace embree
         return true;
       }
 
-      /*! Steps by which all seeds together may move, per quad of the mesh. Prevents long walks along a strip from each
-       *  of its quads. */
+      /*! Steps that all seeds together may move, per quad. Prevents long walks along a strip from each of its quads. */
       static const size_t stepsPerQuad = 2;
 
       const QuadNeighbors& neighbors;
       QuadRegions& out;
       cbvh::UnmonitoredVector<uint8_t> flags;
-      size_t steps = 0;                     //!< that seeds may still move
+      size_t steps = 0;                     //!< steps that seeds may still move
       unsigned pass = 0;
-      bool marksAll = false;                //!< also marks the quads of regions that are too small
-      std::vector<unsigned> corners, edges; //!< created while regions were taken
-      unsigned region[maxSide*maxSide];     //!< its quads, while it grows
+      bool marksAll = false;                //!< also marks quads of regions that are too small
+      std::vector<unsigned> corners, edges; //!< seeds that arise while regions are taken
+      unsigned region[maxSide*maxSide];     //!< quads of the growing region
       unsigned width = 0, height = 0;
     };
 
-    /*! firsts: first triangles of pairs; empty if all pairs are triangles 2i and 2i+1. Returns false if a sample shows
-     *  that few triangles have a partner next to them. */
+    /*! firsts: first triangles of pairs; empty if all pairs are triangles 2i and 2i+1. Returns false if few triangles
+     *  of a sample have an adjacent partner. */
     bool findConsecutivePairs (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts)
     {
       const size_t n = mesh->triangles.size();
@@ -214,7 +212,7 @@ namespace embree
 
     typedef std::shared_ptr<QuadRegions> Found;
 
-    /*! Vertices and pairs of `out` must be set. */
+    /*! Requires vertices and pairs of `out`. */
     template<typename Mesh>
     void findRegions (const Mesh* mesh, QuadRegions& out)
     {
@@ -253,7 +251,7 @@ namespace embree
 
     Found findInPairsAnywhere (const QuadMesh*, const std::shared_ptr<const WeldedVertices>&) { return nullptr; }
 
-    /*! True if at most 5% of the quads are irregular. */
+    /*! At most 5% of the quads are irregular. */
     bool areFewLoose (const QuadRegions& found)
     {
       const size_t few = 20;
@@ -261,7 +259,7 @@ namespace embree
       return all != 0 && few*found.numQuads(found.numRegular,found.regions.size()) <= all;
     }
 
-    /*! Estimated bytes of the tables of numbers of all blocks, from a sample of regions. */
+    /*! Estimates the tables of numbers of all blocks from a sample of regions. */
     template<typename Mesh>
     size_t estimateTables (const Mesh* mesh, const QuadRegions& found)
     {
@@ -278,7 +276,6 @@ namespace embree
       return size_t(double(bytes)*double(found.numQuads(0,found.regions.size()))/double(max(looked,size_t(1))));
     }
 
-    /*! Replaces `best` if `other` needs fewer bytes. */
     template<typename Mesh>
     void improve (const Mesh* mesh, Found& best, const Found& other)
     {
@@ -290,7 +287,7 @@ namespace embree
       if (best->regions.empty() || bytes(other) < bytes(best)) best = other;
     }
 
-    /*! True if nearly all blocks are full, so that little can be gained. */
+    /*! Nearly all blocks are full, so little can be gained. */
     bool isGood (const QuadRegions& found)
     {
       const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
@@ -298,7 +295,7 @@ namespace embree
       return quads != 0 && double(found.bytesOfBlocks()) <= 1.1*least;
     }
 
-    /*! If pairs of consecutive triangles leave many quads irregular, also tries partners anywhere in the mesh. */
+    /*! If pairs of consecutive triangles leave many quads irregular, also tries partners anywhere. */
     template<typename Mesh>
     Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {

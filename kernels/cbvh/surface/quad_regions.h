@@ -3,10 +3,9 @@
 
 #pragma once
 
-/* Regions of a mesh whose quads form a grid, found from the connectivity alone. Vertices with the same position count
- * as one (welded_vertices.h). Quads are the quads of a quad mesh, or pairs of triangles of a triangle mesh that share
- * an edge (triangle_pairs.h). The corners v0 to v3 go around a quad. Embree splits it from v1 to v3, like the quads of
- * grids:
+/* Regions of a mesh whose quads form a grid, found from connectivity alone. Vertices with the same position count as
+ * one (welded_vertices.h). Quads are those of a quad mesh, or pairs of triangles that share an edge (triangle_pairs.h).
+ * The corners v0 to v3 go around a quad. Embree splits it from v1 to v3, like the quads of grids:
  *
  *    v3 --- v2 --- .       Quad r is right of quad q if its v0 and v3 are v1 and v2 of q. It is above q if its v0 and
  *     |  \  |   \  |       v1 are v3 and v2 of q. So all quads of a region begin at the same corner, and have the same
@@ -37,13 +36,12 @@ namespace embree
           for (int i=0; i<4; i++) v[i] = (*welded)[v[i]];
       }
 
-      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID
+      unsigned number (size_t quad) const { return unsigned(quad); } //!< primID of the quad
       unsigned second (size_t quad) const { return unsigned(quad); }
 
       /*! See cvert/format/quad_numbers.h. */
       unsigned form (size_t) const { return 0; }
 
-      /*! Sets the corners and returns the form. */
       unsigned look (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
@@ -51,8 +49,8 @@ namespace embree
     {
       const TriangleMesh* mesh;
       const WeldedVertices* welded;     //!< null if all vertices differ
-      const mvector<unsigned>* firsts;  //!< first triangles of pairs; null if pair i begins with triangle 2i
-      const mvector<unsigned>* seconds; //!< second triangles; null if they follow the first ones
+      const mvector<unsigned>* firsts;  //!< of pairs; null if pair i begins with triangle 2i
+      const mvector<unsigned>* seconds; //!< null if they follow the first ones
 
       size_t size () const { return firsts ? firsts->size() : mesh->triangles.size()/2; }
       unsigned number (size_t pair) const { return firsts ? (*firsts)[pair] : unsigned(2*pair); }
@@ -67,8 +65,8 @@ namespace embree
         return next == size_t(first)+1 ? first : first+1;
       }
 
-      /*! Makes a quad of two triangles that share an edge: the first has the corners 00, 10, 01, the second 11, 01, 10.
-       *  Returns false if they share none. */
+      /*! Joins two triangles to a quad: the first has the corners 00, 10, 01, the second 11, 01, 10. Returns false if
+       *  they share no edge. */
       static bool join (const unsigned a[3], const unsigned b[3], unsigned v[4], unsigned& turns)
       {
         for (unsigned i=0; i<3; i++)
@@ -81,7 +79,7 @@ namespace embree
         return false;
       }
 
-      /*! True if two triangles share an edge and refer to existing vertices. */
+      /*! Also checks that the vertices exist. */
       bool areJoined (size_t first, size_t second) const
       {
         unsigned a[3], b[3], v[4], turns;
@@ -90,13 +88,12 @@ namespace embree
         return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
       }
 
-      /*! As QuadsOfMesh::look(). */
       unsigned look (size_t pair, unsigned v[4]) const
       {
         const unsigned first = number(pair), other = second(pair);
         unsigned a[3], b[3], turns = 0;
         triangle(first,a);
-        if (other == first) { // a single triangle: corner v2 is v1
+        if (other == first) { // for a single triangle, v2 equals v1
           v[0] = a[0]; v[1] = v[2] = a[1]; v[3] = a[2];
           return cbvh::numbersOfTriangles | cbvh::numbersOfOneTriangle;
         }
@@ -121,28 +118,27 @@ namespace embree
   {
     struct Region
     {
-      size_t first;           //!< first of its quads
-      unsigned width, height; //!< in quads
+      size_t first;           //!< index of the region's first quad
+      unsigned width, height; //!< size in quads
     };
 
-    /*! Maximum number of quads along a side, because a region has one lattice, and the size of quads may change along
-     *  it. */
+    /*! Quads per side. A region has one lattice, but the size of quads may change along it. */
     static const unsigned maxSide = 64;
 
-    /*! Quads are irregular if their region has fewer quads along a side. A block needs 138 bytes and about 1 per quad:
-     *  16 bytes per quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
+    /*! Quads of regions with shorter sides are irregular. A block needs 138 bytes and about 1 per quad: 16 bytes per
+     *  quad for 3 x 3 quads, 10 for 4 x 4, and 2 for 16 x 16. */
     static const unsigned minRegionSide = 4;
 
-    cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty if the mesh is not regular
+    cbvh::UnmonitoredVector<Region> regions; //!< regular ones first; empty for an irregular mesh
     size_t numRegular = 0;                   //!< number of regions without irregular quads
     cbvh::UnmonitoredVector<unsigned> quads; //!< by region, row by row from its v0
     std::shared_ptr<const WeldedVertices> welded; //!< null if all vertices differ
     cbvh::UnmonitoredVector<unsigned> firsts, seconds; //!< as in PairsOfMesh; empty if those are null
-    bool formsDiffer = false;  //!< triangles of quads in a region begin at different corners
-    bool isOutOfMemory = false; //!< the regions could not be found
+    bool formsDiffer = false;  //!< triangles of a region's quads begin at different corners
+    bool isOutOfMemory = false; //!< memory ran out while regions were searched
     cbvh::UnmonitoredVector<unsigned> loose; //!< primitives in mesh blocks (mesh_parts.h), ascending
-    bool areAllIrregular = false; //!< there are no regions, and `loose` is empty
-    size_t numLeftOut = 0;    //!< primitives with an index that is not a vertex; rays do not hit them
+    bool areAllIrregular = false; //!< no regions, and `loose` is empty
+    size_t numLeftOut = 0;    //!< primitives with an index that is not a vertex; rays miss them
 
     size_t bytes () const
     {
@@ -152,27 +148,27 @@ namespace embree
 
     bool hasIrregular () const { return areAllIrregular || !loose.empty(); }
 
-    /*! Estimated bytes of all blocks, with their share of the tree. Ignores tables of numbers without a pattern. */
+    /*! Estimate with the tree's share. Ignores tables of numbers without a pattern. */
     size_t bytesOfBlocks () const;
 
-    /*! As above, for a mesh with one time step: regions are in mesh blocks if those need fewer bytes. */
+    /*! bytesOfBlocks for a mesh with one time step: regions are in mesh blocks if those need fewer bytes. */
     size_t bytesWithMeshBlocks () const;
 
     /*! tables: bytes of the region's numbers if they have no pattern (bytesOfTables), or 0 to ignore them. */
     static bool isSmallerInMeshBlocks (const Region& region, size_t tables = 0);
 
-    /*! True if the bytes of its numbers decide whether a region is smaller in mesh blocks. */
+    /*! The bytes of its numbers decide whether the region is smaller in mesh blocks. */
     static bool dependsOnNumbers (const Region& region);
 
     size_t numQuads (size_t beginRegion, size_t endRegion) const;
 
-    /*! Uses all threads; the result does not depend on their number. Never null. Returns no regions if a sample of
-     *  quads shows that the mesh is not regular. */
+    /*! Never null; without regions if a sample shows that the mesh is not regular. Uses all threads; the result is
+     *  independent of their number. */
     static std::shared_ptr<const QuadRegions> find (const QuadMesh* mesh);
     static std::shared_ptr<const QuadRegions> find (const TriangleMesh* mesh);
 
   private:
-    /*! Most that bytesOfTables() returns per quad. */
+    /*! Maximum of bytesOfTables() per quad. */
     static const size_t maxTableBytes = 8;
   };
 
@@ -212,7 +208,7 @@ namespace embree
       }
     }
 
-    /*! Bytes of the tables of a region's numbers, if all blocks are like the first; 0 if its numbers have a pattern. */
+    /*! Bytes of a region's tables of numbers, if all blocks are like the first; 0 if its numbers have a pattern. */
     template<typename Quads>
     size_t bytesOfTables (const Quads& quads, const QuadRegions& meshRegions, size_t region,
                           cbvh::QuadNumbers& numbers, cbvh::NumbersEncoder& encoder)

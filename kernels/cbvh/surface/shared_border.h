@@ -5,13 +5,13 @@
 
 /* The rule of shared borders.
  *
- * The primitives of a geometry, faces or grids, meet along edges and in corners. Each one evaluates its own vertices
- * there and has its own lattice: rays would pass through the gaps. Therefore all primitives store the same floats
- * there, which makes the surface watertight:
+ * The primitives of a geometry, faces or grids, meet in edges and corners. Each evaluates its own vertices there and
+ * has its own lattice: rays would pass through the gaps. Therefore all primitives store the same floats there, which
+ * makes the surface watertight:
  *
  * 1. Owner. One primitive owns a shared edge, and one owns a shared corner: the primitive with the smallest claim.
  *    Primitives that GRID traces come first, because GRID cannot use other vertices. Then the primitive with the fewest
- *    vertices along the edge comes first, then the lower number. All primitives use the positions of the owner.
+ *    vertices along the edge comes first, then the lower number. All primitives use the owner's positions.
  * 2. Rate. An edge has the lowest rate of its primitives. A primitive with more vertices is stitched to it: each of its
  *    vertices moves to a vertex of the edge.
  * 3. Lattice. A shared vertex is on the coarsest lattice of its primitives (border_lattices.h). It is a point of all of
@@ -45,23 +45,23 @@ namespace embree
       SharedVertex (const float p[3], int exponent) : position{ p[0],p[1],p[2] }, exponent(exponent) {}
     };
 
-    /*! The smallest claim to an edge or a corner owns it. rate: of the edge, less than 2^31; 0 for a corner, because
-     *  its owner does not depend on rates. number: unique among the claims. */
+    /*! The smallest claim owns an edge or corner. rate: the edge's, less than 2^31; 0 for a corner, whose owner is
+     *  independent of rates. number: unique among the claims. */
     inline uint64_t claimOf (bool isTracedByGrid, unsigned rate, uint32_t number) {
       return uint64_t(!isTracedByGrid) << 63 | uint64_t(rate) << 32 | number;
     }
 
     /*! First vertex of a border of `fine` quads that cvert::stitchedVertex, like Embree's stitch(), moves to vertex k
-     *  of an edge of rate `coarse`. It is the nearest vertex. */
+     *  of an edge of rate `coarse`. It is the nearest one. */
     inline unsigned firstStitched (unsigned k, unsigned fine, unsigned coarse) {
       return (2*k*fine + coarse-1)/(2*coarse);
     }
 
-    /*! Vertex of an edge at rate `own` that is nearest to vertex k of the same edge at `rate`, at most `own`. */
+    /*! Vertex of an edge at rate `own` that is nearest to vertex k at `rate`, at most `own`. */
     inline unsigned nearestVertex (unsigned k, unsigned rate, unsigned own) { return (2*k*own + rate)/(2*rate); }
 
-    /*! Replaces the vertices of a part on the border of a patch of quadsX x quadsY quads by the shared vertices,
-     *  rounded to their lattices. Adds the distances that they moved, and by which the owner's positions differ, to the
+    /*! Replaces a part's vertices on the border of a patch of quadsX x quadsY quads by the shared vertices, rounded to
+     *  their lattices. Adds the distances that they moved, and by which the owner's positions differ, to the
      *  statistics. own: vertices as the primitive evaluates them. stored: result. Both contain the part row by row, and
      *  may be the same array. Patch: see source.h. */
     template<typename Patch>
@@ -72,7 +72,7 @@ namespace embree
       for (int s=0; s<4; s++)
       {
         const bool alongU = s % 2 == 0;
-        const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // row or column of the side
+        const unsigned at = s == 1 ? quadsX : s == 2 ? quadsY : 0; // row or column of side s
         if (alongU ? at < part.y0 || at > part.y1 : at < part.x0 || at > part.x1) continue;
         const auto side = patch.side(s,step);
         const unsigned fine = alongU ? quadsX : quadsY;

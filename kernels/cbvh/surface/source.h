@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the code that builds
- * blocks. A source enumerates the primitives of one geometry. A patch is a rectangle of quads of one primitive. Both
- * are template parameters: BuilderOf (building/surface_builder.h) is compiled for each source, and the writers
- * (vert/writer.h, framed/writer.h) for each patch. isSource<S>() checks a source at compile time. CageSource and
- * GridSource (building/) are sources; tests/library/sphere_source.h is a short example.
+/* Source and Patch: the interface between an application's input (a cage, grids or a mesh) and the builder of blocks. A
+ * source enumerates the primitives of a geometry. A patch is a rectangle of quads of a primitive. Both are template
+ * parameters, of BuilderOf (building/surface_builder.h) and of the writers (vert/writer.h, framed/writer.h).
+ * isSource<S>() checks a source at compile time. CageSource and GridSource (building/) are sources;
+ * tests/library/sphere_source.h is a short example.
  *
  * UNITS. Positions are floats in object space. Quads and rates are counts. A lattice is the exponent of its spacing
  * (cvert/encoder/lattice.h). Time steps are numbered from 0 to plan.numTimeSteps-1.
@@ -15,12 +15,12 @@
  * SIDES are numbered around the patch: v = 0, u = 1, v = 1, u = 0. Vertices of a side are counted in that direction.
  *
  * THREADS. The builder constructs a source, and calls prepare() and release(), on one thread at a time. prepare() may
- * use all threads. Between these two calls, several threads call all const members at once. Scratch and Writer, and the
- * patches made with them, belong to one task.
+ * use all threads. Between these calls, threads call const members concurrently. Scratch and Writer, and the patches
+ * made with them, belong to one task.
  *
- * ERRORS. Every member may throw: an rtcore_error, std::bad_alloc, or the exception with which progress() cancels. The
- * build then ends, and the geometry keeps its old blocks. Vertices that are not finite are not an error: writers leave
- * out their quads and count them.
+ * ERRORS. Members may throw rtcore_error, std::bad_alloc, or the exception with which progress() cancels. The build
+ * then ends, and the geometry keeps its old blocks. Vertices that are not finite are no error: writers leave out their
+ * quads and count them.
  *
  * PATCH. A class derived from SurfacePatch, below, whose members it sets in its constructor, and
  *
@@ -93,9 +93,9 @@ namespace embree
     {
       uint32_t surface;     //!< see surface_ids.h
       unsigned primID;
-      unsigned corner[2];   //!< parameters of the primitive at the patch's corner, times 2
-      unsigned quads[2];    //!< along u and v: the higher rate of two opposite edges
-      const float* rate;    //!< rates of the four sides, integers
+      unsigned corner[2];   //!< primitive's parameters at the patch's corner, times 2
+      unsigned quads[2];    //!< along u and v: higher rates of opposite edges
+      const float* rate;    //!< rates of the four sides; integers
       const cbvh::QuadNumbers* numbers = nullptr; //!< null if the patch is one primitive
     };
 
@@ -137,7 +137,7 @@ namespace embree
       template<typename S> using Write = decltype(bool(a<typename S::Writer>().write(size_t(0),aMutablePatch<S>())));
     }
 
-    /*! True if S is a source. Otherwise a compiler message names each missing member. */
+    /*! Otherwise a compiler message names each missing member. */
     template<typename S>
     constexpr bool isSource ()
     {

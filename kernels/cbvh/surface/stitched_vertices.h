@@ -9,8 +9,8 @@
  *     p-----m-----m-----m-----q      fine
  *
  * An open edge is on the border of only one grid. If other open edges lead from p to q and lie on an open edge from p
- * to q with shared ends, the vertices between are stitched: they are stored on the edge between the stored p and q.
- * They must lie on it at all time steps, except for the application's rounding. */
+ * to q with shared ends, the vertices between are stored on the edge between the stored p and q. They must lie on it at
+ * all time steps, except for the application's rounding. */
 
 #include "border_lattices.h"
 #include "position_table.h"
@@ -21,8 +21,8 @@ namespace embree
 {
   namespace isa
   {
-    /*! Positions: has the members that PositionTable requires, and size(), the number of grids, position(vertex,step)
-     *  and forBorderEdges(grid,closure(a,b)). */
+    /*! Positions: the members that PositionTable requires, size(), the number of grids, position(vertex,step) and
+     *  forBorderEdges(grid,closure(a,b)). */
     template<typename Positions>
     class StitchedVertices
     {
@@ -35,7 +35,7 @@ namespace embree
                         unsigned numSteps)
         : device(device), positions(positions), table(table), lattices(lattices), numSteps(numSteps) {}
 
-      /*! Marks the stitched vertices in the table. */
+      /*! Finds stitched vertices, and marks their entries in the table. */
       template<typename Progress>
       void find (size_t gridsPerTask, const Progress& progress)
       {
@@ -54,8 +54,8 @@ namespace embree
 
       void clear () { stitched.clear(); }
 
-      /*! Where grids store a vertex. The ends of an edge can lie on other edges in turn. The depth is limited, because
-       *  grids that overlap can form a cycle. */
+      /*! Where grids store a vertex. Ends of an edge can lie on other edges. The depth is limited, because overlapping
+       *  grids can form a cycle. */
       cbvh::Double3 stored (Entry entry, unsigned step, unsigned depth = 0) const
       {
         const cbvh::Double3 p = at(entry,step);
@@ -66,7 +66,7 @@ namespace embree
         auto hasPrecedence = [](const Stitched& s, Entry e) { return s.vertex < e; };
         const Edge edge = std::lower_bound(stitched.begin(),stitched.end(),entry,hasPrecedence)->edge;
         const cbvh::Double3 a = stored(edge.begin,step,depth+1);
-        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // the same parameter at all steps
+        return a + parameterOn(edge,at(entry))*(stored(edge.end,step,depth+1)-a); // same parameter at all steps
       }
 
     private:
@@ -76,7 +76,6 @@ namespace embree
         operator uint64_t () const { return uint64_t(begin) << 32 | end; } // sort key
       };
 
-      /*! A vertex of a finer grid on an edge of a coarser grid. */
       struct Stitched
       {
         Entry vertex;
@@ -89,21 +88,21 @@ namespace embree
         return { p[0],p[1],p[2] };
       }
 
-      /*! An order that does not depend on the order of threads. */
+      /*! Independent of the order of threads. */
       bool isBefore (Entry a, Entry b) const
       {
         const cbvh::Double3 p = at(a), q = at(b);
         return std::tie(p.x,p.y,p.z) < std::tie(q.x,q.y,q.z);
       }
 
-      /*! Parameter, 0 to 1, of the point on the edge that is nearest to p. */
+      /*! 0 to 1, of the edge's point nearest to p. */
       double parameterOn (const Edge& edge, const cbvh::Double3& p) const
       {
         const cbvh::Double3 a = at(edge.begin), d = at(edge.end)-a;
         return dot(p-a,d)/dot(d,d);
       }
 
-      /*! Returns the open edges in both directions, sorted. */
+      /*! In both directions, sorted. */
       template<typename Progress>
       mvector<Edge> findOpenEdges (size_t gridsPerTask, const Progress& progress) const
       {
@@ -135,7 +134,7 @@ namespace embree
         radix_sort_u64(edges.data(),room.data(),edges.size());
       }
 
-      /*! Follows open edges that lie on `edge`, from its begin. If they lead to its end, adds the vertices between to
+      /*! Follows open edges on `edge`, from its begin. If they lead to its end, adds the vertices between to
        *  `stitched`. */
       void followEdge (const Edge& edge, const mvector<Edge>& open)
       {
@@ -149,7 +148,7 @@ namespace embree
           for (; next != open.end() && next->begin == from; next++)
           {
             const bool isLast = next->end == edge.end;
-            if (from == edge.begin && isLast) continue; // the edge itself
+            if (from == edge.begin && isLast) continue; // skips `edge` itself
             const double s = isLast ? 1.0 : parameterOn(edge,at(next->end));
             if (s < tNearest && (isLast || isOnEdge(edge,next->end,t,s))) { nearest = next->end; tNearest = s; }
           }

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. Half-edge 3 t + e is edge e of triangle t, from its corner e to the next
+/* Compiled for the library's lowest ISA only. Half-edge 3 t + e is edge e of triangle t, from corner e to the next
  * corner. */
 
 #include "triangle_pairs.h"
@@ -47,11 +47,11 @@ namespace embree
 
       struct Triangle
       {
-        unsigned v[3]; //!< welded
+        unsigned v[3]; //!< welded vertices
         unsigned number;
       };
 
-      /*! Listed at its lower vertex. */
+      /*! Half-edge in the list of its lower vertex. */
       struct Half
       {
         unsigned other; //!< twice the higher vertex, plus 1 if the half-edge begins there
@@ -59,7 +59,7 @@ namespace embree
         bool operator< (const Half& h) const { return other < h.other; }
       };
 
-      /*! Edge of first triangles, and edge of second triangles, that they share. */
+      /*! Edges of first and of second triangles that are shared. */
       struct Edges
       {
         unsigned first, second;
@@ -89,12 +89,12 @@ namespace embree
 
       bool isValid (const Triangle& t) const { return max(max(t.v[0],t.v[1]),t.v[2]) < numVertices; }
 
-      /*! A vertex near the triangle; numVertices if it is invalid. */
+      /*! A vertex near the triangle; numVertices if invalid. */
       unsigned vertexOf (const Triangle& t) const {
         return isValid(t) ? min(min(t.v[0],t.v[1]),t.v[2]) : unsigned(numVertices);
       }
 
-      /*! True if consecutive triangles tend to have vertices that are far apart in the buffer. */
+      /*! True if vertices of consecutive triangles tend to be far apart in the buffer. */
       bool areScattered () const
       {
         const size_t step = max(size/samples,size_t(2));
@@ -106,8 +106,8 @@ namespace embree
         return 2*far > looked;
       }
 
-      /*! Copies the triangles, because they are visited in the order of neighbors. Scattered triangles are first sorted
-       *  by their vertices, because consecutive vertices are often near each other. */
+      /*! Copies the triangles, because they are visited in the order of neighbors. Sorts scattered triangles by their
+       *  vertices, because consecutive vertices are often near each other. */
       void copyTriangles ()
       {
         cbvh::resizeToFit(triangles,size);
@@ -146,14 +146,14 @@ namespace embree
         return cbvh::AtomicRef<unsigned>(count).fetchAdd(~0u,std::memory_order_relaxed) - 1;
       }
 
-      /*! Converts counts to ends of ranges. */
+      /*! Replaces counts by the ends of their ranges. */
       static void sumUp (mvector<unsigned>& counts)
       {
         unsigned sum = 0;
         for (unsigned& count : counts) count = sum += count;
       }
 
-      /*! Calls closure(lower vertex, Half) for the edges of a triangle whose two vertices differ. */
+      /*! Calls closure(lower vertex, Half) for edges whose vertices differ. */
       template<typename Closure>
       void forEachHalf (size_t triangle, const Closure& closure) const
       {
@@ -165,7 +165,6 @@ namespace embree
         }
       }
 
-      /*! Sets `opposite`. */
       void findEdges ()
       {
         fill(ends,numVertices+1,0u);
@@ -201,7 +200,7 @@ namespace embree
         }
       }
 
-      /*! Squared length at the first time step; 0 if it is not finite. */
+      /*! Squared, at the first time step; 0 if not finite. */
       double lengthOf (unsigned half) const
       {
         const unsigned* const v = triangles[half/3].v;
@@ -218,8 +217,8 @@ namespace embree
         return other != none && other % 3 == f;
       }
 
-      /*! Half-edge by which a triangle is paired, one of two edges, or none. If quads with other corners are adjacent,
-       *  a triangle can share both edges: the longer one is the diagonal of a quad. */
+      /*! Half-edge by which a triangle is paired, one of two edges, or none. A triangle can share both edges if quads
+       *  with other corners are adjacent: the longer one is the diagonal of a quad. */
       unsigned sharedHalf (unsigned triangle, const Edges& edges) const
       {
         const unsigned first = 3*triangle + edges.first, second = 3*triangle + edges.second;
@@ -230,7 +229,7 @@ namespace embree
         return isFirst ? first : isSecond ? second : unsigned(none);
       }
 
-      /*! Triangle with which a triangle is paired, or none. isFirst: the other triangle is the second one. */
+      /*! Triangle with which a triangle is paired, or none. isFirst: the other is the second one. */
       unsigned partnerOf (unsigned triangle, const Edges& edges, bool& isFirst) const
       {
         const unsigned half = sharedHalf(triangle,edges);
@@ -246,7 +245,7 @@ namespace embree
       struct Pairing
       {
         Edges edges;
-        size_t paired = 0, lower = 0; //!< triangles in pairs; those whose first triangle has the lower number
+        size_t paired = 0, lower = 0; //!< in pairs; in pairs whose first triangle has the lower number
         double length = 0;            //!< sum of squared lengths
       };
 
@@ -270,7 +269,7 @@ namespace embree
         return pairing;
       }
 
-      /*! The edges that pair most triangles; if several do, the longest. None if few are paired. */
+      /*! The edges that pair most triangles, among those the longest. None if few are paired. */
       Edges chooseEdges () const
       {
         std::vector<Pairing> all;
@@ -289,7 +288,6 @@ namespace embree
         return isFirst ? best->edges : Edges{ best->edges.second,best->edges.first };
       }
 
-      /*! Pairs all triangles that share these edges. */
       void pairBy (const Edges& edges)
       {
         parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
@@ -301,8 +299,8 @@ namespace embree
           });
       }
 
-      /*! Pairs the remaining triangles along rows and columns of quads, from a first pair on. Only across `edges`,
-       *  unless they are none. */
+      /*! Pairs the remaining triangles along rows and columns of quads, starting with a first pair. Only across
+       *  `edges`, unless they are none. */
       void spread (const Edges& edges)
       {
         auto isFree = [&](unsigned half) {
@@ -345,20 +343,20 @@ namespace embree
       const WeldedVertices* const welded;
       const size_t size, numVertices;
       cbvh::UnmonitoredVector<Triangle> triangles; //!< half-edges and mates are indices into it
-      cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: ends of the half-edges of each vertex
-      cbvh::UnmonitoredVector<Half> halves;        //!< sorted by their lower vertex
-      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite of each half-edge, or `none`
+      cbvh::UnmonitoredVector<unsigned> ends;      //!< while sorting: of the half-edges of each vertex
+      cbvh::UnmonitoredVector<Half> halves;        //!< by lower vertex
+      cbvh::UnmonitoredVector<unsigned> opposite;  //!< opposite half-edge, or `none`
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
-    /*! True if at least half of the vertices in a sample have six triangles. With random diagonals, 3 in 8 do. In less
+    /*! True if at least half of the sampled vertices have six triangles. With random diagonals, 3 in 8 do. In less
      *  regular meshes, most quads would be loose. */
     bool areRegular (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t numVertices = mesh->numVertices();
       const bool areFew = numVertices < 4096;
-      auto isLookedAt = [&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }; // 1 in 64
-      cbvh::UnmonitoredVector<uint8_t> counts; // modulo 256
+      auto isLookedAt = [&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }; // one vertex in 64
+      cbvh::UnmonitoredVector<uint8_t> counts; // triangles per vertex, modulo 256
       cbvh::resizeToFit(counts,numVertices);
       std::fill(counts.begin(),counts.end(),uint8_t(0));
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
@@ -375,8 +373,8 @@ namespace embree
       return 2*size_t(std::count(counts.begin(),counts.end(),6)) >= counts.size()-unused;
     }
 
-    /*! True if almost all sampled triangles of the first half of the mesh share an edge with the corresponding triangle
-     *  of the second half. */
+    /*! True if almost all sampled triangles of the mesh's first half share an edge with the corresponding triangle of
+     *  the second half. */
     bool areHalves (const TriangleMesh* mesh, const WeldedVertices* welded)
     {
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));

@@ -4,12 +4,12 @@
 #pragma once
 
 /* Pairs of triangles that share an edge, anywhere in the index buffer. In a regular mesh, an inner triangle has three
- * neighbors. Pairs across any of the three directions are quads that form a grid, if all pairs use the same direction:
+ * neighbors. Pairs form a grid of quads if all of them are across edges of the same direction:
  *
  * - Programs that split quads begin all first triangles at the same corner, and all second triangles. The shared edge
- *   then has the same index in all first triangles, and in all second ones. If that is so for several directions, the
- *   longest edge is chosen: it is the diagonal of a quad.
- * - If triangles begin at any corner, pairs spread from a first pair along the rows and columns of a grid.
+ *   then has the same index in all first triangles, and in all second ones. Of several such directions, the longest
+ *   edge is chosen, which is a quad's diagonal.
+ * - If triangles begin at any corner, pairs spread from a first pair along rows and columns of a grid.
  *
  * Edges separate regions if they do not have exactly two triangles, or if both have the same direction. */
 
@@ -18,9 +18,9 @@
 
 namespace embree
 {
-  /*! Each triangle is in exactly one pair, in any order; a triangle without a partner is also its own second triangle.
-   *  welded: null if all vertices differ. The result does not depend on the number of threads. Returns false if most
-   *  vertices do not have six triangles, or if edges cannot be numbered in 32 bits. */
+  /*! Each triangle is in exactly one pair, in any order; one without a partner is also its own second triangle.
+   *  welded: null if all vertices differ. The result is independent of the number of threads. Returns false if most
+   *  vertices do not have six triangles, or edges cannot be numbered in 32 bits. */
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds);
 }

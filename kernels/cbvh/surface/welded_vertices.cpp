@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Compiled for the library's lowest ISA only. Vertices are distributed to buckets by a hash of their positions. A task
- * processes a bucket with a table that fits into a cache. */
+/* Compiled for the library's lowest ISA only. A hash of positions distributes vertices to buckets. A task processes a
+ * bucket with a table that fits into a cache. */
 
 #include "welded_vertices.h"
 #include "../base/resize_to_fit.h"
@@ -24,7 +24,7 @@ namespace embree
         while (numBuckets < maxBuckets && numBuckets*perBucket < n) { numBuckets *= 2; bucketBits++; }
       }
 
-      /*! Returns true if any vertices are equal. */
+      /*! True if any vertices are equal. */
       bool run (mvector<unsigned>& firsts)
       {
         distribute();
@@ -41,14 +41,14 @@ namespace embree
     private:
       enum : unsigned { none = ~0u };
 
-      /*! Contains the position at the first time step, so that a task reads only its bucket. */
+      /*! Contains the first time step's position, so that a task reads only its bucket. */
       struct Entry
       {
         unsigned hash, vertex;
         unsigned at[3]; //!< see bitsOf()
       };
 
-      /*! Returns bits that are equal if the floats are. */
+      /*! Bits that are equal if the floats are equal. */
       static unsigned bitsOf (float x)
       {
         unsigned bits;
@@ -89,7 +89,7 @@ namespace embree
         for (size_t i=task*perTask; i<min(n,(task+1)*perTask); i++) closure(i,hashOf(i));
       }
 
-      /*! Sorts the vertices by bucket. Vertices of a bucket are in ascending order. */
+      /*! Vertices of a bucket are in ascending order. */
       void distribute ()
       {
         cbvh::resizeToFit(ends,numBuckets*numTasks);
@@ -111,8 +111,8 @@ namespace embree
           });
       }
 
-      /*! Sets firsts[v] to the first vertex that is equal to v, for the vertices v of a bucket. Returns true if any
-       *  vertices are equal. table: temporary memory. */
+      /*! Sets firsts[v] to the first vertex that is equal to v, for a bucket. Returns true if any are equal. table:
+       *  temporary memory. */
       bool weld (size_t begin, size_t end, std::vector<unsigned>& table, mvector<unsigned>& firsts) const
       {
         size_t size = 16;
@@ -137,7 +137,7 @@ namespace embree
       size_t numBuckets = 1;
       unsigned bucketBits = 0;
       cbvh::UnmonitoredVector<Entry> entries;
-      cbvh::UnmonitoredVector<unsigned> ends; //!< ends of the entries of each task in each bucket, by bucket
+      cbvh::UnmonitoredVector<unsigned> ends; //!< ends of each task's entries, by bucket
     };
   }
 

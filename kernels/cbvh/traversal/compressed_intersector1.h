@@ -125,7 +125,7 @@ namespace embree
           && cbvh::mayIntersect(ray,boxOf(bvh))) occludedTree(bvh,ray,context);
       }
 
-      /*! Box around all blocks at all times. */
+      /*! Box at all times. */
       static __forceinline BBox3fa boxOf (const BVH4* bvh) { return merge(bvh->bounds.bounds0,bvh->bounds.bounds1); }
 
       static __noinline void intersectTree (const BVH4* bvh, RayHit& ray, IntersectContext* context)

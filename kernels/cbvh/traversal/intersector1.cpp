@@ -1,8 +1,6 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersectors of single rays, instantiated for one ISA. */
-
 #include "compressed_intersector1.h"
 
 namespace embree

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersectors of packets and streams, instantiated for one ISA, with the same hits as single rays. Rays of a coherent
- * context traverse the top-level BVH and blocks together. Other rays are traced one by one, and so are rays
- * through moving blocks, because each ray has its own time. */
+/* Intersectors of packets and streams, instantiated for one ISA, with the hits of single rays. Rays of a coherent
+ * context traverse the top-level BVH and blocks together. Other rays are traced one by one, as are rays through moving
+ * blocks, which have different times. */
 
 #include "../embree/traversal.h"
 #include "compressed_intersector1.h"
@@ -21,7 +21,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Blocks, and Embree's grids for faces that are not compressed. */
+    /*! Blocks, and Embree's grids for uncompressed faces. */
     template<int K, typename Rays>
     class CompressedSubdivLeavesK
     {
@@ -46,7 +46,7 @@ namespace embree
         else accept(intersectGrid(valid,rays,(const GridSOA*)prim,type,tray,lazyNode));
       }
 
-      /*! Must be called after the traversal. */
+      /*! Call it after the traversal. */
       __forceinline void end (const vbool<K>& valid) { if (!isAnyHit) framed.end(valid,rays.tfar); }
 
     private:
@@ -93,7 +93,7 @@ namespace embree
       ray.mask = rays.mask[k]; ray.id = rays.id[k]; ray.flags = rays.flags[k];
     }
 
-    /*! Traces the rays of the mask `alone` one by one with intersect(ray) or occluded(ray). */
+    /*! Traces the rays of `alone` with intersect(ray) or occluded(ray). */
     template<int K, typename Intersect>
     __forceinline void traceOneByOne (uint32_t alone, RayHitK<K>& rays, const Intersect& intersect)
     {
@@ -126,7 +126,7 @@ namespace embree
       }
     }
 
-    /*! Rays that can hit anything. */
+    /*! Active rays that may hit something. */
     template<int K>
     __forceinline vbool<K> validOf (const vint<K>& mask, const RayK<K>& rays) {
       return (mask == vint<K>(-1)) & cbvh::mayHit(rays);
@@ -176,11 +176,11 @@ namespace embree
     private:
       struct Traced
       {
-        uint32_t alone; //!< rays that have not been traced
-        vbool<K> ended; //!< rays of an any-hit query that have a hit
+        uint32_t alone; //!< rays that are not yet traced
+        vbool<K> ended; //!< any-hit rays that found a hit
       };
 
-      /*! Traces rays whose directions have the same signs together. */
+      /*! Traces rays with the same direction signs together. */
       template<typename Rays>
       static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
                                          IntersectContext* context)

@@ -19,7 +19,7 @@ namespace embree
     namespace cbvh
     {
 #if defined(EMBREE_CBVH_NO_PAPER)
-      /*! Replaces framed/framed_rays1.h in a library without the paper's representations. */
+      /*! Replaces framed/framed_rays1.h in libraries without the paper's representations. */
       struct FramedRay
       {
         __forceinline explicit FramedRay (float) {}
@@ -31,7 +31,7 @@ namespace embree
       };
 #endif
 
-      /*! Returns false if the primitive is not a block. found: true if a hit was accepted. */
+      /*! False if the primitive is not a block. found: a hit was accepted. */
       template<typename RayType>
       __forceinline bool intersectBlock (size_t type, RayType& ray, IntersectContext* context, FramedRay& framed,
                                          VertRay& vertRay, const void* prim, bool& found)
@@ -43,7 +43,7 @@ namespace embree
         return true;
       }
 
-      /*! type: of a moving block. Returns true if a hit was accepted. */
+      /*! type: of a moving block. True if a hit was accepted. */
       template<typename RayType>
       __forceinline bool intersectMovingBlock (size_t type, RayType& ray, IntersectContext* context, VertRay& vertRay,
                                                const void* prim)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Replaces framed/framed_raysK.h in a library without the paper's representations. */
+/* Replaces framed/framed_raysK.h in libraries without the paper's representations. */
 
 #include "../embree/ray.h"
 

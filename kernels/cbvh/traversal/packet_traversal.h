@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Traversal of the top-level BVH by packets. The frustum of the rays culls nodes, as in Embree's coherent traversal.
- * Unlike there, a ray only visits blocks whose bounds it intersects: otherwise it could hit geometry outside of these
- * bounds (framed/block_bounds.h). Entry distances are passed as in top_level1.h, so hits equal those of single rays. */
+/* Traversal of the top-level BVH by packets. The rays' frustum culls nodes, as in Embree's coherent traversal. Unlike
+ * there, a ray only visits blocks whose bounds it intersects: otherwise it could hit geometry outside of these bounds
+ * (framed/block_bounds.h). Entry distances are passed as in top_level1.h, so hits equal those of single rays. */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -38,7 +38,7 @@ namespace embree
         };
 
       public:
-        /*! Requires rays with the same signs of tray.rdir. k: the first of them. */
+        /*! Requires rays with the same signs of tray.rdir. k: the first one. */
         static __noinline void run (const vbool<K>& valid, size_t k, NodeRef root, RayK<K>& rays, Tray& tray,
                                     Leaves& leaves)
         {
@@ -64,17 +64,17 @@ namespace embree
             size_t lazyNode = 0;
             leaves.intersect(meets,at.node,at.enter,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
-              // inactive lanes may contain NaN, which would spoil the maximum in the frustum
+              // inactive lanes may contain NaN, which would spoil the frustum's maximum
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
               frustum.template updateMaxDist<K>(tray.tfar);
             }
-            // applies only to rays that intersected the leaf
+            // for rays that intersected the leaf
             if (unlikely(lazyNode)) *top++ = Entry{ at.enter,NodeRef(lazyNode),at.first };
           }
         }
 
       private:
-        /*! Embree's robust test of single rays, for packets. */
+        /*! Embree's robust single-ray test, for packets. */
         class Boxes
         {
           vfloat<K> rdirNear[3], rdirFar[3];
@@ -92,7 +92,7 @@ namespace embree
 
           __forceinline vbool<K> meet (const BVH4::AABBNode* node, size_t i, const Tray& tray, vfloat<K>& enter) const
           {
-            const vfloat4* planes = &node->lower_x; // lower and upper plane of each axis
+            const vfloat4* planes = &node->lower_x; // lower and upper per axis
             vfloat<K> leave = tray.tfar;
             enter = tray.tnear;
             for (int axis=0; axis<3; axis++) {
@@ -103,7 +103,7 @@ namespace embree
           }
         };
 
-        /*! Pushes the children that rays intersect, nearest last. */
+        /*! Intersected children, nearest last. */
         static __forceinline Entry* pushChildren (const Entry& at, const Frustum<true>& frustum, const Boxes& boxes,
                                                   const Tray& tray, Entry* top)
         {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Point queries. The application's function is called for the primitive of each block within reach, possibly several
- * times. For blocks with numbers of quads and for mesh blocks, it is called for each primitive if its box, or the box
- * of one of its triangles, is within reach. As in Embree, queries find grids, quads and triangles at the query's time,
- * but no subdivision surfaces. */
+ * times. For blocks with numbers of quads and for mesh blocks, it is called for each primitive whose box, or whose
+ * triangle's box, is within reach. As in Embree, queries find grids, quads and triangles at the query's time, but no
+ * subdivision surfaces. */
 
 #include "point_query.h"
 #include "../base/mapped_blocks.h"
@@ -30,7 +30,7 @@ namespace embree
       public:
         PointQueryTraversal (PointQuery* query, PointQueryContext* context) : query(query), context(context) {}
 
-        /*! Visits the nearest children first. Returns true if a call changed the query. */
+        /*! Visits nearest children first. True if a call changed the query. */
         bool operator() (const BVH4* bvh)
         {
           if (bvh->root == BVH4::emptyNode || !((const CompressedTree*)bvh)->hasGrids) return false;
@@ -75,7 +75,7 @@ namespace embree
             outside(query->p.y,node->lower_y,node->upper_y),outside(query->p.z,node->lower_z,node->upper_z));
         }
 
-        /*! isPresent: receives the children that exist at the query's time */
+        /*! isPresent: children that exist at the query's time */
         vfloat4 distanceOf (BVH4::NodeRef ref, vboolf4& isPresent) const
         {
           const BVH4::AABBNodeMB* const node = ref.getAABBNodeMB();
@@ -123,7 +123,7 @@ namespace embree
 
         embree::cbvh::TraversalTime time () const { return { query->time,false }; }
 
-        /*! Skips primitives that are not finite. Returns true if a call changed the query. */
+        /*! Skips primitives that are not finite. True if a call changed the query. */
         bool callQuads (Geometry* geometry, const VertHeader* header)
         {
           const embree::cbvh::VerticesAtTime block(header,time());
@@ -143,7 +143,7 @@ namespace embree
           return changed;
         }
 
-        /*! Returns true if a call changed the query. */
+        /*! True if a call changed the query. */
         bool callTriangles (Geometry* geometry, const MeshHeader* block)
         {
           if (!embree::cbvh::MeshAtTime::isPresent(block,time())) return false;
@@ -165,7 +165,7 @@ namespace embree
           return changed;
         }
 
-        /*! True if the box of a group of a block that does not move is within reach. */
+        /*! For a group of a block that does not move. */
         bool isWithinReach (const MeshView& view, uint32_t g) const
         {
           BBox3fa bounds;
@@ -190,7 +190,6 @@ namespace embree
           return geometry->pointQuery(query,context);
         }
 
-        /*! Distance of one box. */
         float distanceOf (const BBox3fa& bounds) const
         {
           float d[3];

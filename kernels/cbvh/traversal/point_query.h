@@ -11,7 +11,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Runs a point query on a CompressedTree. Returns true if a call of the application's function changed it. */
+      /*! True if a call of the application's function changed the query. */
       bool queryPoint (const BVH4* bvh, PointQuery* query, PointQueryContext* context);
     }
   }

@@ -24,11 +24,11 @@ namespace embree
     const size_t largeCaches = 0;
 #endif
 
-    /*! Size of a cache that consists of CacheEntries. */
+    /*! Entries: consists of CacheEntries. */
     template<typename Entries>
     static size_t bytesOf () { return sizeof(ThreadCache<Entries>)/(2-largeCaches); }
 
-    /* Set by the code that maps blocks, so that codecs do not depend on it. */
+    /* The code that maps blocks sets them, so that codecs do not depend on it. */
     std::atomic<size_t> mappedBegin(0), mappedBytes(0);
     std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid(nullptr);
 
@@ -55,7 +55,7 @@ namespace embree
     {
       struct Owner { ~Owner () { std::free(current); current = nullptr; } };
       if (current == nullptr) {
-        static thread_local Owner owner; // destroyed when the thread ends
+        static thread_local Owner owner; // destroyed at the thread's end
         (void)owner;
         void* memory = nullptr;
         if (posix_memalign(&memory,64,sizeof(ThreadCache)) != 0) throw std::bad_alloc();

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Embree's traversal of the top-level BVH by a single ray, with the rays of top_level_ray.h. For the closest hit it
- * passes the distance at which the ray enters the bounds of a leaf, so that the result does not depend on the order of
- * blocks (nearest_hit.h). */
+/* Embree's single-ray traversal of the top-level BVH, with the rays of top_level_ray.h. For closest hits it passes the
+ * distance at which the ray enters a leaf's bounds, so that results are independent of the order of blocks
+ * (nearest_hit.h). */
 
 #include "top_level_ray.h"
 #include "../embree/traversal.h"
@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Intersects the children of a node. Returns their mask and distances. */
+      /*! Intersect the children of a node; return their mask and distances. */
       struct StaticNodes
       {
         static const int types = BVH_AN1;
@@ -41,8 +41,8 @@ namespace embree
         return distance;
       }
 
-      /*! If an entry is nearer than the leaf, moves it to the top and puts the leaf in its place, so that leaves are
-       *  visited in the order of their distances. Embree sorts only the children of one node. */
+      /*! If an entry is nearer than the leaf, moves it to the top and puts the leaf in its place: leaves are visited in
+       *  order of distance. Embree sorts only the children of one node. */
       __forceinline bool deferToNearer (BVH4::NodeRef leaf, float enter, StackItemT<BVH4::NodeRef>* stack,
                                           StackItemT<BVH4::NodeRef>*& top)
       {
@@ -114,7 +114,7 @@ namespace embree
         }
       }
 
-      /*! Returns true if a ray hits anything. isOccluded(leaf,tray,lazyNode): true for a hit; lazyNode as above. */
+      /*! isOccluded(leaf,tray,lazyNode): true for a hit; lazyNode as above. */
       template<typename Nodes, typename IsOccluded>
       __forceinline bool traverseAnyHit1 (BVH4::NodeRef root, const Nodes& nodes, const Ray& ray,
                                           const IsOccluded& isOccluded)

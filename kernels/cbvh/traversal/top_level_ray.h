@@ -3,16 +3,15 @@
 
 #pragma once
 
-/* Rays that traverse the top-level BVH. They differ from Embree's rays in two ways:
+/* Rays in the top-level BVH. They differ from Embree's in two ways:
  *
- * Rays that are not finite are rejected. Comparisons with NaN would report hits of children that do not exist, and
- * would make the bounds of a packet useless.
+ * Rays that are not finite are rejected. Comparisons with NaN would report hits of nonexistent children, and would make
+ * a packet's bounds useless.
  *
- * Embree replaces reciprocals of components below 1e-18 by 1e18, however short the direction is. If its length is 1e-12
- * and a component is 0, this tilts the ray by 1e-6, so that it misses boxes of geometry that it hits. Here the
- * threshold is relative to the largest component (cvert/rule/reciprocal.h), and reciprocals are never 0. Traversal of
- * finite rays and boxes therefore computes no NaN, and no ray hits children that do not exist, whose bounds are
- * infinity to -infinity. */
+ * Embree replaces reciprocals of components below 1e-18 by 1e18, however short the direction is. For a length of 1e-12
+ * and a component of 0, this tilts the ray by 1e-6: it misses boxes of geometry that it hits. Here the threshold is
+ * relative to the largest component (cvert/rule/reciprocal.h), and reciprocals are never 0. Traversal of finite rays
+ * and boxes therefore computes no NaN, and no ray hits nonexistent children, whose bounds are infinity to -infinity. */
 
 #include "../base/vectors.h"
 #include "../embree/traversal.h"
@@ -23,7 +22,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! True if origin and direction are finite, and tnear is at most tfar. */
+      /*! True if origin and direction are finite, and tnear <= tfar. */
       __forceinline bool mayHit (const Ray& ray)
       {
         const Vec3fa bound(pos_inf);
@@ -40,7 +39,7 @@ namespace embree
         return finite;
       }
 
-      /*! Factors of distances to planes, by axis: `near` makes distances smaller, `far` larger. */
+      /*! By axis: `near` makes distances to planes smaller, `far` larger. */
       struct PlaneFactors
       {
         const vfloat4 rdir, near, far;
@@ -50,7 +49,8 @@ namespace embree
             far(vfloat4(1.0f+3.0f*float(ulp))*rdir) {}
       };
 
-      /*! Returns false if the ray misses a box, and, due to the arithmetic of TopLevelRay, all boxes inside it. */
+      /*! Returns false if the ray misses a box, and therefore, in the arithmetic of TopLevelRay, all boxes inside
+       *  it. */
       __forceinline bool mayIntersect (const Ray& ray, const BBox3fa& box)
       {
         const PlaneFactors factors{ Vec3fa(ray.dir) };
@@ -102,7 +102,7 @@ namespace embree
         }
       };
 
-      /*! Inactive lanes contain numbers, too. The caller must set tnear and tfar. */
+      /*! Inactive lanes contain numbers. The caller sets tnear and tfar. */
       template<int K>
       struct TopLevelRays : public TravRayK<K,true>
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* SIMD decoder of the boxes of cVERT groups (cvert/format/block.h). */
+/* SIMD decoder of boxes of cVERT groups (cvert/format/block.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/rule/rule.h"
@@ -18,7 +18,7 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Like vertSpacing, with vector instructions. */
+      /*! vertSpacing with vector instructions. */
       __forceinline VertSpacing spacingOf (uint32_t word, const uint32_t corners[6])
       {
         const __m128i values = _mm_loadu_si128((const __m128i*)corners);
@@ -31,7 +31,7 @@ namespace embree
         return spacing;
       }
 
-      /*! isSheared: if false, the axes are the world's axes. */
+      /*! Without isSheared, the axes are the world's. */
       __forceinline void setShear (uint32_t form, bool isSheared, VertAxes& axes)
       {
         axes.axis = likely(isSheared) ? shearedAxis(form) : 3;
@@ -40,7 +40,7 @@ namespace embree
           for (int i=0; i<3; i++) axes.shear[axisAfter(axes.axis,i)] = shearOf(form,i);
       }
 
-      /*! The caller must set the extent of a raw block from its planes. */
+      /*! The caller sets a raw block's extent from its planes. */
       __forceinline void setAxes (const VertHeader* block, VertAxes& axes)
       {
         const bool raw = isRaw(block->boxForm);
@@ -56,12 +56,12 @@ namespace embree
       class PlanesDecoder
       {
       public:
-        /*! form: shear and shifts of margins, as in VertHeader::boxForm */
+        /*! form: shear and margin shifts, as in VertHeader::boxForm */
         __forceinline PlanesDecoder (uint32_t form, const uint8_t* margins, const VertLayout& groups,
                                      const VertSpacing& spacing, const float* origin)
           : form(form), margins(margins), groups(groups), spacing(spacing), origin(origin) {}
 
-        /*! corners: corners of the groups, in coordinates */
+        /*! corners: of the groups, in coordinates */
         __forceinline void decode (const CellVertices& corners, GroupPlanes planes[3]) const
         {
           const int m = shearedAxis(form);
@@ -83,7 +83,7 @@ namespace embree
       private:
         __forceinline void decode (int k, const float* vertices, float from, GroupPlanes& out) const
         {
-          alignas(16) uint8_t expanded[24]; // 8 bytes are loaded at a time
+          alignas(16) uint8_t expanded[24]; // loads have 8 bytes
           const uint8_t* axisMargins = expandRows(margins + k*groups.groups,expanded);
           const vfloatV spacing(this->spacing.at[k]), origin(from), step(float(1u << marginShift(form,k)));
           const QuadCornersV corners{CellVector(vertices)};
@@ -97,7 +97,7 @@ namespace embree
           }
         }
 
-        /*! Expands one byte per group to one byte per lane. 16 bytes can be read from the result. */
+        /*! One byte per group to one per lane. 16 bytes can be read from the result. */
         __forceinline const uint8_t* expandRows (const uint8_t* rows, uint8_t* out) const
         {
           if (likely(groups.groupsX == 4)) return rows;

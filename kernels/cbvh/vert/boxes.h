@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersects rays with the bounds of a cVERT block and with its boxes. Boxes only cull; rule.h describes by how much
- * their exact planes are widened. `Real` is float, or a vector for the rays of a packet. */
+/* Intersects rays with a cVERT block's bounds and boxes. Boxes only cull; rule.h defines by how much their exact planes
+ * are widened. `Real` is float, or a vector for a packet's rays. */
 
 #include "box_decoder.h"
 #include "ray.h"
@@ -16,7 +16,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A ray along the sheared coordinate, relative to the block's origin. */
+      /*! Relative to the block's origin. */
       template<typename Real>
       struct ShearedRay
       {
@@ -35,8 +35,7 @@ namespace embree
         }
       };
 
-      /*! boxSlack and ShearedRay of a single ray, for all axes at once. Vectors of four ignore the float after an array
-       *  of three. */
+      /*! boxSlack and ShearedRay for all axes at once. Vectors of four ignore the float after an array of three. */
       struct RayInBoxes
       {
         alignas(16) float slack[4];      //!< boxSlack times |rcp|, by axis
@@ -64,10 +63,10 @@ namespace embree
 
       struct BlockBounds : public VertAxes, public BlockReach
       {
-        float slack[3];             //!< largest error of the bounds, by axis
+        float slack[3];             //!< largest error of each axis
       };
 
-      /*! Returns false if a ray misses the bounds between tNear and tFar, as most rays do that hit no group. */
+      /*! False if a ray misses the bounds between tNear and tFar, as most rays do that hit no group. */
       template<typename Real>
       __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const BlockBounds& bounds, Real tNear,
         Real tFar)
@@ -89,7 +88,7 @@ namespace embree
         return interval.from <= interval.to;
       }
 
-      /*! The same for a block that is not raw. */
+      /*! For a block that is not raw. */
       template<typename Real>
       __forceinline auto intersectsBounds (const VertRayAxes<Real>& ray, const VertHeader* block, Real tNear, Real tFar)
         -> decltype(tNear <= tFar)
@@ -107,7 +106,7 @@ namespace embree
         return intersectsBounds<Real>(ray,bounds,tNear,tFar);
       }
 
-      /*! Bounds of a block in a segment, read directly from its steps. */
+      /*! Bounds of a block in a segment, read from its steps. */
       class SegmentReach
       {
         struct End
@@ -120,7 +119,7 @@ namespace embree
         uint32_t form;
 
       public:
-        bool raw; //!< an end is raw: there are no bounds
+        bool raw; //!< an end is raw: the segment has no bounds
 
         __forceinline SegmentReach (const VertHeader* block, uint32_t segment)
         {
@@ -138,13 +137,13 @@ namespace embree
           raw = isRaw(form) || isRaw(end->boxForm);
         }
 
-        /*! The larger extent of both ends. Requires !raw. */
+        /*! The larger one of both ends. Requires !raw. */
         __forceinline float extent () const
         {
           return max(extentOfReach(reachOf(ends[0])),extentOfReach(reachOf(ends[1])));
         }
 
-        /*! Sets the bounds at fraction f of the segment. Requires !raw. */
+        /*! Sets the bounds at fraction f. Requires !raw. */
         __forceinline void set (float f, BlockBounds& out) const
         {
           setShear(form,true,out);

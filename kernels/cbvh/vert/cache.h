@@ -12,20 +12,20 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Vertices by axis, one per lane. Lanes after the last vertex are undefined. */
+    /*! By axis, one per lane. Lanes after the last vertex are undefined. */
     struct alignas(64) CellVertices { float at[3][VertTables::lanes]; };
 
-    /*! Vertices in coordinates of the block: x, y, z and 0 per lane. */
+    /*! Coordinates of the block: x, y, z and 0 per lane. */
     struct alignas(16) CellCoordinates { uint16_t at[26][4]; };
 
-    /*! Planes on one axis, in world space; on the sheared axis, relative to the origin of the block. Group (x,y) is in
-     *  lane x + 4 y. Lanes without a group are undefined. */
+    /*! Planes on one axis, in world space; on the sheared axis, relative to the block's origin. Group (x,y) is in lane
+     *  x + 4 y. Lanes without a group are undefined. */
     struct alignas(64) GroupPlanes { float at[2][16]; }; //!< lower, upper
 
     /*! world axes; one may be sheared */
     struct VertAxes
     {
-      int axis;        //!< sheared axis, or 3 for none, as in raw blocks
+      int axis;        //!< 3 for none, as in raw blocks
       float origin[3]; //!< origin of the block
       float extent[3]; //!< at least the distance of vertices and planes from the origin
       float shear[3];  //!< factors of world coordinates, relative to the origin, in the sheared coordinate
@@ -37,13 +37,13 @@ namespace embree
       GroupPlanes planes[3]; //!< by axis
     };
 
-    /*! Data that the groups of a block share. For a raw block, only axes, lanes and planes are set. */
+    /*! For a raw block, only axes, lanes and planes are set. */
     struct VertBoxes : public GroupBoxes
     {
       uint32_t words[16];    //!< word of each group's cell
       uint16_t fields[16];   //!< offset in the block of each group's fields
       CellCoordinates corners; //!< corners of the groups
-      const void* block;     //!< that the boxes belong to
+      const void* block;     //!< block that the boxes belong to
     };
     static_assert(sizeof(VertBoxes) == 12*64,"VertBoxes must occupy exactly 12 cache lines");
 
@@ -53,10 +53,10 @@ namespace embree
     class VertEntries
     {
     public:
-      /*! If the slot's `block` differs, the caller must fill the slot and set `block`. */
+      /*! If the slot's `block` differs, the caller must fill the slot and set it. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
-      /*! If the slot's key differs, the caller must fill the slot and set the key. */
+      /*! If the slot's key differs, the caller must fill the slot and set it. */
       static __forceinline size_t slot (const void* block, uint32_t lane) {
         return Groups::slot(slotOfBlock(block,32) + lane);
       }
@@ -91,7 +91,7 @@ namespace embree
       }
     };
 
-    /*! Data of a step that its groups share. */
+    /*! Data of a step that groups share. */
     struct StepCells
     {
       alignas(64) uint16_t fields[16]; //!< offset in the step of each group's fields
@@ -99,13 +99,13 @@ namespace embree
       CellCoordinates corners;         //!< corners of the groups
     };
 
-    /*! Data that the groups of a block share in a segment. Boxes are interpolated between its ends. */
+    /*! Data of a segment that groups share. Boxes are interpolated between its ends. */
     struct SegmentBoxes : public GroupBoxes
     {
       SegmentKey key;            //!< key of the block
-      float origins[2][3];       //!< origins of the block at both ends
-      GroupPlanes ends[2][3];    //!< planes at both ends, by axis; GroupBoxes::planes is unused
-      StepCells steps[2];        //!< steps at both ends; unused for a raw step
+      float origins[2][3];       //!< origins of the block, at both ends
+      GroupPlanes ends[2][3];    //!< at both ends, by axis; GroupBoxes::planes is unused
+      StepCells steps[2];        //!< at both ends; unused for a raw step
     };
 
     /*! Vertices of a group in world space, at the ends of a segment. */
@@ -115,13 +115,13 @@ namespace embree
       CellVertices ends[2];
     };
 
-    /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and for one of its groups, with a
+    /*! Cache of moving blocks. Boxes, Group: entries for a segment of a block and of one of its groups, with a
      *  SegmentKey. blockBytes, groupBytes: as for slotOfBlock. */
     template<typename Boxes, typename Group, size_t blockBytes, size_t groupBytes, size_t numBlocks, size_t numGroups>
     class SegmentEntries
     {
     public:
-      /*! If the slot's key differs, the caller must fill the slot and set the key. */
+      /*! If the slot's key differs, the caller must fill the slot and set it. */
       __forceinline Boxes& slot (const void* block, uint32_t segment) {
         return blocks[blocks.slot(slotOfBlock(block,blockBytes) + segment)];
       }

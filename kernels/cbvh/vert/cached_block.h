@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Gives access to a decoded cVERT block, decoding it into the thread's cache if necessary. References into the cache
- * become invalid once a hit is reported, because a filter function may trace further rays. */
+/* Access to a decoded cVERT block. Decodes it into the thread's cache if necessary. References into the cache become
+ * invalid once a hit is reported, because a filter function may trace rays. */
 
 #include "../base/mapped_blocks.h"
 #include "boxes.h"
@@ -23,16 +23,15 @@ namespace embree
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
           : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
 
-        /*! Null if the boxes are not decoded. */
+        /*! Null if not decoded. */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Returns false if a ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires
-         *  isUsable(). */
+        /*! False if a ray misses the block's bounds between tNear and tFar. Decodes nothing. Requires isUsable(). */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const {
           return unlikely(isRaw(block->boxForm)) || intersectsBounds<float>(ray,block,tNear,tFar);
         }
 
-        /*! Returns false if the block is damaged. No byte of it may be read then, not even its header. */
+        /*! False if the block is damaged. Then no byte of it may be read, not even its header. */
         __forceinline bool isUsable () const { return cbvh::isUsable(block,VERT_FORM); }
 
         /*! Requires isUsable(). */
@@ -42,7 +41,7 @@ namespace embree
           return slot;
         }
 
-        /*! Vertices of a group in world space. */
+        /*! In world space. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
           const size_t slot = cache.slot(block,lane);
@@ -53,7 +52,7 @@ namespace embree
       private:
         __noinline void decode () const
         {
-          // covers most blocks; a group's fields are located too late to hide the latency
+          // covers most blocks; a group's fields are located too late to hide latency
           for (int line=1; line<12; line++) prefetchL1((const char*)block + 64*line);
           slot.block = block;
           VertDecoder(block).decode(slot);

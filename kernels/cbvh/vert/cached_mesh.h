@@ -20,8 +20,8 @@ namespace embree
                     && offsetof(MeshHeader,primID) == offsetof(VertHeader,primID),
                     "surface and primID must have the same offsets in both headers");
 
-      /*! Returns the primitive of a triangle, and the parameters of a point. form: of the block. number: of the
-       *  triangle. w1, w2: weights of its second and third corner. */
+      /*! Returns the primitive of a triangle, and parameters of a point. form: of the block. number: of the triangle.
+       *  w1, w2: weights of its second and third corner. */
       __forceinline SurfacePoint pointOfMesh (uint32_t form, uint32_t number, float w1, float w2)
       {
         const bool isSecond = isSecondOfQuad(form,number);
@@ -41,7 +41,7 @@ namespace embree
 
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray hits. */
+        /*! Always true: the block's bounds are its leaf's, which the ray hits. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
         __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
@@ -60,7 +60,6 @@ namespace embree
           return at;
         }
 
-        /*! See pointOfMesh. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
           return pointOfMesh(block->form,MeshDecoder(block).number(boxes(),g,t),w1,w2);
         }
@@ -92,12 +91,12 @@ namespace embree
         return VertTriangle(cached.triangles(g,h >> 4),h & 15);
       }
 
-      /*! Cached: has triangles(), as CachedMeshBlock. See groupTrianglesHitByLine. */
+      /*! groupTrianglesHitByLine for a class with triangles(), as CachedMeshBlock. */
       template<typename Cached>
       __forceinline uint32_t meshTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g)
       {
         const MeshTriangles& first = cached.triangles(g,0);
-        const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may take the slot of the first
+        const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may replace the first in its slot
         const uint32_t mask = trianglesHitByLine(ray,first);
         return likely(!isFirstOfTwo) ? mask : mask | trianglesHitByLine(ray,cached.triangles(g,1)) << 16;
       }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* SIMD decoder of a cVERT cell (cvert/format/cell.h). All numbers are exact in float, so the result equals the integers
- * of the codec, with fused operations or without. */
+/* SIMD decoder of a cVERT cell (cvert/format/cell.h). All numbers are exact in float, so the result equals the codec's
+ * integers, with fused operations or without. */
 
 #include "quad_corners.h"
 #include "cache.h"
@@ -22,14 +22,14 @@ namespace embree
         return vfloat4(vint4(_mm_unpacklo_epi16(_mm_loadl_epi64((const __m128i*)p),_mm_setzero_si128())));
       }
 
-      /*! Loads a corner without the upper bits of its words, which are no coordinates. Lane 3 is undefined. */
+      /*! Loads a corner without its words' upper bits, which are no coordinates. Lane 3 is undefined. */
       __forceinline vfloat4 cornerAt (const uint32_t corners[6], int c) {
         const __m128i coordinates =
           _mm_and_si128(_mm_loadl_epi64((const __m128i*)((const uint16_t*)corners + 3*c)),_mm_set1_epi16(16383));
         return vfloat4(vint4(_mm_unpacklo_epi16(coordinates,_mm_setzero_si128())));
       }
 
-      /*! Component of residuals before slopes. For 0 bits, the shift by 32 returns 0. */
+      /*! Residuals before slopes. For 0 bits, the shift by 32 returns 0. */
       __forceinline vfloatV residualOf (const vintV& fields, int shift, int bits) {
         return vfloatV((fields << (bits == 0 ? 32 : 32-bits-shift)) >> (32-bits));
       }
@@ -47,13 +47,13 @@ namespace embree
           vfloat4::store(upper,c11);
         }
 
-        /*! x, y: weights of the upper corners */
+        /*! x, y: weights of upper corners */
         __forceinline vfloatV at (int axis, const vfloatV& x, const vfloatV& y) const {
           return vfloatV(k[axis])
             + floor(madd(madd(vfloatV(dxy[axis]),y,vfloatV(dx[axis])),x,madd(vfloatV(dy[axis]),y,vfloatV(0.5f))));
         }
 
-        /*! corner 11 */
+        /*! Coordinate of corner 11. */
         __forceinline vfloatV last (int axis) const { return vfloatV(upper[axis]); }
 
       private:
@@ -64,7 +64,7 @@ namespace embree
       class CellBase
       {
       public:
-        /*! ofQuads: true for the cell of a group, false for the first cell. quadsX, quadsY: along the cell's sides. */
+        /*! ofQuads: for a group's cell, otherwise the first cell. quadsX, quadsY: along the cell's sides. */
         __forceinline CellBase (const CellPrediction& prediction, bool ofQuads, uint32_t quadsX, uint32_t quadsY)
           : prediction(prediction), weightX(vertTables.weightX[ofQuads][quadsX-1]),
             weightY(vertTables.weightY[ofQuads][quadsY-1]) {}
@@ -81,7 +81,6 @@ namespace embree
         const float* weightY;
       };
 
-      /*! Stores coordinates of the block. */
       struct CoordinatesOfCell
       {
         CellVertices& out;
@@ -95,7 +94,6 @@ namespace embree
         }
       };
 
-      /*! Stores world positions. */
       struct WorldOfCell
       {
         CellVertices& out;
@@ -142,8 +140,8 @@ namespace embree
           cell.component<2>(CellFields(cell.data,bits[2],cellFields*(bits[0]+bits[1])),0,main,out);
         }
 
-        /*! Decodes component i, which starts at bit `shift` of fields. main: residuals along the main axis, which
-         *  component 0 sets. */
+        /*! Decodes component i, which starts at bit `shift`. main: residuals along the main axis, set by component
+         *  0. */
         template<int i, typename Out>
         __forceinline void component (const CellFields& fields, int shift, vfloatV main[fieldVectors],
                                       const Out& out) const
@@ -171,7 +169,7 @@ namespace embree
         CellDecoder<Base>(word,data,base).decode(out);
       }
 
-      /*! from: vertices of a raw block or step. Quads beyond the region become degenerate. */
+      /*! from: a raw block's or step's vertices. Quads beyond the region become degenerate. */
       __noinline inline void copyVertices (const void* from, uint32_t region, uint32_t gx, uint32_t gy,
                                            CellVertices& out)
       {
@@ -184,8 +182,7 @@ namespace embree
           }
       }
 
-      /*! Adds remainders one by one, because few blocks have any. start: of the block or step. remainders: their word.
-       *  */
+      /*! One by one, because few blocks have remainders. start: of the block or step. remainders: their word. */
       __noinline inline void addRemainders (const void* start, uint32_t remainders, const VertSpacing& spacing,
                                             uint32_t region, uint32_t gx, uint32_t gy, CellVertices& vertices)
       {
@@ -198,7 +195,7 @@ namespace embree
             for (uint32_t i=0; i<5; i++) {
               const uint32_t vertex = min(groupQuads*gy+j,quadsY)*(quadsX+1) + min(groupQuads*gx+i,quadsX);
               const uint32_t bit = remainderBegin(remainders,vertex,k);
-              uint64_t word; // extends past the block, by less than readPastVert
+              uint64_t word; // extends past the block by less than readPastVert
               memcpy(&word,(const uint8_t*)start + (bit >> 3),sizeof(word));
               float& x = vertices.at[k][laneOfVertex(i,j)];
               x = withRemainder(x,uint32_t(word >> (bit & 7u)),bits,spacing.at[k]);

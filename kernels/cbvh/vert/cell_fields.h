@@ -19,17 +19,17 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Vectors for a cell's vertices, and for its fields. The last vertex has no field, and may have its own vector.
-       *  */
+      /*! Vectors for a cell's vertices, and for its fields. The last vertex has no field, and may have its own
+       *  vector. */
       static const int cellVectors = (cellVertices+vectorWidth-1)/vectorWidth;
       static const int fieldVectors = (cellVertices-1+vectorWidth-1)/vectorWidth;
 
-      /*! One field per lane, with undefined bits above it; 0 in lanes without a field. */
+      /*! One per lane, with undefined bits above it; 0 in lanes without a field. */
       struct CellFields
       {
         vintV lanes[fieldVectors];
 
-        /*! start: first bit of the first field. May read 8 bytes after the last field. */
+        /*! start: first bit. May read 8 bytes after the last field. */
         __forceinline CellFields (const uint8_t* data, int bits, int start = 0)
         {
 #if defined(__AVX512F__)
@@ -91,7 +91,7 @@ namespace embree
             _mm_load_si128((const __m128i*)(windows.factor+4*row))),7);
         }
 
-        /*! Fifth column, in which the corners have no field. */
+        /*! Fifth column; its corners have no field. */
         static __forceinline vint4 ofColumn (const uint8_t* data, const VertTables::Windows& windows)
         {
           auto field = [&](int row) {

@@ -65,7 +65,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)), spacing(spacingOf(block->word,block->corners)) {}
 
-        /*! Decodes what all groups share, except for out.block. */
+        /*! Decodes what groups share, except for out.block. */
         __forceinline void decode (VertBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -83,7 +83,7 @@ namespace embree
             out.words,out.fields);
         }
 
-        /*! Decodes the group in a lane, in world space. boxes: of this block. */
+        /*! In world space. boxes: of this block. */
         __forceinline void vertices (const VertBoxes& boxes, uint32_t lane, CellVertices& out) const
         {
           const uint32_t gx = lane & 3, gy = lane >> 2;

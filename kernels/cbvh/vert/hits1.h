@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Finds and reports the hits of a ray in triangles of a cVERT group that isInside accepted. */
+/* Finds and reports a ray's hits in triangles of a cVERT group that isInside accepted. */
 
 #include "cached_block.h"
 #include "triangles.h"
@@ -32,9 +32,9 @@ namespace embree
         return GroupTriangles(ray,cached.vertices(g)).mask;
       }
 
-      /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), which returns true if the hit is accepted;
-       *  isRead(block), which returns false if the caller does not read the data of the hit; ids(), the surface IDs of
-       *  the scene. Cached: as in intersector1.h. */
+      /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), true if the hit is accepted; isRead(block),
+       *  false if the caller does not read the hit's data; ids(), the scene's surface IDs. Cached: as in
+       *  intersector1.h. */
       template<typename Target, typename Cached>
       class VertHits
       {
@@ -43,7 +43,7 @@ namespace embree
                                 const VertHeader* block, const Cached& cached)
           : target(target), vertRay(vertRay), nearest(nearest), block(block), cached(cached) {}
 
-        /*! Reports hits, nearest first, until one is accepted. Returns true if one was. triangles: mask from
+        /*! Reports hits, nearest first, until one is accepted, and returns true then. triangles: from
          *  groupTrianglesHitByLine. */
         __forceinline bool report (uint32_t g, uint32_t triangles)
         {
@@ -62,7 +62,7 @@ namespace embree
         }
 
       private:
-        /*! In any order, without data. Computes no distance if the whole triangle lies between tnear and tfar. */
+        /*! In any order, without data. Computes no distance if the whole triangle is between tnear and tfar. */
         __forceinline bool reportAny (uint32_t g, uint32_t triangles)
         {
           for (; triangles; triangles&=triangles-1)
@@ -104,8 +104,7 @@ namespace embree
           return false;
         }
 
-        /*! Returns true if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit.
-         *  Sets t. */
+        /*! True if the hit is between tnear and tfar, or at tfar and takes precedence over the nearest hit. Sets t. */
         __forceinline bool isInRange (double exact, uint32_t number, float& t) const
         {
           t = float(exact);

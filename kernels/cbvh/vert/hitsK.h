@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* hits1.h for packets. Rays that pass inside exactly one triangle, as most do, are processed together. Other rays, and
- * rays whose hit is not certain, are processed one by one. */
+/* hits1.h for packets. Rays inside exactly one triangle, as most are, are processed together. Other rays, and rays with
+ * uncertain hits, are processed one by one. */
 
 #include "../base/codec.h"
 #include "../../cvert/basics/double4.h"
@@ -42,8 +42,7 @@ namespace embree
                                  const CachedVertBlock& cached)
           : rays(rays), context(context), vertRays(vertRays), block(block), cached(cached) {}
 
-        /*! Returns the rays that accepted a hit. triangles: mask per ray, see GroupTrianglesK. kz: of all rays in
-         *  `mask`. */
+        /*! Returns the rays that accepted a hit. triangles: per ray, see GroupTrianglesK. kz: of all rays in `mask`. */
         __forceinline uint32_t report (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles)
         {
           uint32_t accepted = 0;
@@ -65,14 +64,14 @@ namespace embree
         }
 
       private:
-        /*! one triangle per ray, and the intersection with its plane */
+        /*! One triangle per ray, intersected with its plane. */
         struct Triangles
         {
           alignas(64) float vertices[3][3][K];
-          alignas(64) float x[K], y[K];  //!< quad of the patch
+          alignas(64) float x[K], y[K];  //!< position of the quad in the patch
           alignas(64) float normal[3][K], t[K];
-          uint32_t isMet; //!< rays whose intersection is not before tnear
-          uint32_t lies;  //!< rays in the plane of their triangle
+          uint32_t isMet; //!< mask of rays with an intersection not before tnear
+          uint32_t lies;  //!< mask of rays that lie in their triangle's plane
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)
@@ -108,7 +107,7 @@ namespace embree
             }
           }
 
-          /*! Rays whose whole triangle lies between tnear and tfar. */
+          /*! Rays whose whole triangle is between tnear and tfar. */
           __forceinline uint32_t between (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear,
                                           const vfloat<K>& tfar) const
           {
@@ -148,8 +147,8 @@ namespace embree
           };
         };
 
-        /*! Processes rays together and returns those that are complete. The others must be processed one by one: they
-         *  may be in the triangle only due to rounding, lie in its plane, or have a hit at the same distance. */
+        /*! Processes rays together and returns the complete ones. The others must be processed one by one: they may be
+         *  in the triangle only due to rounding, lie in its plane, or have a hit at the same distance. */
         uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
           Triangles batch(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
@@ -200,7 +199,7 @@ namespace embree
           return done;
         }
 
-        /*! Reports hits in different primitives. Returns the rays that accept the hit. */
+        /*! For hits in different primitives. Returns the rays that accept the hit. */
         uint32_t reportNumbered (uint32_t mask, uint32_t g, const vint<K>& triangles, const QuadPosition<vfloat<K>>& at,
                             const vfloat<K>& t, const Vec3vf<K>& Ng)
         {

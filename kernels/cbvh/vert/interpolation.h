@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Interpolation between the ends of a segment of a motion. */
+/* Interpolation between the ends of a motion's segment. */
 
 #include "../base/vectors.h"
 #include "tables.h"
@@ -14,16 +14,15 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Interpolates between two values, at a fraction from 0 to 1. */
       struct Between
       {
         const vfloatV before, after;
         __forceinline explicit Between (float fraction) : before(1.0f-fraction), after(fraction) {}
 
-        /*! Computes the same floats as Embree's lerp, and therefore as Embree's own kernels. */
+        /*! The floats of Embree's lerp, and therefore of its own kernels. */
         __forceinline vfloatV operator() (const vfloatV& a, const vfloatV& b) const { return madd(before,a,after*b); }
 
-        /*! Interpolates `count` values, rounded up to a vector. All arrays must be aligned to vectors. */
+        /*! `count` is rounded up to vectors. All arrays must be aligned to vectors. */
         __forceinline void set (const float* a, const float* b, uint32_t count, float* out) const {
           for (uint32_t l=0; l<count; l+=vectorWidth)
             vfloatV::store(out+l,(*this)(vfloatV::load(a+l),vfloatV::load(b+l)));

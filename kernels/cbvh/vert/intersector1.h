@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Single-ray intersector of cVERT blocks: boxes of groups, then groups front to back, then their triangles. */
+/* Single-ray intersector of cVERT blocks: boxes of groups, then groups front to back, then triangles. */
 
 #include "boxes.h"
 #include "hits1.h"
@@ -30,14 +30,14 @@ namespace embree
         }
       };
 
-      /*! Lanes of the groups whose boxes the ray intersects. enter: receives entry distances. */
+      /*! Lanes of groups whose boxes the ray intersects. enter: receives entry distances. */
       __forceinline uint32_t intersectGroupBoxes (const VertRay& vertRay, float tnear, float tfar,
                                                   const GroupBoxes& boxes, float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
         vfloatV tNear[vectors], tFar[vectors];
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
-        // descends is an index, because a branch would be mispredicted
+        // an index, because a branch would be mispredicted
         auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
           uint32_t descends) {
           const float* near = planes.at[descends];
@@ -88,7 +88,7 @@ namespace embree
       class VertIntersector1
       {
       public:
-        /*! Returns true if a hit was accepted. An any-hit query ends with the first one. */
+        /*! True if a hit was accepted. Any-hit queries end with the first. */
         template<typename... At>
         static __forceinline bool intersect (RayType& ray, IntersectContext* context, VertRay& vertRay,
                                              const VertHeader* block, const At&... at)
@@ -131,7 +131,7 @@ namespace embree
         const VertRay& vertRay;
         const VertHeader* block;
         const Cached cached;
-        alignas(64) float enter[16]; //!< entry distance into the box of the group in each lane
+        alignas(64) float enter[16]; //!< of the box of the group in each lane
       };
 
       /* Not inlined, so that traversal keeps its ray in registers. */

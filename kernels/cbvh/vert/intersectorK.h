@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Intersector of cVERT blocks for packets. Boxes of groups are culled with bounds of all rays, then tested with one ray
- * per lane, and so are triangles. */
+/* Intersector of cVERT blocks for packets. Bounds of all rays cull boxes of groups. Remaining boxes, and triangles, are
+ * tested with one ray per lane. */
 
 #include "intersector1.h"
 #include "hitsK.h"
@@ -19,7 +19,7 @@ namespace embree
       class VertIntersectorK
       {
       public:
-        /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
+        /*! Returns the rays that accepted a hit. Any-hit rays end with the first. */
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               VertRays<K>& vertRays, const VertHeader* block)
         {
@@ -28,7 +28,7 @@ namespace embree
         }
 
       private:
-        /*! up to this number of rays, triangles are tested ray by ray */
+        /*! up to so many rays, triangles are tested ray by ray */
         static const size_t few = vectorWidth == K ? 3 : 2;
 
         __forceinline VertIntersectorK (Rays& rays, IntersectContext* context, VertRays<K>& vertRays,
@@ -58,7 +58,7 @@ namespace embree
           return vbool<K>(int(found));
         }
 
-        /*! Rays along one axis of the boxes, with the same sign of the direction, and bounds of them. */
+        /*! Rays along one axis of the boxes, with the same sign of the direction, and their bounds. */
         struct Axis
         {
           vfloat<K> org, rcp, slack;
@@ -179,7 +179,7 @@ namespace embree
         ShearedRay<vfloat<K>> sheared;
         Axis axes[3];
         uint32_t found;
-        alignas(64) float enter[16]; //!< lower bound of entry distances into the box of the group in each lane
+        alignas(64) float enter[16]; //!< lower bound of entry distances, by the group's lane
       };
     }
   }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Decoded mesh blocks in the cache of a thread (thread_cache.h). */
+/* Decoded mesh blocks in a thread's cache (thread_cache.h). */
 
 #include "../base/codec.h"
 #include "../../cvert/format/mesh_block.h"
@@ -16,35 +16,35 @@ namespace embree
     /*! Group g is in lane g. */
     struct MeshBoxes : public GroupBoxes
     {
-      const void* block;             //!< that the boxes belong to, or null
-      uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits of sections in the block
+      const void* block;             //!< block that the boxes belong to, or null
+      uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits in the block
       /* first bits in the sections, by group */
       alignas(16) uint16_t topology[16];
       alignas(16) uint16_t numbers[16];
-      alignas(16) uint16_t firstVertex[16]; //!< first vertex of each group; 0x7FFF in lanes without a group
+      alignas(16) uint16_t firstVertex[16]; //!< by group; 0x7FFF in lanes without a group
       alignas(32) uint16_t fieldsOfZero[16]; //!< see fieldsOfVertex
-      alignas(16) uint8_t fieldBits[4][16]; //!< bits of a vertex of the group: x, y, z and all of them
+      alignas(16) uint8_t fieldBits[4][16]; //!< bits per vertex of the group: on x, y and z, and in total
       alignas(64) uint32_t lower[3][16];    //!< coordinates to which fields are relative, by axis
 
-      /*! First bit of the fields of vertex v of the block, which belongs to group g. */
+      /*! First bit of vertex v of the block, which belongs to group g. */
       __forceinline uint32_t fieldsOfVertex (uint32_t v, uint32_t g) const {
         return verticesBegin + uint16_t(fieldsOfZero[g] + v*fieldBits[3][g]);
       }
     };
 
-    /*! Vertices of a group by axis. Lanes after the last vertex are undefined. */
+    /*! By axis. Lanes after the last vertex are undefined. */
     struct alignas(64) MeshVertices { float at[3][32]; };
 
-    /*! Up to 16 triangles of a group, one per lane, and the vertices of the group. Half h of a group contains its
-     *  triangles from 16 h on. */
+    /*! Up to 16 triangles of a group, one per lane, and the group's vertices. Half h contains triangles from 16 h
+     *  on. */
     struct MeshTriangles
     {
-      const void* block;                //!< that the group belongs to, or null
-      uint8_t lane;                     //!< of the group, plus 16 for the second half
+      const void* block;                //!< block of the group, or null
+      uint8_t lane;                     //!< lane of the group, plus 16 for the second half
       bool isFirstOfTwo;                //!< the group has a second half
       uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
-      alignas(16) uint8_t corners[3][16]; //!< vertices by corner in the application's order; below 32 in all lanes
+      alignas(16) uint8_t corners[3][16]; //!< vertices by corner, in the application's order; below 32 in all lanes
       MeshVertices vertices;
 
       static const uint32_t width = 16;
@@ -76,25 +76,24 @@ namespace embree
     /*! Fields of groups in a step after the first. */
     struct MeshStepFields
     {
-      const uint8_t* data;        //!< start of the fields of the step
-      uint16_t begin[16];         //!< first bit of a group's fields
+      const uint8_t* data;        //!< start of the step's fields
+      uint16_t begin[16];         //!< first bit of each group's fields
       uint8_t bits[3][16];        //!< bits of a field, by axis and group
-      uint32_t base[3][16];       //!< by axis and group
+      uint32_t base[3][16];       //!< bases of fields, by axis and group
     };
 
-    /*! Data that the groups of a block share in a segment. Boxes are interpolated between its ends. No axis is
-     *  sheared. */
+    /*! Data of a segment that groups share. Boxes are interpolated between its ends. No axis is sheared. */
     struct SegmentMeshBoxes
     {
       SegmentKey key;            //!< key of the block
-      float origins[2][3];       //!< origins of the block at both ends
-      float extent[3];           //!< see VertAxes, at both ends and between them
-      GroupPlanes ends[2][3];    //!< planes at both ends, by axis
-      MeshStepFields steps[2];   //!< steps at both ends; unused for the first step
-      MeshBoxes first;           //!< positions of the groups in the block, and boxes at the first step
+      float origins[2][3];       //!< see VertAxes; at both ends and between them
+      float extent[3];           //!< of the block, at both ends
+      GroupPlanes ends[2][3];    //!< at both ends, by axis
+      MeshStepFields steps[2];   //!< at both ends; unused for the first step
+      MeshBoxes first;           //!< positions of groups in the block, and boxes at the first step
     };
 
-    /*! Triangles of half a group, at the ends of a segment. */
+    /*! Half a group, at the ends of a segment. */
     struct SegmentTriangles
     {
       SegmentKey key;            //!< key of the half; see MeshTriangles::lane

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Triangles of a group that a ray's line passes through. Vertices are sheared once, and then permuted into the corners
- * of triangles, because a cache of vertices holds more groups than a cache of corners. */
+/* Triangles of a group that a ray's line passes through. Vertices are sheared once, then permuted into corners, because
+ * a cache of vertices holds more groups than a cache of corners. */
 
 #include "mesh_cache.h"
 #include "ray.h"
@@ -15,7 +15,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Sheared vertices of a group, and the corners of its triangles. capacity: at least the number of vertices. */
+      /*! capacity: at least the number of vertices. */
       template<int capacity>
       class ShearedMesh
       {
@@ -118,7 +118,7 @@ namespace embree
         return mask & triangles.lanes;
       }
 
-      /*! Returns the lanes of the triangles that the ray's line passes through, or may pass through. */
+      /*! Lanes of triangles that the ray's line passes through, or may pass through. */
       __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles)
       {
         if (triangles.numVertices <= 16) return trianglesOfMeshHitByLine<16>(ray,triangles);

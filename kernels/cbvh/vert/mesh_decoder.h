@@ -25,7 +25,7 @@ namespace embree
       public:
         __forceinline explicit MeshDecoder (const MeshHeader* block) : block(block) {}
 
-        /*! Decodes boxes and positions of all groups, except for out.block. */
+        /*! Sets all members but out.block. */
         __forceinline void decode (MeshBoxes& out) const
         {
           const uint32_t groups = meshGroups(block->counts);
@@ -35,7 +35,7 @@ namespace embree
           findGroups(groups,out);
         }
 
-        /*! Decodes half of a group, except for out.block and out.lane. */
+        /*! Sets all members but out.block and out.lane. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
@@ -83,7 +83,7 @@ namespace embree
 
           __forceinline Bits (const MeshHeader* block, uint32_t bit) : data((const uint8_t*)block), bit(bit) {}
 
-          /*! the next 57 bits, and up to 7 undefined bits above them */
+          /*! 57 bits, and up to 7 undefined bits above them */
           __forceinline uint64_t wide () const
           {
             uint64_t word;
@@ -92,7 +92,7 @@ namespace embree
           }
           __forceinline uint32_t peek () const { return uint32_t(wide()); }
           __forceinline void skip (uint32_t count) { bit += count; }
-          __forceinline uint32_t take (uint32_t count) // count: 0 to 32
+          __forceinline uint32_t take (uint32_t count) // 0 to 32
           {
             const uint32_t value = uint32_t(wide() & ((uint64_t(1) << count)-1));
             bit += count;
@@ -100,7 +100,7 @@ namespace embree
           }
         };
 
-        /*! Last triangle of a strip, as numbers of vertices in the group. */
+        /*! A strip's last triangle, as numbers of vertices in the group. */
         struct Strip
         {
           uint32_t a = 0, b = 1, c = 2;
@@ -114,7 +114,7 @@ namespace embree
             isFlipped ^= !isFan;
           }
 
-          /*! Corners in the application's order, 8 bits each. */
+          /*! In the application's order, 8 bits each. */
           uint32_t corners (uint32_t turn) const
           {
             const uint64_t v = (isFlipped ? b | a << 8 : a | b << 8) | c << 16;
@@ -122,7 +122,7 @@ namespace embree
           }
         };
 
-        /*! Sets the corners of up to 16 triangles, one triangle after the other. */
+        /*! Up to 16 triangles, one after the other. */
         static void followStrips (uint32_t count, uint32_t first, uint32_t restarts, uint32_t fans, uint64_t turns,
                                   uint64_t news, Bits repeats, uint32_t repeatBits, uint8_t (*corners)[16])
         {
@@ -145,12 +145,12 @@ namespace embree
             else if (t > 0) strip.add(next(),(fans >> t) & 1);
             if (t < first || t-first >= 16) continue;
             const uint32_t v = strip.corners(uint32_t(turns) & 3);
-            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // of damaged blocks, too
+            for (int c=0; c<3; c++) corners[c][t-first] = uint8_t(v >> (8*c)) & 31u; // below 32 in damaged blocks, too
           }
         }
 
 #if defined(__AVX2__)
-        /*! Expands 16 bits to bytes of ones or zeros. */
+        /*! Expands bits to bytes of ones or zeros. */
         static __forceinline __m128i bytesOfBits (uint32_t bits)
         {
           const __m128i each = _mm_setr_epi8(1,2,4,8,16,32,64,-128,1,2,4,8,16,32,64,-128);
@@ -178,14 +178,14 @@ namespace embree
         }
 
         /*! For up to 16 triangles whose stream has up to 32 entries, up to 8 of them not new, by the rule "in parallel"
-         *  of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: of all entries. repeats: numbers of the
-         *  entries that are not new. */
+         *  of docs/formats/mesh_block.md. Bit 0 of `restarts` is set. news: of all entries. repeats: numbers of entries
+         *  that are not new. */
         static __forceinline void decodeStrips (uint32_t restarts, uint32_t fans, uint32_t turns, uint32_t news,
                                                 uint64_t repeats, uint32_t repeatBits, uint8_t (*corners)[16])
         {
           const __m128i one = _mm_set1_epi8(1), places = _mm_setr_epi8(0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15);
 
-          // fields of entries that are not new, one byte each
+          // of entries that are not new, one byte each
           const __m256i fields = _mm256_set1_epi64x((long long)repeats), b = _mm256_set1_epi64x(repeatBits);
           const __m256i shifts = _mm256_mul_epu32(b,_mm256_setr_epi64x(0,1,2,3));
           const __m256i first = _mm256_srlv_epi64(fields,shifts),
@@ -197,7 +197,7 @@ namespace embree
           const __m128i old = _mm_or_si128(_mm256_castsi256_si128(packed),_mm256_extracti128_si256(packed,1));
 
           __m128i entries[2];
-          __m128i before = _mm_setzero_si128(); // number of new entries so far
+          __m128i before = _mm_setzero_si128(); // number of new entries
           for (int half=0; half<2; half++)
           {
             const __m128i isNew = bytesOfBits(news >> (16*half)), isOne = _mm_and_si128(isNew,one);
@@ -214,7 +214,7 @@ namespace embree
           const __m128i starts = bytesOfBits(restarts), isFan = bytesOfBits(fans);
           const __m128i last = _mm_add_epi8(places,sumsOfBytes(_mm_and_si128(starts,_mm_set1_epi8(2))));
           const __m128i kept = greatestOfBytes(_mm_andnot_si128(isFan,_mm_sub_epi8(last,_mm_set1_epi8(2))));
-          // number of triangles that neither continue a fan nor start a strip
+          // triangles that neither continue a fan nor start a strip
           const __m128i turned = sumsOfBytes(_mm_andnot_si128(_mm_or_si128(isFan,starts),one));
           const __m128i sinceStart = _mm_sub_epi8(turned,greatestOfBytes(_mm_and_si128(starts,turned)));
           const __m128i isFlipped = _mm_cmpeq_epi8(_mm_and_si128(sinceStart,one),one);
@@ -268,11 +268,11 @@ namespace embree
           return exponent(m) - exponent(axisAfter(m,i));
         }
 
-        /*! Decodes planes, and extents from the origin. */
+        /*! Planes, and extents from the origin. */
         __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
-          float reach[3]; // in coordinates
+          float reach[3]; // upper bounds of coordinates
           for (int k=0; k<3; k++)
           {
             const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
@@ -363,7 +363,7 @@ namespace embree
           return before;
         }
 
-        /*! Sets positions as MeshView does. All sums have less than 16 bits. */
+        /*! As MeshView does. All sums have less than 16 bits. */
         __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
@@ -397,11 +397,11 @@ namespace embree
             const __m128i sizes = wide(group), r = record[half],
               restarts = _mm_or_si128(_mm_srli_epi16(sizes,5),_mm_and_si128(_mm_srli_epi16(r,12),_mm_set1_epi16(8))),
               count = _mm_add_epi16(_mm_and_si128(sizes,five),_mm_set1_epi16(1)),
-              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // entries of the stream, minus 2
+              entries = _mm_add_epi16(count,_mm_add_epi16(restarts,restarts)); // number of entries minus 2
             own[half] = _mm_and_si128(_mm_and_si128(_mm_srli_epi16(r,5),five),isPresent);
             __m128i numberBits = _mm_and_si128(_mm_srli_epi16(r,10),five);
             numberBits = _mm_sub_epi16(numberBits,_mm_cmpeq_epi16(numberBits,five));
-            // restarts, fans, turns, news, owns; then repeats, and numbers of vertices of other groups
+            // restarts, fans, turns, news, owns; then repeats, and numbers of other groups' vertices
             __m128i sum = _mm_add_epi16(_mm_slli_epi16(count,2),_mm_add_epi16(entries,locals[half]));
             sum = _mm_sub_epi16(sum,_mm_set1_epi16(3));
             sum = _mm_add_epi16(sum,_mm_mullo_epi16(wide(repeats),
@@ -433,7 +433,7 @@ namespace embree
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
-        /*! Reads coordinates of a vertex, of group g. bit: of its fields. */
+        /*! Coordinates of a vertex of group g. bit: of its fields. */
         __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
                                        uint32_t i) const
         {
@@ -450,7 +450,7 @@ namespace embree
           }
         }
 
-        /*! owns: mask of vertices that belong to the group. others: numbers of the other vertices. */
+        /*! owns: the group's own vertices. others: numbers of the other vertices. */
         __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
                                            Bits others, MeshVertices& out) const
         {
@@ -495,7 +495,7 @@ namespace embree
         }
 
 #if defined(__AVX2__)
-        /*! Sixteen values, one per group. */
+        /*! A value per group. */
         struct PerGroup
         {
           const __m256i lower, upper;
@@ -503,13 +503,13 @@ namespace embree
           __forceinline explicit PerGroup (const uint32_t* values)
             : lower(_mm256_load_si256((const __m256i*)values)), upper(_mm256_load_si256((const __m256i*)values+1)) {}
 
-          /*! Values of groups, 0 to 15. */
+          /*! groups: 0 to 15. */
           __forceinline __m256i at (__m256i groups) const
           {
 #if defined(__AVX512VL__)
             return _mm256_permutex2var_epi32(lower,groups,upper);
 #else
-            const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(groups,28)); // bit 3
+            const __m256 isUpper = _mm256_castsi256_ps(_mm256_slli_epi32(groups,28)); // bit 3 selects the upper half
             return _mm256_castps_si256(_mm256_blendv_ps(
               _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(lower,groups)),
               _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(upper,groups)),isUpper));
@@ -525,7 +525,7 @@ namespace embree
           return _mm_packus_epi16(_mm256_castsi256_si128(words),_mm256_extracti128_si256(words,1));
         }
 
-        /*! Numbers of vertices from fields of otherBits each. rank: number of the field, per vertex. */
+        /*! Reads numbers of other groups' vertices, fields of otherBits each. rank: field, per vertex. */
         static __forceinline __m256i othersAt (Bits others, uint32_t otherBits, uint32_t count, __m128i rank)
         {
           // field k is word 4 (k mod 4) + k/4
@@ -544,8 +544,8 @@ namespace embree
             _mm256_shuffle_epi8(_mm256_permute4x64_epi64(words,0xEE),upper));
         }
 
-        /*! Reads up to 16 vertices of a group whose fields have up to 57 bits. first: the first own vertex. owns: mask
-         *  of vertices that belong to the group. others: numbers of the other vertices. Stores to lanes from n on. */
+        /*! Up to 16 vertices of a group, with fields of up to 57 bits. first: the first own vertex. owns: the group's
+         *  own vertices. others: numbers of the other vertices. Stores to lanes from n on. */
         __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t locals, uint32_t owns,
                                         Bits others, uint32_t otherBits, uint32_t (*coordinates)[32], uint32_t n) const
         {
@@ -577,7 +577,7 @@ namespace embree
             _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(boxes.fieldBits[3]))));
           alignas(32) uint16_t at[16];
           _mm256_store_si256((__m256i*)at,_mm256_srli_epi16(bit,3));
-          alignas(16) uint8_t sizes[4][16]; // bits before the fields, and bits of each of them
+          alignas(16) uint8_t sizes[4][16]; // bits before the fields, and of each field
           _mm_store_si128((__m128i*)sizes[0],bytesOfWords(_mm256_and_si256(bit,_mm256_set1_epi16(7))));
           for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(boxes.fieldBits[k]));
 

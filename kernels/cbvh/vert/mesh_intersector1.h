@@ -14,13 +14,13 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! Returns true if a hit was accepted. Not inlined, so that traversal keeps its ray in registers. */
+      /*! True if a hit was accepted. Not inlined, so that traversal keeps its ray in registers. */
       template<typename RayType>
       __noinline bool intersectMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block) {
         return VertIntersector1<RayType,CachedMeshBlock>::intersect(ray,context,vertRay,(const VertHeader*)block);
       }
 
-      /*! The same for a moving mesh block, at the time of the ray. */
+      /*! Intersects the block at the ray's time. */
       template<typename RayType>
       __noinline bool intersectMovingMesh (RayType& ray, IntersectContext* context, VertRay& vertRay, const void* block)
       {

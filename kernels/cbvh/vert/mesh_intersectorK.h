@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Intersector of mesh blocks for packets: one ray after the other. */
+/* Intersector of mesh blocks for packets, ray by ray. */
 
 #include "hitsK.h"
 #include "mesh_intersector1.h"
@@ -18,7 +18,7 @@ namespace embree
       class MeshIntersectorK
       {
       public:
-        /*! Returns the rays that accepted a hit. An any-hit query ends with the first hit of each ray. */
+        /*! Returns the rays that accepted a hit. Any-hit rays end with the first. */
         static __noinline vbool<K> intersect (const vbool<K>& valid, Rays& rays, IntersectContext* context,
                                               VertRays<K>& vertRays, const void* block)
         {

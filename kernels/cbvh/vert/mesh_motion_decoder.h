@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends of the segment: first the
- * boxes of all groups, then the triangles of one group at a time. Boxes have no sheared axis, because the steps of a
- * block have different spacings. */
+/* Decoder of a segment of a moving mesh block (cvert/format/mesh_motion.h), at both ends: first the boxes of all
+ * groups, then triangles of a group at a time. Boxes have no sheared axis, because steps have different spacings. */
 
 #include "../../cvert/decoder/mesh_step_view.h"
 #include "mesh_decoder.h"
@@ -22,7 +21,7 @@ namespace embree
         __forceinline explicit MeshMotionDecoder (const MeshHeader* block)
           : MeshDecoder(block), block(block), groups(meshGroups(block->counts)) {}
 
-        /*! Decodes boxes and positions of all groups, except for out.key. */
+        /*! Sets all members but out.key. */
         void decode (uint32_t segment, SegmentMeshBoxes& out) const
         {
           MeshDecoder::decode(out.first);
@@ -36,11 +35,11 @@ namespace embree
             }
             if (step) findFields(*step,out.steps[e]);
           }
-          for (int k=0; k<3; k++) // between the ends, origins and planes are rounded
+          for (int k=0; k<3; k++) // origins and planes are rounded between the ends
             out.extent[k] += motionSlack(out.origins[0][k],out.origins[1][k],out.extent[k]);
         }
 
-        /*! Decodes half of a group at both ends, except for out.key. boxes: of the segment. */
+        /*! Half of a group at both ends, except for out.key. boxes: of the segment. */
         void triangles (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t half, SegmentTriangles& out) const
         {
           MeshDecoder::triangles(boxes.first,g,half,out.begin);
@@ -52,14 +51,13 @@ namespace embree
           move(*meshStepOf(block,segment+1),boxes.steps[1],first,places,out.end);
         }
 
-        /*! See primitiveOfMesh. */
         uint32_t number (const SegmentMeshBoxes& boxes, uint32_t g, uint32_t t) const {
           return MeshDecoder::number(boxes.first,g,t);
         }
 
       private:
-        /*! Sets the planes of all groups on an axis at a step; null for the first one. extent: increased to the extent
-         *  of the boxes from the origin. */
+        /*! Sets the planes on an axis at a step; null for the first one. extent: increased to the boxes' extent from
+         *  the origin. */
         void setPlanes (uint32_t k, const MeshStep* step, float origin, GroupPlanes& out, float& extent) const
         {
           const uint32_t spacings = step ? step->spacings : block->spacings;
@@ -90,10 +88,10 @@ namespace embree
           return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0 && k == meshShearedAxis(block->form);
         }
 
-        /*! Replaces bounds of the sheared coordinates of a group by bounds of its coordinates on the sheared axis. */
+        /*! Replaces bounds of a group's sheared coordinates by bounds of its coordinates on the sheared axis. */
         void unshear (uint32_t m, uint32_t g, int values[2]) const
         {
-          int least = 8, most = 8; // of the shear, in 1/16
+          int least = 8, most = 8; // sums of the shear, in 1/16
           for (uint32_t i=1; i<3; i++)
           {
             const uint32_t k = (m+i) % 3, shift = meshBoxShift(block->spacings,block->form,k);
@@ -106,7 +104,7 @@ namespace embree
           values[1] -= least >> 4;
         }
 
-        /*! A byte of the boxes. i: 0 to 2 for the lower planes, 3 to 5 for the extents. */
+        /*! A byte of the boxes. i: 0 to 2 for lower planes, 3 to 5 for extents. */
         uint32_t plane (const MeshStep* step, uint32_t i, uint32_t g) const
         {
           const uint8_t* const boxes = step ? (const uint8_t*)step + meshStepLayout(groups,step->form).boxes
@@ -138,7 +136,7 @@ namespace embree
           }
         }
 
-        /*! The group that each vertex of a group belongs to, and its index there. */
+        /*! For each vertex of a group, the group that owns it, and its index there. */
         struct Places
         {
           uint32_t numVertices;
@@ -164,12 +162,11 @@ namespace embree
           }
         }
 
-        /*! Decodes the vertices of a group at a later step, as MeshStepView does. first: the group at the first
-         *  step. */
+        /*! Decodes a group's vertices at a later step, as MeshStepView does. first: at the first step. */
         static void move (const MeshStep& step, const MeshStepFields& fields, const MeshVertices& first,
                           const Places& places, MeshVertices& out)
         {
-          alignas(64) uint32_t rest[3][32]; // coordinates less their predictions
+          alignas(64) uint32_t rest[3][32]; // coordinates minus predictions
           for (uint32_t i=0; i<places.numVertices; i++)
           {
             const uint32_t g = places.group[i], bits[3] = { fields.bits[0][g],fields.bits[1][g],fields.bits[2][g] };

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writer of mesh blocks: rounds, encodes and stores clusters of triangles. */
+/* Rounds, encodes and stores clusters of triangles as mesh blocks. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -17,17 +17,16 @@ namespace embree
     class MeshWriter
     {
     public:
-      static const uint32_t groupTriangles = 16; //!< number of triangles of a full group
+      static const uint32_t groupTriangles = 16; //!< triangles of a full group
 
       MeshWriter (const IrregularTriangles& from, uint32_t surface, BlockStore& store,
         cbvh::BuildStatistics& statistics)
         : from(from), surface(surface), store(store), statistics(statistics) {}
 
-      /*! Primitives of a full group. */
       static uint32_t groupPrimitives (const TrianglesOfMesh& mesh) { return groupTriangles/mesh.perPrimitive; }
 
-      /*! Writes a cluster of MeshClusters. The caller must flush the store after the last cluster of a part: the blocks
-       *  of a part are one piece of memory. */
+      /*! Writes a cluster of MeshClusters. The caller must flush the store after a part's last cluster: the part's
+       *  blocks are one piece of memory. */
       void write (const cbvh::MeshCenter* cluster, uint32_t count)
       {
         double moved = 0;
@@ -47,7 +46,6 @@ namespace embree
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
       }
 
-      /*! Adds an encoded block to the statistics. */
       static void addBlock (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)
       {
         const cbvh::MeshLayout layout = cbvh::meshLayout(header.counts);
@@ -84,7 +82,7 @@ namespace embree
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
       cbvh::MeshEncoder encoder;
-      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< the last entry is for triangles that are rejected
+      cbvh::MeshTriangle triangles[cbvh::maxMeshTriangles+1]; //!< the last entry is for rejected triangles
       alignas(16) uint8_t block[cbvh::MeshEncoder::maxBytes];
     };
   }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both of its ends. */
+/* SIMD decoder of a segment of a moving cVERT block (cvert/format/motion.h), at both ends. */
 
 #include "boxes.h"
 #include "decoder.h"
@@ -16,14 +16,14 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A base of zero, for residuals alone. */
+      /*! Base of 0, to decode residuals alone. */
       struct NoBase
       {
         __forceinline vfloatV at (int, int) const { return vfloatV(zero); }
         __forceinline vfloatV last (int) const { return vfloatV(zero); }
       };
 
-      /*! Adds the residuals of the first step, transformed by a step's matrix, to a base. */
+      /*! Adds the first step's residuals, transformed by a step's matrix, to a base. */
       class RotatedBase
       {
       public:
@@ -34,7 +34,7 @@ namespace embree
           for (uint32_t i=0; i<9; i++) turn[i] = float(rotationEntry(step,i))*unit;
         }
 
-        /*! Exact, with fused operations or without: numbers have at most 24 bits. */
+        /*! Exact, fused or not: numbers have at most 24 bits. */
         __forceinline vfloatV at (int axis, int vector) const
         {
           const int l = vectorWidth*vector;
@@ -60,7 +60,7 @@ namespace embree
           : block(block), layout(vertLayout(block->region,block->boxForm)), quadsX(vertQuadsX(block->region)),
             quadsY(vertQuadsY(block->region)) {}
 
-        /*! Decodes what all groups share in a segment, except for out.key. */
+        /*! Decodes what groups share, except for out.key. */
         void decode (uint32_t segment, SegmentBoxes& out) const
         {
           out.lanes = ((1u << layout.groupsX)-1)*0x1111u & ((1u << 4*layout.groupsY)-1);
@@ -94,10 +94,10 @@ namespace embree
           return cbvh::isRaw(step == 0 ? block->boxForm : stepOf(block,step)->boxForm);
         }
 
-        /*! Decodes a group at both ends, in world space. */
+        /*! At both ends, in world space. */
         void vertices (const SegmentBoxes& boxes, uint32_t lane, SegmentVertices& out) const
         {
-          CellVertices first; // residuals of the first step, if a group is transformed
+          CellVertices first; // residuals, if a group is transformed
           bool hasFirst = false;
           for (uint32_t e=0; e<2; e++)
           {
@@ -157,7 +157,6 @@ namespace embree
           decodeCell(wordOfGroup(first,g),first.data+fieldsOfGroup(first,g),NoBase(),CoordinatesOfCell{ out });
         }
 
-        /*! Widens sheared planes by motionSlack. */
         static void widenSheared (SegmentBoxes& out)
         {
           float sheared = 0.0f;
@@ -189,7 +188,7 @@ namespace embree
                 if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))) continue;
                 for (int k=0; k<3; k++) { lower[k] = min(lower[k],p[k]); upper[k] = max(upper[k],p[k]); }
               }
-              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // no quad between the ends
+              if (!(lower[0] <= upper[0])) { out.lanes &= ~(1u << l); break; } // the group has no quad between the ends
               for (int k=0; k<3; k++) {
                 out.ends[end][k].at[0][l] = lower[k];
                 out.ends[end][k].at[1][l] = upper[k];

@@ -3,12 +3,11 @@
 
 #pragma once
 
-/* CachedVertBlock at a time between two steps. Boxes and vertices are interpolated between the ends of a segment, which
- * are decoded into the thread's cache if necessary.
+/* CachedVertBlock at a time between two steps. Boxes and vertices are interpolated between a segment's ends, which are
+ * decoded into the thread's cache if necessary.
  *
- * Vertices and planes are interpolated by the same operations, which round monotonically: what a plane bounds at both
- * ends it bounds at all times in between. A shared vertex is the same floats at both ends, and therefore at all
- * times in between. */
+ * The same operations, which round monotonically, interpolate vertices and planes: what a plane bounds at both ends it
+ * bounds in between. A shared vertex is the same floats at both ends, and therefore in between. */
 
 #include "interpolation.h"
 #include "motion_decoder.h"
@@ -28,17 +27,17 @@ namespace embree
         __forceinline MovingVertBlock (const VertHeader* block, const TimeInMotion& at)
           : cache(MotionCache::ofThread()), block(block), segment(at.segment), fraction(at.fraction), lane(~0u) {}
 
-        /*! Null if the boxes are not decoded. */
+        /*! Null if not decoded. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Always true: moving blocks are checked when their file is loaded. */
+        /*! Always true: loading a file checks its moving blocks. */
         __forceinline bool isUsable () const { return true; }
 
-        /*! Returns false if a ray misses the block's bounds between tNear and tFar. Decodes nothing. */
+        /*! False if a ray misses the block's bounds between tNear and tFar. Decodes nothing. */
         __forceinline bool mayIntersect (const VertRayAxes<float>& ray, float tNear, float tFar) const
         {
           const SegmentReach reach(block,segment);
@@ -112,7 +111,7 @@ namespace embree
         const VertHeader* block;
         const uint32_t segment;
         const float fraction;
-        mutable uint32_t lane;        //!< lane of the group in laneVertices
+        mutable uint32_t lane;        //!< lane of laneVertices
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
         mutable CellVertices laneVertices;

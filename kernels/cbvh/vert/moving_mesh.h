@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* CachedMeshBlock at a time between two steps. Boxes and vertices are interpolated as in moving_block.h, so what is
- * said there about bounds and about shared vertices also holds here. */
+/* CachedMeshBlock at a time between two steps. Interpolates as moving_block.h does, with the same properties of bounds
+ * and shared vertices. */
 
 #include "cached_mesh.h"
 #include "interpolation.h"
@@ -27,17 +27,17 @@ namespace embree
           atTime.lane = 255;
         }
 
-        /*! Null if the boxes are not decoded. */
+        /*! Null if not decoded. */
         __forceinline const GroupBoxes* decodedBoxes () const
         {
           const SegmentKey key = { block,segment,0 };
           return likely(cache.slot(block,segment).key == key) ? &boxes() : nullptr;
         }
 
-        /*! Always true: moving blocks are checked when their file is loaded. */
+        /*! Always true: loading a file checks its moving blocks. */
         __forceinline bool isUsable () const { return true; }
 
-        /*! Always true: the bounds of the block are the bounds of its leaf, which the ray intersects. */
+        /*! Always true: the block's bounds are its leaf's, which the ray intersects. */
         __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
 
         /*! Valid as long as this object. */
@@ -67,7 +67,6 @@ namespace embree
           return atTime;
         }
 
-        /*! See pointOfMesh. */
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
           return pointOfMesh(block->form,MeshMotionDecoder(block).number(segmentBoxes(),g,t),w1,w2);
         }

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Writer of moving mesh blocks: rounds the vertices of a cluster's triangles at all time steps, encodes them, and puts
- * the blocks into a store. */
+/* Rounds the vertices of a cluster's triangles at all time steps, and encodes and stores them as moving mesh blocks. */
 
 #include "../../cvert/encoder/mesh_motion_encoder.h"
 #include "mesh_writer.h"

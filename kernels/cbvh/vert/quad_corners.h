@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads: the vertices shifted by one lane, by four,
- * or by both. */
+/* Vertices of a cVERT cell in registers, and the corners of its 4 x 4 quads: vertices shifted by one lane, by four, or
+ * by both. */
 
 #include "cell_fields.h"
 #include "../base/intrinsics.h"
@@ -19,7 +19,7 @@ namespace embree
       {
         vfloatV at[fieldVectors];
 #if !defined(__AVX512F__)
-        vfloatV last; //!< the last vertex, in all lanes
+        vfloatV last; //!< last vertex, in all lanes
 #endif
 
         __forceinline CellVector () {}
@@ -65,7 +65,7 @@ namespace embree
         return a.with([&](const vfloatV& x) { return madd(x,vfloatV(b),vfloatV(c)); });
       }
 
-      /*! One coordinate of the corners of 4 x 4 quads, in vectors of quads. */
+      /*! One coordinate of the corners of 4 x 4 quads. */
       class QuadCornersV
       {
       public:
@@ -80,7 +80,7 @@ namespace embree
             v.at[1]);
         }
 
-        /*! Corner c (00, 10, 01, 11) of the quads of vector j. */
+        /*! Corner c (00, 10, 01, 11) of vector j. */
         __forceinline vfloatV at (int, int c) const {
           return c == 0 ? left.at[0] : c == 1 ? right : c == 3 ? both
             : vfloatV(_mm512_castsi512_ps(_mm512_alignr_epi32(_mm512_castps_si512(left.at[1]),
@@ -107,7 +107,7 @@ namespace embree
         }
 
       private:
-        /*! Shifts two rows to the left by one lane, and inserts `last` into their last lanes. */
+        /*! Shifts two rows left by one lane, and inserts `last` into their last lanes. */
         static __forceinline vfloatV fourth (const vfloatV& rows, const vfloatV& last) {
           return _mm256_blend_ps(_mm256_permute_ps(rows,_MM_SHUFFLE(0,3,2,1)),last,0x88);
         }

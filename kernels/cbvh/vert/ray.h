@@ -23,7 +23,7 @@ namespace embree
       struct VertRayAxes
       {
         Real org[3], dir[3], rcp[3];
-        Real largest; //!< largest magnitude of a component of dir
+        Real largest; //!< largest component of dir, absolute
 
         template<typename Vector>
         __forceinline void set (const Vector& o, const Vector& d)
@@ -37,14 +37,14 @@ namespace embree
       struct VertNearest
       {
         const VertHeader* block; //!< null without a hit
-        uint32_t triangle;       //!< number in the block
+        uint32_t triangle;       //!< in the block
         float t;
 
         __forceinline VertNearest () : block(nullptr) {}
         __forceinline VertNearest (const VertHeader* block, uint32_t triangle, float t)
           : block(block), triangle(triangle), t(t) {}
 
-        /*! True if a hit at the same distance takes precedence over this one. */
+        /*! For a hit at the same distance. */
         __forceinline bool yieldsTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
           return hasPrecedence(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
         }
@@ -58,9 +58,9 @@ namespace embree
       struct VertRay : public VertRayAxes<float>
       {
         bool isSet;
-        int kx, ky, kz;   //!< axes; the direction is largest along kz
-        float sx, sy;     //!< shear
-        uint32_t descends; //!< mask of axes with negative rcp; not set by VertRays::at
+        int kx, ky, kz;   //!< the direction is largest along kz
+        float sx, sy;
+        uint32_t descends; //!< axes with negative rcp; not set by VertRays::at
         VertCache* cache; //!< cache of the calling thread
 
         mutable VertNearest nearest;
@@ -110,7 +110,7 @@ namespace embree
           for (int k=0; k<3; k++) this->rcp[k] = directionReciprocal(this->dir[k],this->largest);
           const vfloat<K>* dir = this->dir;
           const vfloat<K> x = abs(dir[0]), y = abs(dir[1]), z = abs(dir[2]);
-          // largestAxis: <= is false for NaN on all instruction sets, > is not, and their max differ
+          // as largestAxis: for NaN, <= is false on all instruction sets, but results of > and max differ
           const vbool<K> isX = y <= x, notZ = z <= select(isX,x,y);
           const vfloat<K> sz = vfloat<K>(1.0f)/select(notZ,select(isX,dir[0],dir[1]),dir[2]);
           sx = select(notZ,select(isX,dir[1],dir[2]),dir[0])*sz;

@@ -27,7 +27,7 @@ namespace embree
             for (int i=0; i<3; i++) vertices[k][i] = group.at[k][lanes[i]];
         }
 
-        /*! h: lane of the triangle */
+        /*! h: lane */
         __forceinline VertTriangle (const MeshTriangles& triangles, uint32_t h)
         {
           for (int k=0; k<3; k++)
@@ -61,21 +61,21 @@ namespace embree
 
         __forceinline WideNormal<double> normal () const { return normalOf(wide()); }
 
-        /*! Range of the distances of hits. */
+        /*! Range of distances that a hit can have. */
         __forceinline TriangleSpan<double> span (const VertRay& ray) const
         {
           const float* z = vertices[ray.kz];
           return spanOf(double(z[0]),double(z[1]),double(z[2]),double(ray.org[ray.kz]),double(ray.dir[ray.kz]));
         }
 
-        /*! Distance of the hit. Requires contains(). */
+        /*! Requires contains(). */
         __forceinline double distance (const VertRay& ray, const WideNormal<double>& normal, float tnear) const
         {
           const double org[3] = { ray.org[0],ray.org[1],ray.org[2] }, dir[3] = { ray.dir[0],ray.dir[1],ray.dir[2] };
           return distanceOfHit(wide(),normal,span(ray),org,dir,double(tnear));
         }
 
-        /*! Geometric normal, or the reversed direction of the ray if the triangle is a line. */
+        /*! Reversed direction of the ray if the triangle is a line. */
         static __forceinline Vec3fa Ng (const VertRay& ray, const WideNormal<double>& normal)
         {
           const float x = float(normal.at[0]), y = float(normal.at[1]), z = float(normal.at[2]);
@@ -160,8 +160,8 @@ namespace embree
         }
       };
 
-      /*! GroupTriangles for rays of a packet with the same kz. Each vertex and each edge between quads is evaluated
-       *  once; from the other side, an edge is the exact negative. */
+      /*! GroupTriangles for rays with the same kz. Evaluates each vertex and each edge between quads once; from the
+       *  other side, an edge is the exact negative. */
       template<int K>
       class GroupTrianglesK
       {
@@ -170,7 +170,7 @@ namespace embree
         const CellVertices& group;
 
       public:
-        vint<K> mask; //!< GroupTriangles::mask of each ray
+        vint<K> mask; //!< GroupTriangles::mask per ray
 
         __forceinline GroupTrianglesK (const VertRays<K>& rays, size_t kz, const CellVertices& group)
           : GroupTrianglesK(rays,size_t(axisAfter(int(kz),1)),size_t(axisAfter(int(kz),2)),kz,group) {}

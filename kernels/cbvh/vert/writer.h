@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Writer of cVERT. Rounds the vertices of a patch to its lattice, and those on its border to shared lattices
+/* Writer of cVERT. Rounds the vertices of a patch to its lattice, and border vertices to shared lattices
  * (shared_border.h); blocks store the result without loss. Patches are written in strips of rows, so that several tasks
- * can write one, with no more memory than 256 x 256 quads need. The caller must flush the store after the last patch.
- * */
+ * can write one, with no more memory than 256 x 256 quads need. The caller must flush the store after the last
+ * patch. */
 
 #include "../base/block_store.h"
 #include "../base/build_statistics.h"
@@ -28,12 +28,12 @@ namespace embree
       VertWriter (const CompressionPlan& plan, Device* device, BlockStore& store, cbvh::BuildStatistics& statistics)
         : plan(plan), store(store), statistics(statistics), given(device), moved(device,0) {}
 
-      /*! A multiple of the rows of a block. */
+      /*! A multiple of a block's rows. */
       static unsigned rowsOfStrip (const SurfacePatch& patch, unsigned numTimeSteps) {
         return max(fullStrip*fullStrip/(patch.quads[0]*cbvh::vertBlockQuads*numTimeSteps),1u)*cbvh::vertBlockQuads;
       }
 
-      /*! Writes a patch of one strip. evaluated(step): returns vertices that the face has evaluated, or null. */
+      /*! Writes a patch of one strip. evaluated(step): the face's evaluated vertices, or null. */
       template<typename Patch, typename Evaluated>
       void write (Patch& patch, const Evaluated& evaluated)
       {
@@ -46,7 +46,7 @@ namespace embree
           });
       }
 
-      /*! Writes a strip. begin, end: its first and last row at all time steps, or null at the border of the patch. Both
+      /*! Writes a strip. begin, end: its first and last row at all time steps, or null at the patch's border. Both
        *  strips at a row receive the same values, although displacement functions may return different ones. */
       template<typename Patch>
       void write (Patch& patch, const PatchPart& strip, const float (*begin)[3], const float (*end)[3])
@@ -61,7 +61,7 @@ namespace embree
       }
 
     private:
-      static const unsigned fullStrip = 256; //!< rows of a strip with as many columns
+      static const unsigned fullStrip = 256; //!< rows, for as many columns
 
       template<typename Patch, typename Evaluate>
       void writeStrip (const Patch& patch, const PatchPart& strip, const Evaluate& evaluate)
@@ -132,7 +132,7 @@ namespace embree
         end(patch,(cbvh::VertHeader*)bytes,size,block,bounds,cbvh::VERT_BLOCK);
       }
 
-      /*! copy(step,vertices): stores the block's vertices at a step */
+      /*! copy(step,vertices): stores the block's vertices */
       template<typename Copy>
       void writeMovingBlock (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h,
                              const Copy& copy)
@@ -172,7 +172,7 @@ namespace embree
         bounds.extend(vertices.upper[0],vertices.upper[1],vertices.upper[2]);
       }
 
-      /*! Sets the numbers of the block's quads. */
+      /*! Sets the numbers of quads. */
       cbvh::VertPlacement place (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h)
       {
         if (!patch.numbers) return placement(patch,x,y,w,h);
@@ -211,7 +211,7 @@ namespace embree
         if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
       }
 
-      /*! Lattice of a patch's own vertices. */
+      /*! For vertices that the patch does not share. */
       template<typename Patch>
       cbvh::WorldLattice latticeOf (const Patch& patch, unsigned step)
       {
@@ -226,7 +226,7 @@ namespace embree
         if (min(patch.quads[0],patch.quads[1]) < minGridSide) statistics.sums.numIrregularQuads += quads;
       }
 
-      /*! Placement of a block without numbers. */
+      /*! For a block without numbers. */
       cbvh::VertPlacement placement (const SurfacePatch& patch, unsigned x, unsigned y, unsigned w, unsigned h) const
       {
         const uint32_t region = cbvh::vertRegion(w,h,x,y), quads = cbvh::vertPatch(patch.quads[0],patch.quads[1]);
@@ -291,11 +291,11 @@ namespace embree
       const CompressionPlan& plan;
       BlockStore& store;
       cbvh::BuildStatistics& statistics;
-      PatchVertices given;             //!< evaluated by the face
-      mvector<float> moved;         //!< vertices of a strip at all time steps, snapped
-      unsigned sideRates[4];        //!< rates of the sides, which faces share
+      PatchVertices given;             //!< vertices as the face evaluates them
+      mvector<float> moved;         //!< of a strip at all time steps, snapped
+      unsigned sideRates[4];        //!< rates of the sides, shared by faces
       cbvh::VertEncoder encoder;
-      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until a moving block is written
+      std::unique_ptr<cbvh::MotionEncoder> movingEncoder; //!< null until needed
       cbvh::NumbersEncoder numbers;
     };
   }

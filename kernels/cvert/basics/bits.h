@@ -10,10 +10,10 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Number of significant bits, 0 for 0. */
+  /*! Bits of a number; 0 for 0. */
   inline uint32_t bitsOf (uint32_t number) { return number == 0 ? 0 : 32 - uint32_t(__builtin_clz(number)); }
 
-  /*! Appends numbers of up to 32 bits without gaps, lowest bit first. */
+  /*! Appends numbers of up to 32 bits, lowest bit first. */
   class BitWriter
   {
   public:
@@ -32,7 +32,7 @@ namespace cvert { inline namespace CVERT_ISA
       count -= 32;
     }
 
-    /*! Pads the last byte with zeros and returns the end of the output. */
+    /*! Pads the last byte with zeros. Returns the end of the output. */
     uint8_t* end ()
     {
       for (; count > 0; count = count > 8 ? count-8 : 0) { *out++ = uint8_t(pending); pending >>= 8; }

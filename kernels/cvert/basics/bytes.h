@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Memory access in code shared by C++ and GLSL. An address is a pointer in C++, a buffer address (two words) in GLSL.
+/* Memory access in code shared by C++ and GLSL. Addresses are pointers in C++, buffer addresses (two words) in GLSL.
  *
  *   CVERT_POINTER(Type)       address of a struct, or of any bytes if Type is void
  *   CVERT_AS(Type,address)    converts an address to the address of a struct
@@ -71,7 +71,7 @@ CVERT_INLINE uint32_t wordAt (const void* at, uint32_t i)
 
 CVERT_INLINE uint32_t byteAt (const void* at, uint32_t offset) { return ((const uint8_t*)at)[offset]; }
 
-/*! Reads 16 bits. The offset must be even. */
+/*! The offset must be even. */
 CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
 {
   uint16_t half;
@@ -79,8 +79,8 @@ CVERT_INLINE uint32_t halfAt (const void* at, uint32_t offset)
   return half;
 }
 
-/*! Returns `count` bits (at most 32) starting at bit `bit`; higher bits of the result are undefined. C++ reads only
- *  bytes that contain a requested bit; GLSL reads whole words and the next word. */
+/*! Returns `count` bits (at most 32) from bit `bit` on; higher bits of the result are undefined. C++ reads only bytes
+ *  with a requested bit; GLSL reads whole words and the next word. */
 inline uint32_t bitsAt (const void* at, uint32_t bit, uint32_t count)
 {
   const uint8_t* const first = (const uint8_t*)at + (bit >> 3);

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Vectors of four doubles. Every operation rounds as the scalar one does. Embree has such vectors only for AVX. */
+/* Vectors of four doubles, which Embree has only for AVX. Operations round as scalar ones do. */
 
-#if defined(__aarch64__) // tested first: Embree defines SSE2 and AVX there, too
+#if defined(__aarch64__) // first: Embree defines SSE2 and AVX there, too
 #include "double4_neon.h"
 #elif defined(__AVX__)
 #include "double4_avx.h"

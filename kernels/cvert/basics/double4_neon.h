@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four doubles in two NEON registers: the operations of double4_avx.h with the same results, also for NaN. */
+/* double4_avx.h in two NEON registers, with the same results, also for NaN. */
 
 #include "lanes.h"
 
@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Float4 toFloat(Double4 a) { return vcvt_high_f32_f64(vcvt_f32_f64(a.v[0]),a.v[1]); }
 
-  /* For NaN they return the first operand, as SSE2 does. */
+  /* For NaN: the first operand, as in SSE2. */
   inline Double4 min(Double4 a, Double4 b) { return select(b < a,b,a); }
   inline Double4 max(Double4 a, Double4 b) { return select(a < b,b,a); }
 
@@ -58,7 +58,7 @@ namespace cvert { inline namespace CVERT_ISA
     return { half(0),half(1) };
   }
 
-  /*! Rounds towards zero. Returns INT32_MIN if the value is out of range, as SSE2 does. */
+  /*! Rounds towards zero. INT32_MIN if out of range, as in SSE2. */
   inline Int4 toInt(Double4 a)
   {
     auto half = [&](int i) {

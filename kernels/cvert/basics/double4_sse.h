@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four doubles in two SSE2 registers: the operations of double4_avx.h. */
+/* double4_avx.h in two SSE2 registers. */
 
 #include "lanes.h"
 

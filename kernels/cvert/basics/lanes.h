@@ -3,13 +3,12 @@
 
 #pragma once
 
-/* Vectors of four floats or integers, for encoders. Every operation rounds as the scalar one does, so the bytes of
- * blocks do not depend on the instruction set. Compile with -ffp-contract=off: fused multiply-adds would break this.
- * CVERT_PORTABLE disables SSE and NEON. */
+/* Vectors of four floats or integers, for encoders. Operations round as scalar ones do, so that blocks have the same
+ * bytes on every instruction set. Requires -ffp-contract=off. CVERT_PORTABLE disables SSE and NEON. */
 
 #if defined(CVERT_PORTABLE)
 #include "lanes_portable.h"
-#elif defined(__aarch64__) // tested first: Embree defines SSE2 there, too
+#elif defined(__aarch64__) // first: Embree defines SSE2 there, too
 #include "lanes_neon.h"
 #elif defined(__SSE2__)
 #include "lanes_sse.h"
@@ -19,7 +18,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Vertex i of `count` in lanes 0 to 2. Lane 3 is undefined. */
+  /*! In lanes 0 to 2. Lane 3 is undefined. */
   inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
     return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);
   }

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Four floats or integers in NEON registers: the operations of lanes_sse.h with the same results, also for NaN and
- * floats beyond the range of integers. */
+/* lanes_sse.h in NEON registers, with the same results, also for NaN and floats beyond the range of integers. */
 
 #include "language.h"
 #include <arm_neon.h>
@@ -39,7 +38,7 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline Float4 select(FloatMask4 mask, Float4 a, Float4 b) { return vbslq_f32(mask.v,a.v,b.v); }
 
-  /* For NaN they return the first operand, as std::min and std::max do. NEON's own instructions return NaN. */
+  /* For NaN: the first operand, as std::min and std::max. NEON's instructions return NaN. */
   inline Float4 min(Float4 a, Float4 b) { return select(below(b,a),b,a); }
   inline Float4 max(Float4 a, Float4 b) { return select(below(a,b),b,a); }
 
@@ -99,7 +98,7 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 square(Int4 a) { return vmulq_s32(a.v,a.v); }
   inline Float4 toFloat(Int4 a) { return vcvtq_f32_s32(a.v); }
 
-  /* NEON's own conversion saturates instead of returning INT32_MIN. */
+  /* NEON's conversion would saturate instead of returning INT32_MIN. */
   inline Int4 truncated(Float4 a) {
     return vbslq_s32(vcltq_f32(vabsq_f32(a.v),vdupq_n_f32(2147483648.0f)),vcvtq_s32_f32(a.v),vdupq_n_s32(INT32_MIN));
   }

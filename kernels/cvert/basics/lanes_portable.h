@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four floats or integers in plain C++: the operations of lanes_sse.h, with the same results. */
+/* lanes_sse.h in plain C++, with the same results. */
 
 #include "language.h"
 #include <cmath>
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
     return Int4::of([&](int i) { return std::fabs(a.v[i]) < 2147483648.0f ? int32_t(a.v[i]) : INT32_MIN; });
   }
 
-  /* nearbyint requires the default rounding mode. */
+  /* Requires the default rounding mode. */
   inline int rounded(float a) { return std::fabs(a) < 2147483648.0f ? int(std::nearbyint(a)) : INT32_MIN; }
   inline Int4 rounded(Float4 a) { return Int4::of([&](int i) { return rounded(a.v[i]); }); }
 

@@ -28,7 +28,7 @@ namespace cvert { inline namespace CVERT_ISA
     friend Float4 operator*(Float4 a, Float4 b) { return _mm_mul_ps(a.v,b.v); }
   };
 
-  /* For NaN they return the first operand, as std::min and std::max do. */
+  /* For NaN: the first operand, as std::min and std::max. */
   inline Float4 min(Float4 a, Float4 b) { return _mm_min_ps(b.v,a.v); }
   inline Float4 max(Float4 a, Float4 b) { return _mm_max_ps(b.v,a.v); }
 
@@ -45,7 +45,7 @@ namespace cvert { inline namespace CVERT_ISA
     return _mm_cvtss_f32(_mm_max_ss(m,_mm_shuffle_ps(m,m,1)));
   }
 
-  /* Return one bit per lane. */
+  /* One bit per lane. */
   inline uint32_t lanesLess(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmplt_ps(a.v,b.v))); }
   inline uint32_t lanesEqual(Float4 a, Float4 b) { return uint32_t(_mm_movemask_ps(_mm_cmpeq_ps(a.v,b.v))); }
 
@@ -70,7 +70,6 @@ namespace cvert { inline namespace CVERT_ISA
     friend Int4 operator>>(Int4 a, int n) { return _mm_srli_epi32(a.v,n); }
   };
 
-  /*! Arithmetic shift. */
   inline Int4 shiftArithmetic(Int4 a, int n) { return _mm_srai_epi32(a.v,n); }
 
   /*! lower 32 bits of each product */
@@ -108,18 +107,18 @@ namespace cvert { inline namespace CVERT_ISA
   inline Int4 square(Int4 a) { return _mm_mullo_epi16(a.v,a.v); }
   inline Float4 toFloat(Int4 a) { return _mm_cvtepi32_ps(a.v); }
 
-  /*! Rounds towards zero. Returns INT32_MIN if the value is out of range. */
+  /*! Rounds towards zero. INT32_MIN if out of range. */
   inline Int4 truncated(Float4 a) { return _mm_cvttps_epi32(a.v); }
 
-  /*! Rounds to the nearest integer, halves to even. Magnitudes must be less than 2^31. */
+  /*! To nearest, halves to even. Magnitudes must be less than 2^31. */
   inline Int4 rounded(Float4 a) { return _mm_cvtps_epi32(a.v); }
   inline int rounded(float a) { return _mm_cvtss_si32(_mm_set_ss(a)); }
 
   /*! Splits x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 by axis. */
   inline void transpose(Float4 a, Float4 b, Float4 c, Float4& x, Float4& y, Float4& z)
   {
-    const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // y and z of the first two vertices
-                 xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // x and y of the last two
+    const __m128 yz = _mm_shuffle_ps(a.v,b.v,_MM_SHUFFLE(1,0,2,1)), // of the first two vertices
+                 xy = _mm_shuffle_ps(b.v,c.v,_MM_SHUFFLE(2,1,3,2)); // of the last two
     x = _mm_shuffle_ps(a.v,xy,_MM_SHUFFLE(2,0,3,0));
     y = _mm_shuffle_ps(yz,xy,_MM_SHUFFLE(3,1,2,0));
     z = _mm_shuffle_ps(yz,c.v,_MM_SHUFFLE(3,0,3,1));

@@ -1,18 +1,18 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Macros for headers that compile both as C++11 and as GLSL 4.60, so that CPU code, tests and shaders share one
- * implementation of the format and the hit rule.
+/* Macros for headers that compile as C++11 and as GLSL 4.60: CPU code, tests and shaders share one implementation of
+ * the format and the hit rule.
  *
- * Shared code consists of free functions on plain values. It must not use member functions, references or pointers
- * (except those of bytes.h and int3.h), 64-bit integers, recursion, or braced values outside initializers of constants.
+ * Shared code consists of free functions on plain values, without member functions, references or pointers (except
+ * those of bytes.h and int3.h), 64-bit integers, recursion, or braced values outside initializers of constants.
  *
  * The caller chooses the type Real: float in GLSL; float, double (scalar code) or, for some functions, a vector type of
  * Embree in C++. CVERT_REAL precedes functions and structs that use it. CVERT_OF(Type) is a struct of the same
  * precision, CVERT_BOOL(Type) the result type of comparisons.
  *
- * Wide, CVERT_WIDE and CVERT_OF_WIDE(Type) are the same for values in which products of floats are exact: double, or a
- * vector of doubles in C++. Shaders without CBVH_FLOAT64 use float. */
+ * Wide, CVERT_WIDE and CVERT_OF_WIDE(Type) are for values in which products of floats are exact: double, or a vector of
+ * doubles in C++. Shaders without CBVH_FLOAT64 use float. */
 
 #ifndef CVERT_LANGUAGE_H
 #define CVERT_LANGUAGE_H
@@ -47,8 +47,8 @@
 #include <limits>
 #include <utility>
 
-/* Inline code is compiled once per instruction set, each time in its own inline namespace. In a common namespace the
- * linker would keep one copy of each function, which might use AVX on machines without it. */
+/* Inline code is compiled once per instruction set, each in its own inline namespace. In a common namespace, the linker
+ * would keep one copy of each function, which might use AVX on machines without it. */
 #if defined(CVERT_PORTABLE)
 #  define CVERT_ISA isa_portable
 #elif defined(__AVX512F__)
@@ -80,7 +80,7 @@
 
 CVERT_BEGIN
 
-/* Functions of the standard library and of GLSL treat NaN and equal operands differently, and may be calls in C++. */
+/* Standard functions of C++ and GLSL treat NaN and equal operands differently, and may be calls in C++. */
 CVERT_REAL CBVH_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CBVH_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
@@ -111,7 +111,7 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* Replaces -ffp-contract=off for whole files: cGRID's leaves must fuse products exactly as GRID does. */
+/* Replaces -ffp-contract=off, because cGRID's leaves must fuse products exactly as GRID does. */
 template<typename Scalar>
 CVERT_INLINE Scalar unfused (Scalar p)
 {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The reason why input is rejected. Functions that check bytes return a Reason and neither allocate nor throw.
- * Functions on files throw an Error. Callers convert both to errors of their interface. */
+/* Reasons for rejecting input. Functions that check bytes return a Reason; they neither allocate nor throw. Functions
+ * on files throw an Error. Callers convert both to errors of their interface. */
 
 #include <cstdint>
 #include <stdexcept>
@@ -16,9 +16,9 @@ namespace cvert
   {
     NONE,
     DAMAGED,           //!< the bytes contradict each other or the format
-    UNSUPPORTED,       //!< version or feature that this library does not read
-    INVALID_ARGUMENT,  //!< invalid path or request
-    INVALID_OPERATION  //!< object in the wrong state, or disk full
+    UNSUPPORTED,       //!< version or feature that this library cannot read
+    INVALID_ARGUMENT,
+    INVALID_OPERATION  //!< wrong state, or disk full
   };
 
   class Reason

@@ -10,13 +10,13 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Bound of finite coordinates, the same as Embree's for rays and bounds. */
+  /*! Bound of finite coordinates, as in Embree's rays and boxes. */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
   }
 
-  /* Not std::fmin and std::fmax, which are calls. They do not support NaN. */
+  /* std::fmin and std::fmax are calls. NaN is not supported. */
   inline double minimum(double a, double b) { return a < b ? a : b; }
   inline double maximum(double a, double b) { return a > b ? a : b; }
 

@@ -13,7 +13,7 @@
 
 namespace cvert
 {
-  /*! Writes vertices that fit, see LatticeSpan. order: their indices among the points. out: zeros, at least
+  /*! Writes vertices, which must fit (LatticeSpan). order: indices among the points. out: zeros, at least
    *  compressed1Bytes(count). Returns the size in bytes, a multiple of 4. */
   inline size_t putCompressed1 (const LatticePoints& points, const LatticeSpan& span, const uint32_t* order,
                                 uint32_t count, uint8_t* out)
@@ -31,6 +31,6 @@ namespace cvert
     return (position + 31)/32*4;
   }
 
-  /*! Upper bound of the size in bytes. */
+  /*! Upper bound. */
   constexpr size_t compressed1Bytes (size_t count) { return 12 + 6*count + 4; }
 }

@@ -7,8 +7,8 @@
  *
  *   header, 20 bytes | offsets of vertices | indices of reused vertices -> ... <- first bits | <- controls of triangles
  *
- * Triangles form a strip: each triangle after the first shares an edge with one of the two triangles before it.
- * Vertices are in the order of their first use in the strip, so only reused vertices need an index.
+ * Each triangle after the first shares an edge with one of the two triangles before it. Vertices are in the order of
+ * their first use, so only reused vertices need an index.
  *
  * Based on: the Vulkan specification, VK_AMDX_dense_geometry_format, "Dense Geometry Format Version 1", Khronos 2025;
  * Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly Geometry Format for Lossily Compressing Meshlets with
@@ -26,7 +26,7 @@ namespace cvert
 
     enum Control : uint8_t { RESTART = 0, EDGE1 = 1, EDGE2 = 2, BACKTRACK = 3 };
 
-    /*! Bits of offsets per axis. Returns their sum, a multiple of 4. */
+    /*! Per axis. Returns their sum, a multiple of 4. */
     inline uint32_t offsetBits (const LatticeSpan& span, uint32_t bits[3])
     {
       for (int k=0; k<3; k++) bits[k] = span.bits(k);
@@ -37,7 +37,7 @@ namespace cvert
 
     inline uint32_t indexBits (uint32_t highest) { return highest < 8 ? 3 : bitsOf(highest); }
 
-    /*! reused: number of the strip's indices that refer to earlier vertices */
+    /*! reused: indices of the strip that refer to earlier vertices */
     inline bool hasRoom (uint32_t vertices, uint32_t triangles, uint32_t vertexBits, uint32_t indices, uint32_t reused,
                          uint32_t bitsOfIndex)
     {
@@ -47,7 +47,7 @@ namespace cvert
              8*(headerBytes + front) + reused*bitsOfIndex + (indices-3) + 2*(triangles-1) <= 8*blockBytes;
     }
 
-    /*! True if a grid of quads fits as one strip, which uses each inner vertex twice. */
+    /*! For a grid of quads as one strip, which uses each inner vertex twice. */
     inline bool hasRoomForQuads (uint32_t width, uint32_t height, const LatticeSpan& span)
     {
       uint32_t bits[3];
@@ -56,16 +56,16 @@ namespace cvert
         hasRoom(vertices,triangles,offsetBits(span,bits),triangles+2,(width-1)*(height-1),indexBits(vertices-1));
     }
 
-    /*! A strip of triangles as a block. Triangles are rotated to begin with the edge that they share. */
+    /*! A strip as a block. Triangles are rotated to begin with the shared edge. */
     class Block
     {
     public:
       uint8_t bytes[blockBytes];
-      uint8_t order[maxVertices];              //!< indices of vertices in QuadTriangles
+      uint8_t order[maxVertices];              //!< vertices of QuadTriangles, in the block's order
       uint32_t numVertices;
       uint8_t indices[maxTriangles][3];        //!< indices into order
 
-      /*! primitives: index of the first triangle. Returns false if the block has no room. */
+      /*! primitives: index of the first triangle. Returns false if there is no room. */
       bool write (const QuadTriangles& cluster, const LatticePoints& points, uint32_t primitives)
       {
         if (cluster.numTriangles > maxTriangles || cluster.numVertices > maxVertices) return false;
@@ -106,7 +106,7 @@ namespace cvert
       bool isFirst[3*maxTriangles];
       uint8_t reused[3*maxTriangles];
 
-      /*! Returns false if the triangle does not have edge (a,b). */
+      /*! False if the triangle lacks edge (a,b). */
       static bool turnTo (uint8_t triangle[3], uint8_t a, uint8_t b)
       {
         for (int i=0; i<3; i++)
@@ -148,7 +148,7 @@ namespace cvert
         for (uint32_t t=0; t<numTriangles; t++)
         {
           control[t] = t == 0 ? RESTART : controlOf(t);
-          // the next triangle cannot share the first edge of this one
+          // the next triangle cannot share this one's first edge
           if (control[t] == RESTART && t+1 < numTriangles && hasEdge(indices[t+1],indices[t][1],indices[t][0]))
             turn(indices[t],2);
         }

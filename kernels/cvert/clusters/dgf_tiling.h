@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Divides a rectangle of quads into blocks of DGF: into bands of rows, and bands into pieces as wide as a block allows.
- * Chooses the bands that need the fewest blocks. */
+/* Divides a rectangle of quads into blocks of DGF: bands of rows, divided into pieces as wide as a block allows.
+ * Chooses the bands with the fewest blocks. */
 
 #include "dgf.h"
 
@@ -71,7 +71,7 @@ namespace cvert
         }
       };
 
-      /*! Returns false if a column of quads is too large. */
+      /*! False if a column is too large. */
       template<typename Closure>
       bool forEachPiece (const Columns& columns, uint32_t height, const Closure& closure) const
       {
@@ -92,7 +92,7 @@ namespace cvert
 
       const LatticePoints& points;
       const uint32_t quadsX, quadsY;
-      //! by row: number of blocks of all rows before it, and height of the last band before it
+      //! by row: blocks of all rows before it, and height of the last band before it
       uint32_t blocks[LatticePoints::maxSide], heights[LatticePoints::maxSide];
     };
   }

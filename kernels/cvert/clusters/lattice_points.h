@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Vertices as integers on the coarsest lattice that contains all of them. A float is an odd number times a power of
- * two, and the smallest of these powers is the spacing, so nothing is rounded.
+/* Vertices as integers on the coarsest lattice that contains them. A float is an odd number times a power of two; the
+ * smallest of these powers is the spacing, so nothing is rounded.
  *
  * COMPRESSED1 and DGF store signed integers of 24 bits plus an offset of up to 16 bits, and spacings from 2^-126 to
  * 2^105. */
@@ -22,11 +22,11 @@ namespace cvert
     static const int32_t maxOffset = 0xFFFF;
 
     int32_t at[maxSide*maxSide][3]; //!< row by row; 0 for vertices that are not finite
-    bool isPresent[maxSide*maxSide]; //!< finite
+    bool isPresent[maxSide*maxSide]; //!< the vertex is finite
     uint32_t width;
     uint32_t exponent;              //!< biased, of the spacing, 1 to 232
 
-    /*! stride: vertices per row. Returns false if the vertices cannot be such integers. */
+    /*! stride: vertices per row. Returns false if vertices cannot be such integers. */
     bool place (const float* vertices, uint32_t stride, uint32_t columns, uint32_t rows)
     {
       width = columns;
@@ -82,7 +82,7 @@ namespace cvert
       if (!isPresent || parts.mantissa == 0) return true;
       const int shift = parts.exponent - spacing;
       if (shift > 8) return false;
-      // exact because the spacing is at most the lowest bit
+      // exact: the spacing is at most the lowest bit
       const int64_t size = shift >= 0 ? int64_t(parts.mantissa) << shift : int64_t(parts.mantissa >> -shift);
       const int64_t value = parts.isNegative ? -size : size;
       if (value < lowestAnchor || value >= -int64_t(lowestAnchor) + maxOffset) return false;
@@ -109,7 +109,7 @@ namespace cvert
 
     bool isEmpty () const { return lower[0] > upper[0]; }
 
-    /*! True if an anchor of 24 bits and offsets of 16 bits suffice. */
+    /*! For an anchor of 24 bits and offsets of 16 bits. */
     bool fits () const
     {
       for (int k=0; k<3; k++)
@@ -117,7 +117,7 @@ namespace cvert
       return true;
     }
 
-    /*! Bits of offsets on an axis, 1 to 16. */
+    /*! Bits of offsets, 1 to 16. */
     uint32_t bits (int k) const { return upper[k] > lower[k] ? bitsOf(uint32_t(upper[k]-lower[k])) : 1; }
   };
 }

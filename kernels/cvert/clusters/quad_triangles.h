@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Triangles of a rectangle of quads, with their vertices. Neighboring vertices at the same point, as at stitched edges,
- * become one. */
+/* Triangles of a rectangle of quads. Neighboring vertices at the same point, as at stitched edges, become one. */
 
 #include <cstddef>
 #include <cstdint>
@@ -24,13 +23,13 @@ namespace cvert
     static const uint32_t maxVertices = 81, maxTriangles = 128;
 
     uint32_t numVertices, numTriangles;
-    uint32_t vertices[maxVertices];             //!< indices in the rectangle, row by row
+    uint32_t vertices[maxVertices];             //!< in the rectangle, row by row
     uint8_t indices[maxTriangles][3];           //!< indices into vertices
-    uint32_t triangles[maxTriangles];           //!< numbers in the part: 2 (quads per row * y + x), plus 1 if second
+    uint32_t triangles[maxTriangles];           //!< in the part: 2 (quads per row * y + x), plus 1 if second
     bool isWhole;                               //!< no vertex or triangle is missing
 
-    /*! points: vertices of the part, in rows of `stride` vertices. isStrip: alternates the direction of rows, so that
-     *  consecutive triangles share an edge. */
+    /*! points: the part's vertices, in rows of `stride`. isStrip: alternates the direction of rows, so that consecutive
+     *  triangles share an edge. */
     QuadTriangles (const float* points, uint32_t stride, const QuadRectangle& rectangle, bool isStrip)
       : numVertices(0), numTriangles(0), points(points + 3*(size_t(rectangle.y)*stride + rectangle.x)), stride(stride),
         width(rectangle.width+1)
@@ -51,8 +50,8 @@ namespace cvert
           const bool isBack = isStrip && (y & 1);
           const uint32_t x = isBack ? rectangle.width-1-n : n;
           const uint32_t id = 2*((rectangle.y + y)*(stride-1) + rectangle.x + x), a = y*width + x;
-          // In a row from right to left, the strip enters the first quad by its first triangle, continues to the second
-          // and backtracks. It enters all other quads by their second triangle.
+          // From right to left, the strip enters the first quad by its first triangle, continues to the second and
+          // backtracks. It enters other quads by their second triangle.
           const bool isSecondFirst = isBack && n > 0;
           for (uint32_t t=0; t<2; t++)
             if (isSecondFirst == (t == 0)) add(a+width,a+1,a+width+1,id+1);
@@ -92,7 +91,7 @@ namespace cvert
 
     const float* const points;
     const uint32_t stride, width;
-    uint8_t number[maxVertices];                //!< replacement of each vertex
+    uint8_t number[maxVertices];
     bool isUsed[maxVertices];
   };
 }

@@ -14,10 +14,10 @@ CVERT_BEGIN
 struct CodedCell
 {
   uint32_t word;
-  uint32_t fields;           //!< offset relative to StepView::data
-  Int3 c00, c10, c01, c11;   //!< coordinates of the corners
-  int distance;              //!< between neighboring vertices, in quads
-  int quadsX, quadsY;        //!< per side
+  uint32_t fields;           //!< offset of the fields, relative to StepView::data
+  Int3 c00, c10, c01, c11;   //!< coordinates of the cell's corners
+  int distance;              //!< distance of neighboring vertices, in quads
+  int quadsX, quadsY;        //!< quads per side of the cell
 };
 
 CBVH_FUNCTION Int3 cornerOfStep (CVERT_IN(StepView) step, int c)
@@ -42,7 +42,7 @@ CBVH_FUNCTION CodedCell firstCell (CVERT_IN(StepView) step, uint32_t region)
   return cell;
 }
 
-/*! c00 to c11: corners of the group, which are vertices of the first cell. fields: fieldsOfGroup. */
+/*! c00 to c11: the group's corners, vertices of the first cell. fields: fieldsOfGroup. */
 CBVH_FUNCTION CodedCell cellOfGroup (CVERT_IN(StepView) step, uint32_t region, uint32_t gx, uint32_t gy,
                                       uint32_t fields, Int3 c00, Int3 c10, Int3 c01, Int3 c11)
 {
@@ -65,7 +65,7 @@ CBVH_FUNCTION int componentOfResidual (CVERT_POINTER(void) data, uint32_t bit, i
   return bits == 0 ? 0 : cellResidual(bitsAt(data,bit,uint32_t(bits)),0,bits);
 }
 
-/*! Returns a residual by axis. word, fields: as in CodedCell. */
+/*! By axis. word, fields: as in CodedCell. */
 CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uint32_t fields, int field)
 {
   int bits0 = cellBits(word,0), bits1 = cellBits(word,1), bits2 = cellBits(word,2), bits = bits0 + bits1 + bits2;
@@ -88,7 +88,7 @@ CBVH_FUNCTION Int3 residualOfField (CVERT_POINTER(void) data, uint32_t word, uin
   return axis == 0 ? Int3(r0,r1,r2) : axis == 1 ? Int3(r2,r0,r1) : Int3(r1,r2,r0);
 }
 
-/*! Applies the matrix of a later step to a residual of the first step. */
+/*! Applies a later step's matrix to a residual of the first step. */
 CBVH_FUNCTION Int3 rotatedByStep (CVERT_IN(StepView) step, Int3 r)
 {
   uint32_t a = CVERT_AT(VertStep,step.data).turn[0], b = CVERT_AT(VertStep,step.data).turn[1];
@@ -146,7 +146,7 @@ CBVH_FUNCTION float latticeVertex (CVERT_IN(StepView) step, int axis, int coordi
   return at;
 }
 
-/*! Adds the remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
+/*! Adds a remainder to a world coordinate. Requires a step with remainders. lattice: latticeVertex. vertex:
  *  vertexOfGroup. */
 CBVH_FUNCTION float withRemainder (CVERT_IN(StepView) step, uint32_t vertex, int axis, float lattice)
 {

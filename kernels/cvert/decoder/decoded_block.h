@@ -9,14 +9,14 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Scalar decoder of a block's vertices at one time step, which SIMD decoders must equal. The block must be valid
+  /*! Scalar decoder of a block's vertices at a time step, which SIMD decoders must equal. The block must be valid
    *  (validateVert) and outlive this object. */
   class DecodedBlock
   {
   public:
-    static const uint32_t maxSide = vertBlockQuads + 1u; //!< in vertices
+    static const uint32_t maxSide = vertBlockQuads + 1u; //!< vertices per side
 
-    float vertices[maxSide*maxSide][3]; //!< world positions, row by row
+    float vertices[maxSide*maxSide][3]; //!< in world space, row by row
     const uint32_t quadsX, quadsY;
 
     /*! step: below the number of steps; 0 unless the block moves */
@@ -30,7 +30,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const float* vertex(uint32_t x, uint32_t y) const { return vertices[y*(quadsX+1)+x]; }
 
-    /*! Returns false if no vertex is finite. */
+    /*! False if no vertex is finite. */
     bool bounds(float lower[3], float upper[3]) const
     {
       for (int k=0; k<3; k++) { lower[k] = INFINITY; upper[k] = -INFINITY; }
@@ -46,8 +46,8 @@ namespace cvert { inline namespace CVERT_ISA
       return lower[0] <= upper[0];
     }
 
-    /*! World box of a group. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the
-     *  origin. form, margins: of the segment that begins or ends with this step. */
+    /*! In world space. On the sheared axis it bounds the sheared coordinate times the spacing, relative to the origin.
+     *  form, margins: of the segment that begins or ends with this step. */
     void groupBox(uint32_t g, float lower[3], float upper[3]) const {
       groupBox(g,block->boxForm,(const uint8_t*)block + layout.margins,lower,upper);
     }
@@ -64,7 +64,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! End of fields and remainders, or null for a raw step. */
+    /*! End of fields and remainders; null for a raw step. */
     const uint8_t* end = nullptr;
 
   private:
@@ -118,7 +118,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Index in the first cell of corner c of a group. */
+    /*! In the first cell, for corner c of a group. */
     uint32_t cornerOfGroup(uint32_t g, uint32_t c) const {
       return 5*(g/layout.groupsX + (c >> 1)) + g % layout.groupsX + (c & 1);
     }
@@ -126,6 +126,6 @@ namespace cvert { inline namespace CVERT_ISA
     const VertHeader* const block;
     const VertLayout layout;
     const StepView view;
-    Int3 corners[cellVertices]; //!< the first cell
+    Int3 corners[cellVertices]; //!< vertices of the first cell
   };
 }}

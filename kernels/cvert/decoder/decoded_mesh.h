@@ -12,18 +12,18 @@ namespace cvert { inline namespace CVERT_ISA
   struct DecodedMeshGroup
   {
     uint32_t numTriangles, numVertices;
-    uint32_t vertices[maxGroupVertices];                  //!< indices in the block
+    uint32_t vertices[maxGroupVertices];                  //!< numbers of the group's vertices in the block
     //! by corner, in the application's order; indices into `vertices`
     uint8_t indices[3][maxGroupTriangles];
     float corners[3][3][maxGroupTriangles];               //!< by corner and axis
     uint32_t numbers[maxGroupTriangles];                  //!< see MeshView::number
 
-    /*! First step. Reads the header, all records and boxes, the group's topology and numbers, and the vertices that it
-     *  uses. */
+    /*! Decodes the first step. Reads the header, all records and boxes, the group's topology and numbers, and its
+     *  vertices. */
     DecodedMeshGroup (const MeshView& view, uint32_t g)
       : DecodedMeshGroup(view,g,[&](uint32_t v, float out[3]) { view.vertex(v,out); }) {}
 
-    /*! Decodes group g at a step. vertex(v,out): decodes vertex v of the block at the step. */
+    /*! vertex(v,out): decodes vertex v of the block at the step. */
     template<typename Vertex>
     DecodedMeshGroup (const MeshView& view, uint32_t g, const Vertex& vertex)
     {
@@ -71,7 +71,7 @@ namespace cvert { inline namespace CVERT_ISA
     float vertices[maxMeshVertices][3];
     uint32_t triangles[maxMeshTriangles][3];         //!< indices of vertices
     uint32_t numbers[maxMeshTriangles];
-    uint32_t firstTriangle[maxMeshGroups+1];         //!< first triangle of each group, then the total
+    uint32_t firstTriangle[maxMeshGroups+1];         //!< first triangle of each group, then their total
 
     /*! step: below the number of time steps. */
     explicit DecodedMesh (const MeshHeader* block, uint32_t step = 0) : numVertices(meshVertices(block->counts)),

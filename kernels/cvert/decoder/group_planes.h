@@ -10,12 +10,11 @@
 
 CVERT_BEGIN
 
-/*! World planes on an axis. On the sheared axis they bound the sheared coordinate times the spacing, relative to the
- *  origin. */
+/*! In world space. On the sheared axis they bound the sheared coordinate times the spacing, relative to the origin. */
 struct BoxPlanes { float lower, upper; };
 
 /*! Box of a group's corners, enlarged by margins. Requires a step that is not raw. form: boxForm of the segment that
- *  begins or ends with the step. margins: their byte for the axis. */
+ *  begins or ends with the step. margins: byte for the axis. */
 CBVH_FUNCTION BoxPlanes planesOfGroup (CVERT_IN(StepView) step, uint32_t form, Int3 c00, Int3 c10, Int3 c01,
                                         Int3 c11, uint32_t margins, int axis)
 {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Locates the parts of a later time step of a mesh block, and decodes single vertices. */
+/* Locates parts of a later time step of a mesh block, and decodes single vertices. */
 
 #include "../format/mesh_motion.h"
 #include "mesh_view.h"
@@ -18,7 +18,7 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshStep* const step;
     const MeshStepLayout layout;
     uint32_t fieldBits[maxMeshGroups][3];
-    uint32_t fieldBegin[maxMeshGroups+1]; //!< first bit of the fields of a group, relative to the section
+    uint32_t fieldBegin[maxMeshGroups+1]; //!< of a group's fields, relative to the section
 
     /*! step: from 1 on. */
     MeshStepView (const MeshView& first, uint32_t step) : MeshStepView(first,meshStepOf(first.block,step)) {}
@@ -34,10 +34,9 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Size of the step in bytes. */
+    /*! Size of the step. */
     uint32_t bytes () const { return (layout.fields + (fieldBegin[first.groups]+7)/8 + 3) & ~3u; }
 
-    /*! Decodes vertex v of the block. */
     void vertex (uint32_t v, float out[3]) const
     {
       float p[3];
@@ -52,7 +51,6 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Box of a group. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -69,7 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Returns the base of a group on an axis, modulo 2^32. */
+    /*! Modulo 2^32. */
     uint32_t base (uint32_t g, uint32_t k) const
     {
       const uint32_t bits[3] = { stepBaseBits(step->form,0),stepBaseBits(step->form,1),stepBaseBits(step->form,2) };
@@ -77,10 +75,10 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t at = g*(bits[0]+bits[1]+bits[2]);
       for (uint32_t i=0; i<k; i++) at += bits[i];
       const uint32_t stored = meshBitsAt(data()+layout.bases,at,bits[k]);
-      return uint32_t(int32_t(stored << (32-bits[k])) >> (32-bits[k])); // signed
+      return uint32_t(int32_t(stored << (32-bits[k])) >> (32-bits[k])); // bases are signed
     }
 
-    /*! plane: 0 to 2 for the lower planes, 3 to 5 for the extents. */
+    /*! plane: 0 to 2 for lower planes, 3 to 5 for extents. */
     uint32_t boxByte (uint32_t plane, uint32_t g) const { return data()[layout.boxes + plane*first.groups + g]; }
 
   private:

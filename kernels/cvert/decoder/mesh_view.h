@@ -3,13 +3,13 @@
 
 #pragma once
 
-/* Locates the parts of a mesh block, and decodes single vertices and numbers. */
+/* Locates parts of a mesh block, and decodes single vertices and numbers. */
 
 #include "../format/mesh_block.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Like bitsAt, with 0 in all other bits. */
+  /*! bitsAt with 0 in all other bits. */
   inline uint32_t meshBitsAt (const uint8_t* data, uint32_t begin, uint32_t count) {
     return count == 0 ? 0 : bitsAt(data,begin,count) & (0xFFFFFFFFu >> (32-count));
   }
@@ -21,12 +21,12 @@ namespace cvert { inline namespace CVERT_ISA
     const MeshHeader* const block;
     const uint32_t groups;
     const MeshLayout layout;
-    //! first triangle of each group in the block, then the total
+    //! of each group in the block, then the total
     uint32_t firstTriangle[maxMeshGroups+1];
     uint32_t firstVertex[maxMeshGroups+1];   //!< the same for vertices that belong to groups
-    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of each group's topology, relative to `topology`
-    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of its vertex fields, relative to `vertices`
-    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit of its primitive numbers, relative to `numbers`
+    uint32_t topologyBegin[maxMeshGroups+1]; //!< first bit of each group, relative to `topology`
+    uint32_t vertexBegin[maxMeshGroups+1];   //!< first bit of its fields, relative to `vertices`
+    uint32_t numberBegin[maxMeshGroups+1];   //!< first bit, relative to `numbers`
     uint32_t fieldBits[maxMeshGroups][3];    //!< per axis
     const uint8_t* topology, * vertices, * numbers;
 
@@ -79,7 +79,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t k=0; k<3; k++) out[k] = position(k,coordinates[k]);
     }
 
-    /*! Number of triangle t of a group, see primitiveOfMesh. */
+    /*! See primitiveOfMesh. */
     uint32_t number (uint32_t g, uint32_t t) const
     {
       const uint32_t base = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
@@ -89,7 +89,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool isSheared () const { return (meshSlope(block->form,1) | meshSlope(block->form,2)) != 0; }
 
-    /*! On the sheared axis the box bounds the sheared coordinate times the spacing, relative to the origin. */
+    /*! On the sheared axis, bounds the sheared coordinate times the spacing, relative to the origin. */
     void groupBox (uint32_t g, float lower[3], float upper[3]) const
     {
       for (uint32_t k=0; k<3; k++)
@@ -110,7 +110,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! On the sheared axis the coordinate may be negative, modulo 2^32. */
+    /*! On the sheared axis, the coordinate may be negative, modulo 2^32. */
     float position (uint32_t k, uint32_t coordinate) const
     {
       if (hasRanks(block->spacings,k)) return floatOfRank(rankOfFloat(block->origin[k]) + coordinate);

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* View of a time step, which hides the different offsets of first and later steps. */
+/* A time step, independent of the different offsets of first and later steps. */
 
 #ifndef CVERT_STEP_VIEW_H
 #define CVERT_STEP_VIEW_H
@@ -12,20 +12,20 @@ CVERT_BEGIN
 
 struct StepView
 {
-  CVERT_POINTER(uint8_t) data; //!< the block, or a later step
-  bool isLater;             //!< data is a VertStep
+  CVERT_POINTER(uint8_t) data; //!< start of the block, or of a later step
+  bool isLater;             //!< data points to a VertStep
   float origin[3];
   VertSpacing spacing;
-  uint32_t form;            //!< boxForm
+  uint32_t form;            //!< boxForm of the step
   uint32_t word;            //!< word of the first cell
   uint32_t turned;          //!< VertStep::turned; 0 at the first step
-  uint32_t remainders;      //!< word of remainders, or 0 if there are none
+  uint32_t remainders;      //!< word of remainders; 0 if there are none
   bool hasHighBits;         //!< words of groups have upper bits
   uint32_t corners;         //!< offset of the words of corners, relative to data
-  uint32_t margins, words, wordsHigh, cell, vertices; //!< offsets relative to data, as in VertLayout
+  uint32_t margins, words, wordsHigh, cell, vertices; //!< relative to data, as in VertLayout
 };
 
-/*! Sets the members `spacing` and `remainders` from the others. remainders: offset of the word of remainders. */
+/*! Sets `spacing` and `remainders`. remainders: offset of their word. */
 CVERT_INLINE StepView withScales (StepView step, uint32_t remainders)
 {
   uint32_t c = step.corners/4u;
@@ -56,7 +56,7 @@ CVERT_INLINE StepView viewOfFirstStep (CVERT_POINTER(VertHeader) block, CVERT_IN
   return withScales(step,offsets.remainders);
 }
 
-/*! number: number of the step, at least 1 */
+/*! number: at least 1 */
 CVERT_INLINE StepView viewOfLaterStep (CVERT_POINTER(VertHeader) block, uint32_t region, uint32_t number)
 {
   CVERT_POINTER(VertStep) later = stepOf(block,number);
@@ -106,14 +106,13 @@ CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 
-/*! Bounds at the beginning of a segment. */
 CBVH_FUNCTION BlockReach reachAtBegin (CVERT_IN(StepView) step)
 {
   uint32_t reach = step.isLater ? CVERT_AT(VertStep,step.data).reach : CVERT_AT(VertHeader,step.data).reach;
   return reachOfBlock(step.form,reach,step.isLater ? beginReachStep(step.form) : reachStep(step.form),step.spacing);
 }
 
-/*! Bounds at the end of a segment. form: boxForm of the step with which it begins. */
+/*! form: boxForm of the step at the segment's beginning. */
 CBVH_FUNCTION BlockReach reachAtEnd (CVERT_IN(StepView) step, uint32_t form) {
   return reachOfBlock(form,CVERT_AT(VertStep,step.data).endReach,endReachStep(step.turned),step.spacing);
 }

@@ -3,15 +3,15 @@
 
 #pragma once
 
-/* Validates bytes that may be a cVERT block: sizes, numbers of bits and offsets. Any value of a field is valid. */
+/* Validates bytes of a possible cVERT block: sizes, numbers of bits and offsets. Other fields may have any value. */
 
 #include "../basics/reason.h"
 #include "../format/motion.h"
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! True for valid corners of a patch, in halves. Faces with four corners begin at 0. Embree places the sub-patches of
-   *  other faces from 1/2 on, two units apart, up to 4 in a row. */
+  /*! For corners of a patch, in halves. Faces with four corners begin at 0. Embree places sub-patches of other faces
+   *  from 1/2 on, two units apart, up to 4 in a row. */
   inline bool isPatchCorner(uint32_t u, uint32_t v) {
     return (u == 0 && v == 0) || (u % 4 == 1 && v % 4 == 1 && u <= 13 && v <= 13);
   }
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
       return bytes < end ? Reason::damaged("it has % bytes: its remainders need %",bytes,end) : Reason();
     }
 
-    /*! end: end of the first step; receives the end of the last step */
+    /*! end: end of the first step; receives the end of the last */
     static Reason validateMotion(const VertHeader& header, const VertLayout& layout, size_t bytes, size_t& end)
     {
       const VertMotion motion = motionOf(&header);
@@ -191,7 +191,7 @@ namespace cvert { inline namespace CVERT_ISA
       return Reason();
     }
 
-    /*! end: end of everything before the table */
+    /*! end: before the table */
     static Reason validateTable(const VertHeader& header, size_t end, size_t bytes)
     {
       const uint32_t form = header.patchQuads;
@@ -245,7 +245,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Returns the first error in the cVERT block at data, which must be aligned to 4 bytes and may have up to `bytes`
-   *  bytes. Valid blocks can be decoded: decoders read only the block and readPastVert bytes after it. */
+  /*! Returns the first error in the cVERT block at data, aligned to 4 bytes, of at most `bytes` bytes. Decoders of
+   *  valid blocks read only the block and readPastVert bytes after it. */
   inline Reason validateVert(const void* data, size_t bytes) { return VertValidation::validate(data,bytes); }
 }}

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Validates bytes that may be a mesh block: counts, sizes and indices. Any value of vertices and numbers is valid. */
+/* Validates bytes of a possible mesh block: counts, sizes and indices. Vertices and numbers may have any value. */
 
 #include "../basics/reason.h"
 #include "mesh_step_view.h"
@@ -202,7 +202,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Returns the first error in the mesh block at data, which must be aligned to 4 bytes and may have up to `bytes`
-   *  bytes. Valid blocks can be decoded: decoders read only the block and readPastVert bytes after it. */
+  /*! Returns the first error in the mesh block at data, aligned to 4 bytes, of at most `bytes` bytes. Decoders of valid
+   *  blocks read only the block and readPastVert bytes after it. */
   inline Reason validateMesh (const void* data, size_t bytes) { return MeshValidation::validate(data,bytes); }
 }}

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The affine map that moves the vertices of a mesh block from its first step to a later one with the least squares of
- * errors, see format/mesh_motion.h. Products are not fused, so that all instruction sets encode the same bytes. */
+/* Least-squares affine map of a mesh block's vertices from the first step to a later one, see format/mesh_motion.h.
+ * Products are not fused, so that all instruction sets encode the same bytes. */
 
 #include "../format/mesh_block.h"
 #include <cmath>
@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class AffineFit
   {
   public:
-    /*! first: `count` vertices at the first step. Must outlive this object. */
+    /*! first: `count` vertices of the first step, which must outlive this object. */
     void setFirst (const float (*first)[3], uint32_t count)
     {
       this->first = first;
@@ -22,8 +22,8 @@ namespace cvert { inline namespace CVERT_ISA
       mean(first,center);
       double s[3][3];
       sum(first,center,s);
-      /* Factors s into L D L^T. If positions on an axis follow from those on the axes before, as in a plane or a line,
-       * the axis is not used. */
+      /* Factors s into L D L^T. An axis is not used if its positions follow from the axes before, as in a plane or a
+       * line. */
       const double least = product(1e-9,s[0][0]+s[1][1]+s[2][2]);
       for (int a=0; a<3; a++)
       {
@@ -39,7 +39,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! later: the same vertices at a later step. map: set to finite floats that are not denormal. */
+    /*! later: the same vertices at a later step. map: receives finite floats that are not denormal. */
     void fit (const float (*later)[3], float map[3][4]) const
     {
       double to[3], s[3][3];
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Sums of products of positions relative to their mean with first positions relative to their mean. */
+    /*! Sums of products of positions and first positions, each relative to their mean. */
     void sum (const float (*of)[3], const double mean[3], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
@@ -83,7 +83,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
-    /*! Solves a system of equations with the factored matrix. */
+    /*! Solves a system with the factored matrix. */
     void solve (double x[3]) const
     {
       for (int a=0; a<3; a++)

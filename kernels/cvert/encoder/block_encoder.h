@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Lossless encoder of a cVERT block, see format/block.h. Callers may snap vertices to lattices before (lattice.h). */
+/* Lossless encoder of a cVERT block, see format/block.h. Callers may snap vertices to lattices first (lattice.h). */
 
 #include "box_encoder.h"
 
@@ -11,24 +11,24 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct VertStatistics
   {
-    uint32_t invalidQuads = 0;  //!< number of quads with a vertex that is not finite
+    uint32_t invalidQuads = 0;  //!< with a vertex that is not finite
     uint32_t fieldBytes = 0;
     bool raw = false;
   };
 
-  /*! Position in the patch, and what the block stores of the patch. */
+  /*! Position in the patch, and what the block stores of it. */
   struct VertPlacement
   {
     uint32_t region, patchQuads;     //!< vertRegion(), vertPatch()
     bool hasEdges = false, hasNumbers = false;
-    VertEdges edges = { 0,0 };       //!< if hasEdges
-    VertNumbers numbers = { 0,0 };   //!< if hasNumbers
+    VertEdges edges = { 0,0 };       //!< stored if hasEdges
+    VertNumbers numbers = { 0,0 };   //!< stored if hasNumbers
 
     VertPlacement (uint32_t region, uint32_t patchQuads) : region(region), patchQuads(patchQuads) {}
     VertPlacement (uint32_t region, uint32_t patchQuads, const VertEdges& edges)
       : region(region), patchQuads(patchQuads), hasEdges(true), edges(edges) {}
 
-    /*! Stores the form of the numbers instead of the size of the patch. */
+    /*! Stores the form of the numbers instead of the patch's size. */
     VertPlacement (uint32_t region, uint32_t form, const VertNumbers& numbers)
       : region(region), patchQuads(form), hasNumbers(true), numbers(numbers) {}
 
@@ -38,7 +38,7 @@ namespace cvert { inline namespace CVERT_ISA
   class VertEncoder : public BlockVertices
   {
   public:
-    /*! Upper bound of the size of a block. */
+    /*! Upper bound of a block's size. */
     static const size_t maxBytes = vertHeaderBytes + vertEdgesBytes + vertMotionBytes + vertRemaindersBytes
       + sizeof(float)*(6*maxSide*maxSide + boxPlanes*maxVertGroups) + 64;
 
@@ -91,8 +91,7 @@ namespace cvert { inline namespace CVERT_ISA
       return size_t(end-block) < layout.rawBytes;
     }
 
-    /*! Appends the remainders, and writes the word of remainders at start+wordOffset. start: start of the block or
-     *  step. */
+    /*! Appends the remainders, and writes their word at start+wordOffset. start: of the block or step. */
     void appendRemainders (const BlockVertices& vertices, uint8_t* start, uint32_t wordOffset)
     {
       if (!vertices.hasRemainders()) return;
@@ -112,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         header.origin[k] = anyFinite() ? lower[k] : 0.0f;
         for (uint32_t g=0; g<layout.groups; g++) {
-          float lo = INFINITY, hi = -INFINITY; // remain if the group has no finite vertex
+          float lo = INFINITY, hi = -INFINITY; // kept if the group has no finite vertex
           extendByGroup(g,k,lo,hi);
           boxes[k*layout.groups+g] = lo;
           boxes[(3+k)*layout.groups+g] = hi;
@@ -125,14 +124,14 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* end;
     CellEncoder cell;
     BoxEncoder boxes;
-    uint32_t residualBits[3]; //!< bits of residuals per axis, summed over groups
+    uint32_t residualBits[3]; //!< bits per axis, summed over groups
 
   private:
-    /*! In blocks with remainders, residuals keep about this many bits; their other bits become remainders. This saves
+    /*! Residuals of blocks with remainders keep about this many bits; their other bits become remainders. This saves
      *  bits: a vertex between groups has a residual in each of their cells, but only one remainder. */
     static const int noiseBits = 5;
 
-    /*! bits: receives the bits per axis that can move from residuals to remainders. Returns false if there are none. */
+    /*! bits: receives the bits per axis that can move from residuals to remainders. False if there are none. */
     bool findMovableBits (int bits[3]) const
     {
       bool any = false;

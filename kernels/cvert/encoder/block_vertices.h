@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Vertices of a cVERT block at one time, as coordinates and remainders of format/block.h.
+/* Vertices of a cVERT block at a time, as coordinates and remainders of format/block.h.
  *
- * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices: at least the
- * spacing for vertices on a lattice, the last bit of a float otherwise. The block's spacing is the step or a larger
- * power of two. If it is larger, vertices have remainders. */
+ * Nothing is rounded. The step of an axis is the largest power of two that divides all vertices: at least a lattice's
+ * spacing, or the last bit of a float. If the block's spacing, also a power of two, is larger than the step, vertices
+ * have remainders. */
 
 #include "../format/block.h"
 #include "cell_encoder.h"
@@ -16,24 +16,24 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Exponents of spacings, whose reciprocals are normal floats. */
+  /*! Reciprocals of these spacings are normal floats. */
   static const int minSpacingExponent = -126, maxSpacingExponent = 126;
 
   class BlockVertices
   {
   public:
     static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
-    static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to whole vectors of four
+    static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to vectors of four
 
     float vertices[maxVertices][3]; //!< row by row
-    float lower[3], upper[3];       //!< bounds of the finite vertices; lower is infinity if there are none
+    float lower[3], upper[3];       //!< of finite vertices; lower is infinity without any
     bool allFinite;
 
     uint32_t quads[2], width;
     int exponent[3];                 //!< exponents of the spacings
     uint32_t remainderBits[3];
     float origin[3];
-    int coordinates[3][maxVertices]; //!< coordinates by axis, padded with the first one
+    int coordinates[3][maxVertices]; //!< by axis, padded with the first one
     uint32_t remainders[3][maxVertices];
 
     void setSize (uint32_t region) { quads[0] = vertQuadsX(region); quads[1] = vertQuadsY(region); width = quads[0]+1; }
@@ -69,23 +69,23 @@ namespace cvert { inline namespace CVERT_ISA
 
     bool hasRemainders () const { return (remainderBits[0] | remainderBits[1] | remainderBits[2]) != 0; }
 
-    /*! Finds the steps and the smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
+    /*! Finds the steps and smallest spacings. Requires finite vertices. Returns false if the block must be raw. */
     bool measure ()
     {
       for (uint32_t i=numVertices(); i % 4 != 0; i++) memcpy(vertices[i],vertices[0],sizeof(vertices[0]));
-      int size = minSpacingExponent; // exponent of a power of two above the extent on every axis
+      int size = minSpacingExponent; // exponent of a power of two above all extents
       for (int k=0; k<3; k++) {
         const double span = double(upper[k])-double(lower[k]);
         if (span > 0) size = std::max(size,std::ilogb(span)+1);
       }
       findSteps();
-      // an axis on which all vertices are 0 has no step
+      // all vertices are 0: no step
       for (int k=0; k<3; k++) exponent[k] = std::max(leastExponent(k),std::min(step[k],size-1));
       return setRemainders();
     }
 
-    /*! Multiplies spacings by 2^bits: residuals become shorter, remainders longer. Returns false if a spacing would be
-     *  too large. */
+    /*! Multiplies spacings by 2^bits: residuals become shorter, remainders longer. False if a spacing would be too
+     *  large. */
     bool coarsen (const int bits[3])
     {
       for (int k=0; k<3; k++) exponent[k] += bits[k];
@@ -111,7 +111,7 @@ namespace cvert { inline namespace CVERT_ISA
         if (remainderBits[k] != 0) placeWithRemainders(k);
     }
 
-    /*! Copies a cell, padded with its last vertex. */
+    /*! Padded with the cell's last vertex. */
     void gather (const int* values, uint32_t x0, uint32_t y0, uint32_t step, int out[paddedVertices]) const
     {
       for (uint32_t j=0; j<5; j++)
@@ -123,7 +123,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (int v=cellVertices; v<paddedVertices; v++) out[v] = out[cellVertices-1];
     }
 
-    /*! Writes NaN for vertices that are not finite: rays might hit a triangle with infinity, but never one with NaN. */
+    /*! Writes NaN for vertices that are not finite: rays might hit triangles with infinity, but never with NaN. */
     void copyTo (float (*out)[3]) const
     {
       for (uint32_t i=0; i<numVertices(); i++)
@@ -134,7 +134,7 @@ namespace cvert { inline namespace CVERT_ISA
       for (uint32_t i=0; i<4; i++) corners[4+(i >> 1)] |= ((vertFormatVersion >> i) & 1u) << (15+16*(i & 1));
     }
 
-    /*! Sets coordinates in a header, whose bits must be 0. */
+    /*! Writes into a header, whose bits must be 0. */
     void write (float origin[3], uint32_t corners[6], uint32_t& word) const
     {
       memcpy(origin,this->origin,sizeof(this->origin));
@@ -147,7 +147,7 @@ namespace cvert { inline namespace CVERT_ISA
             << (16*((3*c+uint32_t(k)) & 1));
     }
 
-    /*! Returns the end of the remainders. offset: distance of `out` from the start of the block or step, in bytes.
+    /*! Returns the end of the remainders. offset: of `out` from the start of the block or step, in bytes.
      *  word: receives the word of remainders. */
     uint8_t* writeRemainders (uint8_t* out, uint32_t offset, uint32_t& word) const
     {
@@ -160,13 +160,13 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
-    /*! An axis stored as floats uses coordinates only for boxes: the block has up to 2^(unitsOfFloats+1) of them. */
+    /*! An axis stored as floats has coordinates only for boxes: up to 2^(unitsOfFloats+1). */
     static const int unitsOfFloats = 6;
 
-    /*! Bits of the integers of an axis before their division by the step. Their differences have at most 31. */
+    /*! Bits of an axis' integers before division by the step. Their differences have at most 31. */
     static const int integerBits = 29;
 
-    int step[3]; //!< exponent
+    int step[3]; //!< exponents of the steps
 
     static int exponentOf (float x)
     {
@@ -219,14 +219,14 @@ namespace cvert { inline namespace CVERT_ISA
       return stored == 0 ? minSpacingExponent-1 : int(stored)-150+__builtin_ctz((bits & 0x7FFFFFu) | 0x800000u);
     }
 
-    /*! For equal vertices, or vertices that are too small for the integers of findSteps. */
+    /*! For equal vertices, or vertices too small for the integers of findSteps. */
     void findStepOfFloats (int k)
     {
       step[k] = maxSpacingExponent;
       const uint32_t count = lower[k] == upper[k] ? 1 : numVertices();
       for (uint32_t i=0; i<count; i++)
         if (vertices[i][k] != 0) step[k] = std::min(step[k],lowestBit(vertices[i][k]));
-      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // too fine
+      if (step[k] < minSpacingExponent) step[k] = minSpacingExponent-2*int(maxRemainderBits); // the step is too fine
     }
 
     /*! Smallest spacing for which coordinates have at most 14 bits, and planes of boxes, up to maxExtent spacings

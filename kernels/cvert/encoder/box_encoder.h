@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of the boxes of a cVERT block: margins of groups, in a shear that makes groups flat. Boxes of a segment of a
- * moving block are valid at both ends. */
+/* Encodes the boxes of a cVERT block: margins of groups, in a shear that makes groups flat. Boxes of a moving block's
+ * segment are valid at both ends. */
 
 #include "block_vertices.h"
 
@@ -13,7 +13,7 @@ namespace cvert { inline namespace CVERT_ISA
   class BoxEncoder
   {
   public:
-    /*! second: the block at the end of a segment, if it moves */
+    /*! second: the block at the segment's end, if it moves */
     void begin (const BlockVertices& first, const BlockVertices* second = nullptr)
     {
       ends[0] = &first; ends[1] = second ? second : &first;
@@ -55,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
       return boxForm;
     }
 
-    /*! Bounds of the block at an end, see reachStep, in the smallest possible steps of 2^shift. */
+    /*! Bounds at an end, see reachStep, in the smallest possible steps of 2^shift. */
     uint32_t reach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& block = *ends[end];
@@ -86,7 +86,7 @@ namespace cvert { inline namespace CVERT_ISA
     struct Shear
     {
       uint32_t axis = 0;
-      int slopes[2] = { 0,0 };  //!< slopes along the next two axes, in 1/16
+      int slopes[2] = { 0,0 };  //!< along the next two axes, in 1/16
 
       bool isStraight () const { return slopes[0] == 0 && slopes[1] == 0; }
     };
@@ -95,14 +95,14 @@ namespace cvert { inline namespace CVERT_ISA
     struct Heights
     {
       uint32_t shift;
-      int below, above;  //!< largest amounts that remainders subtract and add
+      int below, above;  //!< that remainders subtract and add, at most
       int at[BlockVertices::maxVertices];
 
-      /*! Returns false if decoders, which compute in float, would have to round. */
+      /*! False if decoders, which compute in float, would have to round. */
       bool set (const BlockVertices& block, const Shear& shear)
       {
         const uint32_t m = shear.axis, next[2] = { (m+1)%3,(m+2)%3 };
-        int ratio[2]; // log2 of the ratio of a spacing to the spacing on the sheared axis
+        int ratio[2]; // log2 of a spacing relative to the sheared axis' spacing
         shift = 4;
         for (int i=0; i<2; i++) {
           ratio[i] = shear.slopes[i] == 0 ? 0 : block.exponent[next[i]] - block.exponent[m];
@@ -134,7 +134,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     };
 
-    /*! Upper bound of the remainders on axis k, in coordinates. */
+    /*! Upper bound of remainders on axis k, in coordinates. */
     static int remainder (const BlockVertices& block, uint32_t k) { return block.remainderBits[k] != 0 ? 1 : 0; }
 
     struct Span { int lower, upper; };
@@ -189,10 +189,10 @@ namespace cvert { inline namespace CVERT_ISA
       }
 
     private:
-      const uint32_t width, first, x, y; //!< x, y: number of quads
+      const uint32_t width, first, x, y; //!< x, y: quads
     };
 
-    /*! Shear along the mean normal of the quads, or none if this does not make groups flatter. */
+    /*! Along the mean normal of the quads; none if groups do not become flatter. */
     Shear chooseShear ()
     {
       double n[3] = { 0,0,0 };
@@ -208,7 +208,7 @@ namespace cvert { inline namespace CVERT_ISA
         shear.slopes[i] = int(std::min(std::max(slope,-15.0),15.0));
       }
       if (shear.isStraight()) return straight;
-      double sheared = 0, upright = 0; // sums of thicknesses in the world
+      double sheared = 0, upright = 0; // sums of world-space thicknesses
       for (uint32_t e=0; e<numEnds; e++) {
         const BlockVertices& block = *ends[e];
         if (!heights[e].set(block,shear)) return straight;
@@ -218,7 +218,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sheared < upright ? shear : straight;
     }
 
-    /*! Adds twice the projected areas of the quads. */
+    /*! Adds twice the quads' projected areas. */
     static void addNormals (const BlockVertices& block, double sum[3])
     {
       const uint32_t width = block.width;
@@ -247,7 +247,7 @@ namespace cvert { inline namespace CVERT_ISA
       return sum;
     }
 
-    /*! Writes margins in steps of the smallest possible 2^n and returns n. */
+    /*! Writes margins in the smallest possible steps of 2^n, and returns n. */
     uint32_t writeMargins (uint8_t* out, const int* lowerMargins, const int* upperMargins) const
     {
       int largest = 0;
@@ -265,6 +265,6 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t numEnds, groupsX, groups;
     Shear shear;
     int margins[2][3][maxVertGroups];
-    Heights heights[2];         //!< heights at both ends; set if there is a shear
+    Heights heights[2];         //!< at both ends; set if there is a shear
   };
 }}

@@ -15,7 +15,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Vertices of a cell, padded to whole vectors. */
+  /*! Padded to whole vectors. */
   static const int paddedVertices = 28;
 
   class CellEncoder
@@ -27,7 +27,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     int residuals[3][paddedVertices]; //!< by axis; set by predict(), modified by encode()
 
-    /*! Sets the residuals. quads: of the cell, along u and v. step: quads from one vertex to the next. */
+    /*! Sets the residuals. quads: of the cell, along u and v. step: quads from vertex to vertex. */
     void predict (const uint32_t quads[2], uint32_t step)
     {
       setWeights(quads,step);
@@ -36,7 +36,7 @@ namespace cvert { inline namespace CVERT_ISA
         const int* c = vertices[k];
         const int c00 = c[0], c10 = c[4], c01 = c[20], c11 = c[24];
         const Int4 alongX = 16*(c10-c00), alongY = 16*(c01-c00), twist = c11-c10-c01+c00;
-        for (int v=0; v<paddedVertices; v+=4) // same prediction as cellPrediction
+        for (int v=0; v<paddedVertices; v+=4) // as cellPrediction
         {
           const Int4 x = Int4::load(weightX+v), y = Int4::load(weightY+v);
           const Int4 sum = x*alongX + y*alongY + x*y*twist;
@@ -45,7 +45,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Chooses main axis and slopes, and sets `word`. If a residual has too many bits, sets `excess` and returns
+    /*! Chooses main axis and slopes, and sets `word`. If residuals have too many bits, sets `excess` and returns
      *  false. */
     bool encode ()
     {
@@ -64,7 +64,7 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! Like encode(), without main axis and slopes. */
+    /*! encode() without main axis and slopes. */
     bool encodeNoise ()
     {
       const int bits[3] = { bitsOf(residuals[0]),bitsOf(residuals[1]),bitsOf(residuals[2]) };
@@ -73,10 +73,10 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    uint32_t word; //!< of the encoded cell, see format/cell.h
-    int excess[3]; //!< by axis: surplus bits of residuals if encode fails
+    uint32_t word; //!< see format/cell.h
+    int excess[3]; //!< by axis: surplus bits if encode fails
 
-    /*! Writes the fields of the vertices. Requires encode() or encodeNoise(). Returns the end of the written bytes. */
+    /*! Writes the fields, after encode() or encodeNoise(). Returns their end. */
     uint8_t* write (uint8_t* out) const
     {
       const int main = cellMainAxis(word), sum = cellFieldBits(word);
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     static bool isCorner (int v) { return v == 0 || v == 4 || v == 20 || v == 24; }
 
-    /*! Computes the weights, unless the previous call computed the same: most cells of a block have equal weights. */
+    /*! Skipped if the previous call computed the same: most cells of a block have equal weights. */
     void setWeights (const uint32_t quads[2], uint32_t step)
     {
       const uint32_t key[3] = { quads[0],quads[1],step };
@@ -130,13 +130,12 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! cellWeight, mostly without its division */
+    /*! mostly without cellWeight's division */
     static int weight (int i, int step, int quads) {
       return step*i >= quads ? 16 : i == 0 ? 0 : cellWeight(i,step,quads);
     }
 
-    /*! Sets sums to the sums of a*b, c*d and e*f over the vertices. Adds in the order of the vertices, so that all ISAs
-     *  return the same. */
+    /*! sums: of a*b, c*d and e*f. Adds in the order of the vertices, so that all ISAs return the same. */
     static void sumProducts (const int* a, const int* b, const int* c, const int* d, const int* e, const int* f,
                              float sums[3])
     {
@@ -147,7 +146,7 @@ namespace cvert { inline namespace CVERT_ISA
       multiply(a,b,products[0]);
       multiply(c,d,products[1]);
       multiply(e,f,products[2]);
-      float sum0 = 0, sum1 = 0, sum2 = 0; // interleaved to hide the latency of additions
+      float sum0 = 0, sum1 = 0, sum2 = 0; // interleaved to hide latency
       for (int v=0; v<cellVertices; v++) {
         sum0 += products[0][v]; sum1 += products[1][v]; sum2 += products[2][v];
       }
@@ -178,7 +177,7 @@ namespace cvert { inline namespace CVERT_ISA
       const int slope = fit < -maxSlope ? -maxSlope : fit > maxSlope ? maxSlope : int(std::floor(fit+0.5f));
       if (slope == 0) return 0;
       int rest[paddedVertices];
-      for (int v=0; v<paddedVertices; v+=4) // same residual as slopeResidual
+      for (int v=0; v<paddedVertices; v+=4) // as slopeResidual
         (Int4::load(r+v) - shiftArithmetic(Int4(slope)*Int4::load(main+v) + Int4(8),4)).store(rest+v);
       const int restBits = bitsOf(rest);
       if (restBits >= bits) return 0;
@@ -187,7 +186,7 @@ namespace cvert { inline namespace CVERT_ISA
       return slope;
     }
 
-    int weightX[paddedVertices], weightY[paddedVertices]; //!< in 1/16
-    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step
+    int weightX[paddedVertices], weightY[paddedVertices]; //!< weights of upper corners, in 1/16
+    uint32_t weightsOf[3] = { 0,0,0 };                    //!< quads and step for which the weights were computed
   };
 }}

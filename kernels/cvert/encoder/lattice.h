@@ -6,7 +6,7 @@
 /* Lattices to which vertices are snapped: all multiples of 2^exponent on the world axes. A lattice contains every
  * coarser one, so a shared vertex on the coarsest lattice of its faces is a point of all of them.
  *
- * Snapping floats is exact. Where floats are coarser than the lattice, every float is a point of it. */
+ * Snapping is exact. Where floats are coarser than the lattice, every float is a point of it. */
 
 #include "../basics/lanes.h"
 #include "../basics/language.h"
@@ -17,41 +17,41 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Default spacing as a fraction of the median edge of a face's quads along u or v, whichever is shorter.
-   *  spacingOfDiagonal may reduce it. */
+  /*! Default spacing as a fraction of a face's median edge along u or v, whichever is shorter. spacingOfDiagonal may
+   *  reduce it. */
   static constexpr double spacingOfEdge = 1.0/36;
 
-  /*! Faces with fewer quads get a proportionally finer spacing: they are as large in a picture as other faces, and
-   *  consist mostly of headers. */
+  /*! Faces with fewer quads get a proportionally finer spacing: they are as large in a picture, and consist mostly of
+   *  headers. */
   static constexpr unsigned fullQuads = 16;
 
   /*! Upper bound of the default spacing as a fraction of the geometry's diagonal, invisible in a picture of the whole
-   *  geometry. It matters for objects of few, large quads. */
+   *  geometry. Matters for objects of few, large quads. */
   static constexpr double spacingOfDiagonal = 1.0/32768;
 
-  /*! The diagonal does not reduce the spacing below this fraction of the edge: residuals must fit into a cell. */
+  /*! Lower bound of the spacing by the diagonal, as a fraction of the edge: residuals must fit into a cell. */
   static constexpr double finestOfEdge = 1.0/96;
 
   /*! For an application's grids. Rays that start 1/200 of an edge above the application's vertices also start above the
    *  stored surface, on slopes of up to 45 degrees. */
   static constexpr double spacingOfGridEdge = 1.0/512;
 
-  /*! For quads and triangles. Renderers shade points on their own triangles, and a stored surface slightly in front of
-   *  such a point casts a shadow on it. tests/clients counts the pixels of a smooth sheet at grazing light that become
-   *  darker by more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
+  /*! For quads and triangles. Renderers shade points on their own triangles, on which a stored surface slightly in
+   *  front casts a shadow. tests/clients counts the pixels of a smooth sheet at grazing light that become darker by
+   *  more than 5%: of 230400, 2055 at 1/512 of an edge, 172 at 1/2048, and 51 at 1/4096. */
   static constexpr double spacingOfMeshEdge = 1.0/2048;
 
-  /*! median: length of edges along u or v. quads: along them. diagonal: of the geometry. */
+  /*! median: edge length along u or v. quads: along them. diagonal: of the geometry. */
   inline double defaultSpacing(double median, unsigned quads, double diagonal)
   {
     if (quads < fullQuads) return median*spacingOfEdge*quads/fullQuads;
     return std::min(median*spacingOfEdge,std::max(diagonal*spacingOfDiagonal,median*finestOfEdge));
   }
 
-  /*! Floats of at least 2^floatBits spacings have no finer bits than the spacing. */
+  /*! Floats of at least 2^floatBits spacings have no finer bits. */
   static constexpr int floatBits = 23;
 
-  /*! Exponents of spacings, whose reciprocals are normal floats. */
+  /*! Reciprocals of these spacings are normal floats. */
   static constexpr int minLatticeExponent = -125, maxLatticeExponent = 100;
 
   /*! Vertices do not move. Less than all others, because shared vertices use the coarsest lattice. */
@@ -66,10 +66,10 @@ namespace cvert { inline namespace CVERT_ISA
       : spacing(exponent == exactLattice ? 0.0f : powerOfTwo(exponent)), reciprocal(powerOfTwo(-exponent)),
         limit(exponent == exactLattice ? 0.0f : powerOfTwo(std::min(exponent+floatBits,127))) {}
 
-    /*! Requires the exponent of a normal float. */
+    /*! Requires a normal float. */
     static float powerOfTwo (int exponent) { return floatOfBits(uint32_t(exponent+127) << 23); }
 
-    /*! Rounds to the nearest multiple, halves to even. Keeps NaN and infinity. */
+    /*! To the nearest multiple, halves to even. Keeps NaN and infinity. */
     float snap (float x) const
     {
       if (!(std::fabs(x) < limit)) return x;
@@ -82,13 +82,13 @@ namespace cvert { inline namespace CVERT_ISA
     }
   };
 
-  /*! Rounds down to a power of two in the valid range. */
+  /*! Rounds down to a valid power of two. */
   inline int latticeExponent(double spacing) {
     return spacing > 0 ? std::min(std::max(std::ilogb(spacing),minLatticeExponent),maxLatticeExponent)
                        : minLatticeExponent;
   }
 
-  /*! Median edge length along three lines of vertices, and bounds. */
+  /*! Along three lines of vertices. */
   class EdgeSample
   {
   public:
@@ -122,6 +122,6 @@ namespace cvert { inline namespace CVERT_ISA
     double lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
 
   private:
-    std::vector<double> squares; //!< squared lengths
+    std::vector<double> squares; //!< squared
   };
 }}

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encodes a mesh as mesh blocks: omits triangles that no ray can hit, and clusters the others. */
+/* Encodes a mesh as mesh blocks: clusters the triangles, and omits those that no ray can hit. */
 
 #include "mesh_clusters.h"
 #include "mesh_encoder.h"
@@ -24,16 +24,16 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshSettings
   {
     int exponent = exactLattice;  //!< exponent of the lattice
-    uint32_t groupTriangles = 16; //!< per full group, up to maxGroupTriangles
+    uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
     uint32_t surface = 0;
   };
 
   struct MeshReport
   {
     MeshStatistics statistics;
-    size_t invalidTriangles = 0;    //!< omitted: an index is out of range, or a vertex is not finite
-    size_t degenerateTriangles = 0; //!< omitted
-    size_t finerVertices = 0;       //!< not on the lattice
+    size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
+    size_t degenerateTriangles = 0; //!< omitted because they have no area
+    size_t finerVertices = 0;       //!< vertices that are not on the lattice
   };
 
   class MeshBlocks
@@ -42,8 +42,8 @@ namespace cvert { inline namespace CVERT_ISA
     explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent),
       encoder(new MeshEncoder) {}
 
-    /*! Calls onBlock(const MeshHeader*) for each block, whose bytes are valid during the call. Triangles are numbered
-     *  by their index. Uses 16 bytes of temporary memory per triangle. Throws std::bad_alloc. */
+    /*! Calls onBlock(const MeshHeader*) for each block, valid during the call. Triangles are numbered by their index.
+     *  Uses 16 temporary bytes per triangle. Throws std::bad_alloc. */
     template<typename OnBlock>
     MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
     {
@@ -90,7 +90,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Repeats the check until nothing changes, because a finer vertex may flip other triangles that use it. */
+    /*! Repeats until nothing changes, because a finer vertex may flip other triangles. */
     void settle (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
     {
       for (bool changed=true; changed; ) {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Divides triangles into clusters of up to 256, and these into groups, recursively at the median of an axis, such that
- * all but the last are full. Compact groups share few vertices and have small boxes. Large parts are divided across
- * their longest axis, smaller ones across the axis that minimizes the sum of both areas, in bounds of 16 bits. */
+/* Divides triangles into clusters of up to 256, and these into groups, recursively at an axis' median, such that all
+ * but the last are full. Compact groups share few vertices and have small boxes. Large parts are divided across their
+ * longest axis, smaller ones across the axis that minimizes the sum of both areas, in bounds of 16 bits. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -18,18 +18,18 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshCenter
   {
     float at[3];    //!< center of the triangle's bounds, finite
-    uint32_t index; //!< number that the caller chooses
+    uint32_t index; //!< chosen by the caller
   };
 
   class MeshClusters
   {
   public:
-    /*! groupTriangles: number of triangles of a full group, 1 to maxGroupTriangles */
+    /*! groupTriangles: of a full group, 1 to maxGroupTriangles */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         part(new Part) {}
 
-    /*! Reorders triangles and calls onCluster(triangles,count) for each cluster, in order, whose groups are
+    /*! Reorders triangles and calls onCluster(triangles,count) for each cluster, in order. Its groups are
      *  groupTriangles consecutive triangles. boundsOf(index,lower,upper) bounds a triangle. */
     template<typename BoundsOf, typename OnCluster>
     void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster)
@@ -49,10 +49,11 @@ namespace cvert { inline namespace CVERT_ISA
         onCluster(triangles+i,uint32_t(std::min(count-i,size_t(clusterTriangles))));
     }
 
-    /*! cut() applies halve() to larger parts. Several threads can cut the halves. */
+    /*! cut() applies halve() to larger parts. Threads can cut the halves concurrently. */
     size_t maxPart () const { return partTriangles/clusterTriangles*clusterTriangles; }
 
-    /*! Reorders more than maxPart() triangles into two parts. Returns the size of the first; its clusters are full. */
+    /*! Reorders more than maxPart() triangles into two parts. Returns the size of the first, whose clusters are
+     *  full. */
     size_t halve (MeshCenter* triangles, size_t count) const
     {
       const size_t half = halfOf(count,clusterTriangles);
@@ -66,13 +67,13 @@ namespace cvert { inline namespace CVERT_ISA
     static const size_t partTriangles = 4096, sampleTriangles = 64;
     static const uint32_t bins = 32;
 
-    /*! Bounds of triangles. 0 to 2: lower bounds; 3 to 5: 65535 minus the upper bounds, so that a minimum extends both;
-     *  6: index in the part; 7: bin. */
+    /*! 0 to 2: lower bounds; 3 to 5: 65535 minus upper bounds, so that a minimum extends both; 6: index in the part; 7:
+     *  bin. */
     struct Item
     {
       uint16_t at[8];
 
-      uint32_t center (int k) const { return uint32_t(at[k]) + 65535u - at[3+k]; } //!< 17 bits
+      uint32_t center (int k) const { return uint32_t(at[k]) + 65535u - at[3+k]; } //!< a center has 17 bits
       double size (int k) const { return 65535.0 - at[3+k] - at[k]; }
       double area () const { return size(0)*size(1) + size(1)*size(2) + size(2)*size(0); }
     };
@@ -83,7 +84,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       Lanes lanes = Lanes{} + uint16_t(65535);
 
-      /*! isPresent: 0xFFFF, or 0 to leave the bounds unchanged */
+      /*! isPresent: 0xFFFF, or 0 for no change */
       void extend (Lanes item, uint16_t isPresent) {
         item |= uint16_t(~isPresent);
         lanes = item < lanes ? item : lanes;
@@ -110,13 +111,13 @@ namespace cvert { inline namespace CVERT_ISA
       uint32_t bin = 0;
       size_t before = 0;
       while (before+counts[bin] <= half) before += counts[bin++];
-      // no branches, which would be mispredicted
+      // without branches, which would be mispredicted
       T* to = items;
       for (T* i=items; i<items+count; i++) { const T item = *i; *i = *to; *to = item; to += binOf(item) < bin; }
       if (before == half) return;
       T* const first = to;
       for (T* i=first; i<items+count; i++)
-        if (binOf(*i) == bin) std::swap(*i,*to++); // rare
+        if (binOf(*i) == bin) std::swap(*i,*to++); // such items are rare
       std::nth_element(first,items+half,to,less);
     }
 
@@ -134,7 +135,7 @@ namespace cvert { inline namespace CVERT_ISA
       const float from = lower[axis], size = upper[axis]-from, scale = size > 0 ? float(bins-1)/size : 0.0f;
       const auto binOf = [=](const MeshCenter& c) {
         const float x = (c.at[axis]-from)*scale;
-        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN: last bin
+        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN counts as the last bin
       };
       uint32_t counts[bins] = {};
       for (size_t i=0; i<count; i++) counts[binOf(triangles[i])]++;
@@ -158,7 +159,7 @@ namespace cvert { inline namespace CVERT_ISA
         float l[3], u[3];
         boundsOf(triangles[i].index,l,u);
         Item& item = part->items[i];
-        for (int k=0; k<3; k++) { // triangles extend beyond the bounds of the centers
+        for (int k=0; k<3; k++) { // triangles extend beyond their centers' bounds
           item.at[k] = toGrid((l[k]-lower[k])*scale);
           item.at[3+k] = uint16_t(65535-toGrid((u[k]-lower[k])*scale));
         }
@@ -179,7 +180,7 @@ namespace cvert { inline namespace CVERT_ISA
       const int k = axisOf(items,count,half,lower,shift);
       uint16_t counts[bins] = {};
       for (size_t i=0; i<count; i++) {
-        // centers may lie outside the range of a sample
+        // centers may be outside of a sample's range
         const uint32_t c = items[i].center(k), bin = std::min((std::max(c,lower)-lower) >> shift,bins-1);
         items[i].at[7] = uint16_t(bin);
         counts[bin]++;
@@ -214,7 +215,7 @@ namespace cvert { inline namespace CVERT_ISA
         size_t sum = 0;
         uint32_t bin = 0;
         while (bin+1 < bins && sum+counts[k][bin] <= before) sum += counts[k][bin++];
-        const bool isNearer = before-sum > counts[k][bin]/2u; // nearer to the end of the bin than to its start
+        const bool isNearer = before-sum > counts[k][bin]/2u; // nearer to the bin's end than to its start
         median[k] = least[k] + ((bin+isNearer) << shifts[k]);
       }
       Bounds halves[3][2];

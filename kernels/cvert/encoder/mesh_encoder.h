@@ -3,11 +3,11 @@
 
 #pragma once
 
-/* Lossless encoder of a mesh block, see format/mesh_block.h. Callers may snap corners to a lattice before
- * (mesh_lattice.h). Decoded floats are the same, except that -0 may become 0. Equal corners become one vertex.
+/* Lossless encoder of a mesh block, see format/mesh_block.h. Callers may snap corners to a lattice first
+ * (mesh_lattice.h). Only -0 may become 0. Equal corners become one vertex.
  *
- * The spacing of an axis is the largest power of two that divides all coordinates. An axis stores ranks of
- * floats instead if coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
+ * An axis' spacing is the largest power of two that divides all coordinates. It stores ranks of floats instead if
+ * coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
 
 #include "../basics/bits.h"
 #include "mesh_position.h"
@@ -20,7 +20,7 @@ namespace cvert { inline namespace CVERT_ISA
   struct MeshTriangle
   {
     float corners[3][3]; //!< by corner and axis; finite, three different points
-    uint32_t number;       //!< number of its primitive, or see meshHasQuads
+    uint32_t number;       //!< primitive, or see meshHasQuads
   };
 
   struct MeshStatistics
@@ -28,18 +28,18 @@ namespace cvert { inline namespace CVERT_ISA
     uint64_t blocks = 0, groups = 0, triangles = 0, vertices = 0, restarts = 0, bytes = 0;
     uint64_t topologyBits = 0, vertexBits = 0, numberBits = 0;
     uint64_t rankAxes = 0, shearedBlocks = 0;
-    uint64_t stepBytes = 0; //!< of the steps of moving blocks but the first, not part of `bytes`
+    uint64_t stepBytes = 0; //!< of later steps of moving blocks, not part of `bytes`
   };
 
   class MeshEncoder
   {
   public:
-    /*! Upper bound of the size of a block. */
+    /*! Upper bound of a block's size. */
     static constexpr size_t maxBytes = 9216;
 
     MeshEncoder () { std::memset(slots,0,sizeof(slots)); }
 
-    /*! Encodes as many triangles as fit into one block. ends: for each group, the index of its last triangle plus 1;
+    /*! Encodes as many triangles as fit into a block. ends: for each group, the index of its last triangle plus 1;
      *  groups with too many triangles, vertices or strips are divided. stored: receives the number of triangles. block:
      *  maxBytes, aligned to 4. Returns the size in bytes, a multiple of 4. */
     size_t encode (const MeshTriangle* triangles, const uint32_t* ends, uint32_t numGroups, uint32_t surface,
@@ -57,8 +57,8 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Encodes a cluster of MeshClusters with groups of groupTriangles. Calls onBlock(bytes,first,count) for each
-     *  block; there are several if groups were divided. areHalvesOfQuads: both triangles of a quad, which follow
-     *  each other, stay in one block. */
+     *  block; there are several if groups were divided. areHalvesOfQuads: both consecutive triangles of a quad stay in
+     *  one block. */
     template<typename OnBlock>
     void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areHalvesOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
@@ -88,11 +88,11 @@ namespace cvert { inline namespace CVERT_ISA
     {
       uint32_t triangles, vertices, own, restarts, repeats, others, firstVertex;
       uint32_t restartMask, fanMask, ownMask;
-      uint64_t newMask;                                        //!< a bit per vertex of the stream
+      uint64_t newMask;                                        //!< bit per entry of the stream: the vertex is new
       uint8_t turns[maxGroupTriangles], repeated[3*maxGroupTriangles];
-      uint16_t numbers[maxGroupVertices];                      //!< indices in the block
-      uint32_t given[maxGroupTriangles];                       //!< numbers of triangles
-      uint32_t lower[3], extent[3];                            //!< box
+      uint16_t numbers[maxGroupVertices];                      //!< numbers of the vertices in the block
+      uint32_t given[maxGroupTriangles];                       //!< numbers of the triangles
+      uint32_t lower[3], extent[3];                            //!< box of the group
     };
 
     static const uint32_t slotCount = 2048;
@@ -104,7 +104,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (++epoch == 0) { std::memset(slots,0,sizeof(slots)); epoch = 1; }
     }
 
-    /*! Index of a position among the corners of this block; adds it if it is new. */
+    /*! Adds a position to the corners of this block if it is new. */
     uint32_t cornerAt (const float p[3])
     {
       const MeshPosition position(p);
@@ -113,7 +113,7 @@ namespace cvert { inline namespace CVERT_ISA
         });
     }
 
-    /*! isSame(corner): true if the corner is the one that is looked for. */
+    /*! isSame(corner): true for the requested corner. */
     template<typename IsSame>
     uint32_t findCorner (const MeshPosition& position, uint32_t hash, const IsSame& isSame)
     {
@@ -132,8 +132,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Returns the index of a corner of a triangle. If vertices have IDs, corners with different IDs differ, even at
-     *  the same position. */
+    /*! If vertices have IDs, corners with different IDs differ, even at the same position. */
     uint32_t cornerOf (const MeshTriangle& triangle, int c)
     {
       if (!ids) return cornerAt(triangle.corners[c]);
@@ -223,7 +222,7 @@ namespace cvert { inline namespace CVERT_ISA
       fitsLattice[k] = true;
       exponent[k] = std::max(step,-126);
       const double span = double(hi)-double(lo);
-      if (span == 0) { // thin boxes
+      if (span == 0) { // the smallest spacing makes boxes thin
         exponent[k] = -126;
         std::fill(coordinates[k],coordinates[k]+numVertices,0u);
         return;
@@ -240,7 +239,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (isRanked[k]) std::memcpy(coordinates[k],other,numVertices*sizeof(other[0]));
     }
 
-    /*! Computes the coordinates on an axis that does not need ranks, after place(). */
+    /*! For an axis that does not need ranks, after place(). */
     void placeOnLattice (int k)
     {
       const double unit = std::ldexp(1.0,-exponent[k]), least = double(origin[k]);
@@ -248,7 +247,7 @@ namespace cvert { inline namespace CVERT_ISA
       isRanked[k] = false;
     }
 
-    /*! Returns the bits of all fields on an axis. values: coordinates or ranks. */
+    /*! Bits of all fields on an axis. values: coordinates or ranks. */
     uint64_t bitsOnAxis (const uint32_t* values, bool ranked) const
     {
       uint32_t lo[maxMeshGroups], hi[maxMeshGroups], most = 0;
@@ -275,9 +274,9 @@ namespace cvert { inline namespace CVERT_ISA
       return bits > 8+least ? bits-8 : least;
     }
 
-    static const int maxUnrankedBits = 18;   //!< up to this many, ranks are not tried
+    static const int maxUnrankedBits = 18;   //!< up to so many, ranks are not tried
 
-    /*! Shears an axis if this makes its fields shorter. */
+    /*! Shears an axis if that shortens its fields. */
     void chooseShear ()
     {
       shearedAxis = 0;
@@ -293,7 +292,7 @@ namespace cvert { inline namespace CVERT_ISA
         s[0][0] += x*x; s[1][1] += y*y; s[2][2] += z*z; s[0][1] += x*y; s[1][2] += y*z; s[2][0] += z*x;
       }
       s[1][0] = s[0][1]; s[2][1] = s[1][2]; s[0][2] = s[2][0];
-      // the axis on which a plane explains most of the variance
+      // on which a plane explains most of the variance
       double best = 0.5;
       for (int m=0; m<3; m++)
       {
@@ -444,10 +443,10 @@ namespace cvert { inline namespace CVERT_ISA
     /* by corner, in the order of insertion */
     uint32_t numCorners;
     float corners[3*maxMeshTriangles+3*maxGroupTriangles][3];
-    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< index as a vertex of the block
-    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt that used the corner
-    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< index in that attempt
-    /*! IDs of the corners of triangles from idsBegin on, or null if positions identify vertices. */
+    uint16_t numberOf[3*maxMeshTriangles+3*maxGroupTriangles]; //!< number of each corner as a vertex of the block
+    uint32_t groupOf[3*maxMeshTriangles+3*maxGroupTriangles];  //!< last attempt to add a group with the corner
+    uint8_t localOf[3*maxMeshTriangles+3*maxGroupTriangles];   //!< number of the corner in that attempt
+    /*! IDs of corners of triangles from idsBegin on; null if positions identify vertices. */
     const uint32_t (*ids)[3] = nullptr;
     const MeshTriangle* idsBegin = nullptr;
     uint32_t idOfCorner[3*maxMeshTriangles+3*maxGroupTriangles];

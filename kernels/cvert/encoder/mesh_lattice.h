@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* The lattice of a mesh, and its exceptions. If snapping to the nearest point flips or flattens a triangle, its
- * vertices become exceptions, which snap to a finer lattice or do not move. Exceptions are stored by position: all
- * triangles and blocks that share a vertex agree, so the surface remains watertight even if vertices are not welded. */
+/* A mesh's lattice, and its exceptions. If snapping to the nearest point flips or flattens a triangle, its vertices
+ * become exceptions, which snap to a finer lattice or do not move. Exceptions are stored by position: all triangles and
+ * blocks with a vertex agree, so the surface remains watertight even if vertices are not welded. */
 
 #include "../basics/world.h"
 #include "lattice.h"
@@ -18,10 +18,10 @@ namespace cvert { inline namespace CVERT_ISA
   class MeshLattice
   {
   public:
-    /*! A first exception has a spacing that is 2^finerBits times smaller; a second one does not move. */
+    /*! A first exception's spacing is 2^finerBits times smaller; a second one does not move. */
     static const int finerBits = 6;
 
-    /*! exponent: exponent of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice */
+    /*! exponent: of the spacing, minLatticeExponent to maxLatticeExponent, or exactLattice */
     explicit MeshLattice (int exponent)
       : lattices{ WorldLattice(exponent),
         WorldLattice(exponent == exactLattice ? exactLattice : std::max(exponent-finerBits,exactLattice)),
@@ -36,8 +36,8 @@ namespace cvert { inline namespace CVERT_ISA
       for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
     }
 
-    /*! True if a triangle has an area and its normal turns by less than 90 degrees wherever its corners snap to.
-     *  Conservative: returns false for some such triangles. */
+    /*! True if a triangle has area and its normal turns by less than 90 degrees wherever its corners snap to.
+     *  Conservative: false for some such triangles. */
     bool isRobust (const float a[3], const float b[3], const float c[3]) const
     {
       float e[3], f[3];
@@ -52,7 +52,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Requires finite corners.
-     *  Returns true if there are new exceptions; other triangles must then be checked again. */
+     *  Returns true for new exceptions; other triangles must then be checked again. */
     bool check (const float a[3], const float b[3], const float c[3])
     {
       if (isExact || isRobust(a,b,c)) return false;
@@ -72,7 +72,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! True if the area is 0 in double precision. */
+    /*! In double precision. */
     static bool isDegenerate (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
 
     size_t numExceptions () const { return exceptions.size(); }
@@ -110,7 +110,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     const WorldLattice lattices[3];
     const bool isExact;
-    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< lattice of a position
-    uint32_t filter[2048];                                  //!< a bit per hash of an exception
+    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< exceptions by position
+    uint32_t filter[2048];                                  //!< a bit per hash
   };
 }}

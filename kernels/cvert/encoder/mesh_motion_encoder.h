@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Lossless encoder of moving mesh blocks, see format/mesh_motion.h. The first step is encoded as a mesh block. Vertices
- * are identified by IDs, because vertices can be at the same position at one step and not at another. */
+/* Lossless encoder of moving mesh blocks, see format/mesh_motion.h. The first step is a mesh block. IDs identify
+ * vertices, which can have the same position at one step and not at another. */
 
 #include "../format/mesh_motion.h"
 #include "affine_fit.h"
@@ -16,26 +16,26 @@ namespace cvert { inline namespace CVERT_ISA
   struct MovingCluster
   {
     const MeshTriangle* triangles; //!< corners: at the first step
-    const uint32_t (*ids)[3];      //!< IDs of the corners of each triangle, three different ones
+    const uint32_t (*ids)[3];      //!< of each triangle's corners, three different ones
     uint32_t count;
-    uint32_t groupTriangles;       //!< as for MeshEncoder::encodeCluster
-    bool areHalvesOfQuads;         //!< the same
+    uint32_t groupTriangles;       //!< triangles of a full group
+    bool areHalvesOfQuads;         //!< see MeshEncoder::encodeCluster
     uint32_t surface;
-    float begin, end;              //!< times of the first and the last step
+    float begin, end;              //!< times of the first and last step
     uint32_t numSteps;             //!< 2 to maxTimeSteps
   };
 
   class MeshMotionEncoder : private MeshEncoder
   {
   public:
-    /*! Upper bound of the size of a block. */
+    /*! Upper bound of a block's size. */
     static size_t maxBytes (size_t numSteps) {
       return MeshEncoder::maxBytes + sizeof(VertMotion) + (numSteps-1)*(sizeof(uint32_t) + maxStepBytes);
     }
 
-    /*! Encodes a cluster. locate(step,id,out): sets the position of a vertex at a later step, which must be finite.
-     *  Called once for each step and vertex of a block, before onBlock, which is called as by
-     *  MeshEncoder::encodeCluster. block: maxBytes, aligned to 4. */
+    /*! locate(step,id,out): sets a vertex's position at a later step, which must be finite. Called once for each step
+     *  and vertex of a block, before onBlock, which is called as by MeshEncoder::encodeCluster. block: maxBytes,
+     *  aligned to 4. */
     template<typename Locate, typename OnBlock>
     void encodeCluster (const MovingCluster& cluster, uint8_t* block, MeshStatistics& statistics,
       const Locate& locate, const OnBlock& onBlock)
@@ -82,7 +82,7 @@ namespace cvert { inline namespace CVERT_ISA
       return header.bytes;
     }
 
-    /*! Encodes the step whose vertices are in `vertices`. Returns its end. */
+    /*! Encodes a step of `vertices`. Returns its end. */
     uint8_t* writeStep (uint8_t* const out)
     {
       MeshStep step;
@@ -130,14 +130,14 @@ namespace cvert { inline namespace CVERT_ISA
 
     uint32_t spacingOf (int k) const { return isRanked[k] ? 0u : uint32_t(exponent[k]+127); }
 
-    /*! Differences between coordinates and their predictions on an axis, modulo 2^32. */
+    /*! Coordinates minus predictions on an axis, modulo 2^32. */
     struct Residuals
     {
       uint32_t of[maxMeshVertices];
-      int32_t base[maxMeshGroups];  //!< the least of a group
+      int32_t base[maxMeshGroups];  //!< the least residual of a group
       uint32_t bits[maxMeshGroups]; //!< of a field, 0 to 30 or 32
 
-      /*! Number of bits of signed bases. */
+      /*! Bits per base; bases are signed. */
       uint32_t baseBits (uint32_t groups) const
       {
         uint32_t most = 0;
@@ -147,7 +147,7 @@ namespace cvert { inline namespace CVERT_ISA
       }
     };
 
-    /*! Chooses between a lattice and ranks on an axis, and computes the residuals. */
+    /*! Chooses a lattice or ranks on an axis, and computes the residuals. */
     void placeStep (int k, const MeshStep& step)
     {
       for (uint32_t v=0; v<numVertices; v++) predicted[v] = predictedPosition(step.map[k],first[v]);
@@ -161,8 +161,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memcpy(coordinates[k],ranks,numVertices*sizeof(ranks[0]));
     }
 
-    /*! Subtracts the predictions from the coordinates on an axis. Returns the number of bits of all fields and
-     *  bases. */
+    /*! Subtracts predictions from coordinates on an axis. Returns the bits of all fields and bases. */
     uint64_t subtract (int k, Residuals& out) const
     {
       const uint32_t spacings = spacingOf(k) << (8*k);
@@ -188,7 +187,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     AffineFit fit;
-    float first[maxMeshVertices][3];    //!< vertices at the first step
+    float first[maxMeshVertices][3];    //!< positions at the first step
     double predicted[maxMeshVertices];  //!< positions on an axis
     uint32_t ranks[maxMeshVertices];
     Residuals residuals[3], other;

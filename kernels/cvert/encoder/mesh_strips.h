@@ -15,8 +15,8 @@ namespace cvert { inline namespace CVERT_ISA
   {
   public:
     uint32_t numTriangles, streamSize, numRestarts; //!< the first strip is not a restart
-    uint8_t order[maxGroupTriangles];               //!< input index of each triangle
-    uint8_t stream[3*maxGroupTriangles];            //!< input indices of vertices
+    uint8_t order[maxGroupTriangles];               //!< triangles, as input indices
+    uint8_t stream[3*maxGroupTriangles];            //!< vertices, as input indices
     uint8_t turns[maxGroupTriangles];
     uint32_t restarts, fans;                        //!< a bit per triangle in `order`; bit 0 is 0
 
@@ -35,10 +35,10 @@ namespace cvert { inline namespace CVERT_ISA
 
   private:
     const uint8_t (*corners)[3];
-    uint32_t incident[maxGroupVertices+1]; //!< a bit per triangle of a vertex
-    uint32_t left;                         //!< triangles without a strip
+    uint32_t incident[maxGroupVertices+1]; //!< a bit per triangle, by vertex
+    uint32_t left;                         //!< triangles that are in no strip yet
 
-    /*! Triangles of `left` with the edge from x to y. */
+    /*! Triangles with the edge from x to y. */
     uint32_t withEdge (uint8_t x, uint8_t y) const
     {
       uint32_t result = 0;
@@ -67,7 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
       return best;
     }
 
-    /*! a, b: first two corners in the order of the stream. isFlipped: the application has them in the order b, a. */
+    /*! a, b: first two corners in the order of the stream. isFlipped: the application's order is b, a. */
     void append (uint32_t t, uint8_t a, uint8_t b, bool isFlipped)
     {
       const uint8_t first = isFlipped ? b : a, second = isFlipped ? a : b, * own = corners[t];
@@ -78,7 +78,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     void makeStrip (uint32_t t)
     {
-      // the strip cannot continue across edge a b: prefer one without neighbor if others have one
+      // the strip cannot continue across edge a b: prefers one without neighbor, if others have one
       left &= ~(1u << t);
       const uint8_t* own = corners[t];
       uint32_t neighbors[3], turn = 0;

@@ -14,21 +14,21 @@ namespace cvert { inline namespace CVERT_ISA
 {
   struct MotionStatistics : public VertStatistics
   {
-    uint32_t stepBytes = 0;    //!< without the first step
+    uint32_t stepBytes = 0;    //!< bytes of all steps but the first
     uint32_t rotatedGroups = 0; //!< sum over all steps
   };
 
   class MotionEncoder : private VertEncoder
   {
   public:
-    /*! Upper bound of the size of a block. */
+    /*! Upper bound of a block's size. */
     static size_t maxBytes (size_t numSteps) {
       return VertEncoder::maxBytes
         + (numSteps-1)*(sizeof(uint32_t) + vertStepBytes + vertRemaindersBytes + 3*maxVertGroups + 3*maxVertGroups
                         + sizeof(float)*6*maxSide*maxSide + 64);
     }
 
-    /*! The caller fills these vertices for the next step, row by row. */
+    /*! The caller fills these for the next step, row by row. */
     float (*vertices ())[3] { return current().vertices; }
 
     void begin (const VertPlacement& at, float begin, float end, uint32_t numSteps, uint8_t* out)
@@ -42,7 +42,7 @@ namespace cvert { inline namespace CVERT_ISA
       invalid.assign(size_t(vertQuadsX(at.region))*vertQuadsY(at.region),false);
     }
 
-    /*! Adds a step from vertices(). */
+    /*! Adds the step in vertices(). */
     void addStep ()
     {
       BlockVertices& now = current();
@@ -55,7 +55,7 @@ namespace cvert { inline namespace CVERT_ISA
       step++;
     }
 
-    /*! Step that was added last. */
+    /*! Vertices of the step that was added last. */
     const BlockVertices& last () const { return (step-1) % 2 ? other : *this; }
 
     /*! Returns the size in bytes, a multiple of 4, or 0 if no vertex is finite at any step. */
@@ -122,7 +122,7 @@ namespace cvert { inline namespace CVERT_ISA
         end = (uint8_t*)&header + rawBytes;
       }
       statistics.raw |= !packed;
-      // boxes of the segment that ends here
+      // margins of the segment that ends here
       if (packed && !wasRaw) {
         boxes.begin(before(),&now);
         boxes.addGroups();
@@ -141,7 +141,7 @@ namespace cvert { inline namespace CVERT_ISA
       statistics.stepBytes += uint32_t(end - (uint8_t*)&header) + sizeof(uint32_t);
     }
 
-    /*! Requires now.measure(). Returns false if residuals need too many bits. */
+    /*! Requires now.measure(). False if residuals need too many bits. */
     bool packCellsOfStep (BlockVertices& now, VertStep& header)
     {
       for (;;) {
@@ -161,7 +161,7 @@ namespace cvert { inline namespace CVERT_ISA
         turns.fit(own);
         turns.write(header);
       }
-      // fields are at an offset that depends on the words
+      // at an offset that depends on the words
       uint32_t words[maxVertGroups+1];
       bool areRotated[maxVertGroups+1], haveSlopes = false;
       for (uint32_t i=0; i<=groups; i++) {
@@ -190,7 +190,6 @@ namespace cvert { inline namespace CVERT_ISA
       return true;
     }
 
-    /*! Writes the residuals of a cell to own[g]. */
     void predict (const BlockVertices& now, uint32_t g)
     {
       const bool isGroup = g != firstCell;
@@ -203,7 +202,7 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(own[g],cell.residuals,sizeof(Residuals));
     }
 
-    /*! Chooses the residuals of a cell or their difference from the turned residuals of the first step, in own[g].
+    /*! Chooses the residuals of a cell, in own[g], or their difference from the turned residuals of the first step.
      *  Returns false if both have too many bits. */
     bool encodeCell (uint32_t g, uint32_t& word, bool& turned)
     {
@@ -236,7 +235,7 @@ namespace cvert { inline namespace CVERT_ISA
       return cell.write(out);
     }
 
-    //! Fields of up to this many bits are encoded as turned residuals without trying the others.
+    //! Fields of up to so many bits are encoded as turned residuals without trying the others.
     static const int maxUntriedBits = 6;
 
     VertPlacement at = VertPlacement(0,0);
@@ -247,9 +246,9 @@ namespace cvert { inline namespace CVERT_ISA
     uint8_t* marginsOfSegment;  //!< these three belong to the segment that begins with the previous step
     uint32_t* formOfSegment, * reachOfSegment;
     MotionStatistics statistics;
-    std::vector<bool> invalid;  //!< invalid at any step
+    std::vector<bool> invalid;  //!< quads that are invalid at any step
     BlockVertices other;        //!< vertices of odd steps
-    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< residuals of the first step, and of the current step
+    Residuals first[maxVertGroups+1], own[maxVertGroups+1]; //!< of the first and the current step
     RotationFit turns;
   };
 }}

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of the numbers of a block's quads, see format/quad_numbers.h: the first pattern that fits, else a table. */
+/* Encodes numbers of a block's quads, see format/quad_numbers.h: the first pattern that fits, else a table. */
 
 #include "../format/block.h"
 #include <algorithm>
@@ -11,15 +11,15 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Primitive numbers of the quads of a patch. */
+  /*! Primitive numbers of a patch's quads. */
   struct QuadNumbers
   {
     uint32_t form;                 //!< without pattern; without turns if `turns` has them
-    unsigned width;                //!< in quads
+    unsigned width;                //!< quads per row
     std::vector<uint32_t> numbers; //!< row by row
 
-    /* For quads of two triangles, row by row. Empty if each second triangle follows its first one and `form` specifies
-     * all turns. Otherwise numbers must be below 2^30. */
+    /* For quads of two triangles, row by row. Empty if second triangles follow first ones and `form` specifies all
+     * turns. Otherwise numbers must be below 2^30. */
     std::vector<uint32_t> seconds; //!< numbers of second triangles
     std::vector<uint8_t> turns;    //!< bits 4..7 of forms
   };
@@ -29,7 +29,7 @@ namespace cvert { inline namespace CVERT_ISA
   public:
     static const size_t maxBytes = 8*vertBlockQuads*vertBlockQuads + sizeof(VertTrianglePairs) + 16;
 
-    uint32_t form;             //!< form for VertHeader::patchQuads
+    uint32_t form;             //!< for VertHeader::patchQuads
     VertNumbers pattern;       //!< stored after the header
 
     /*! Chooses the pattern for the block at x0, y0. */
@@ -67,7 +67,7 @@ namespace cvert { inline namespace CVERT_ISA
       setTable(blockForm,numbersInTable);
     }
 
-    /*! Completes a block of `bytes` bytes. Returns its new size. */
+    /*! Completes a block of `bytes` bytes, and returns its new size. */
     size_t finish (VertHeader* header, size_t bytes) const
     {
       header->primID = first;
@@ -163,7 +163,7 @@ namespace cvert { inline namespace CVERT_ISA
     unsigned width, height; //!< in quads
     uint32_t numbers[vertBlockQuads*vertBlockQuads];
     uint32_t entries[2*vertBlockQuads*vertBlockQuads]; //!< entries of the table
-    uint32_t distance;        //!< distance from first to second triangles
+    uint32_t distance;        //!< from first to second triangles
     uint32_t lowest, highest, first;
   };
 }}

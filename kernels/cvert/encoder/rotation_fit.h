@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Least-squares matrix from the residuals of a block's first step to the residuals of a later step, see
- * format/motion.h. Rotation, bending and growth of a surface are nearly linear over a block. */
+/* Least-squares matrix from residuals of a block's first step to those of a later step, see format/motion.h. Rotation,
+ * bending and growth of a surface are nearly linear over a block. */
 
 #include "../format/motion.h"
 #include "cell_encoder.h"
@@ -14,7 +14,7 @@ namespace cvert { inline namespace CVERT_ISA
   class RotationFit
   {
   public:
-    /*! Sets the residuals of the groups of the first step, by axis. They must exist while fit() is called. */
+    /*! Residuals of the first step's groups, by axis; must exist while fit() is called. */
     void setFirst (const int (*residuals)[3][paddedVertices], uint32_t groups)
     {
       first = residuals;
@@ -26,7 +26,7 @@ namespace cvert { inline namespace CVERT_ISA
       invert(s,inverse);
     }
 
-    /*! later: residuals of the same groups in another step */
+    /*! later: of the same groups in another step */
     void fit (const int (*later)[3][paddedVertices])
     {
       double s[3][3], turn[3][3], largest = 0;
@@ -49,7 +49,7 @@ namespace cvert { inline namespace CVERT_ISA
     {
       const int shift = int(7-scale);
       for (int a=0; a<3; a++)
-        for (int v=0; v<paddedVertices; v+=4) { // same result as rotatedResidual
+        for (int v=0; v<paddedVertices; v+=4) { // as rotatedResidual
           const Int4 sum = Int4(entries[a][0])*Int4::load(from[0]+v) + Int4(entries[a][1])*Int4::load(from[1]+v)
             + Int4(entries[a][2])*Int4::load(from[2]+v);
           (Int4::load(to[a]+v) - shiftArithmetic(sum + Int4(1 << (shift-1)),shift)).store(rest[a]+v);

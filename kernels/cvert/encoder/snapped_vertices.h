@@ -25,8 +25,8 @@ namespace cvert { inline namespace CVERT_ISA
     return greatest(below(distance2,std::numeric_limits<float>::max()) & distance2);
   }
 
-  /*! Number of quads, out of four in a row with triangles (00,10,01) and (10,11,01), whose normal turned by more than
-   *  90 degrees in a triangle. width: vertices per row. */
+  /*! Counts quads, of four in a row with triangles (00,10,01) and (10,11,01), with a normal that turned by more than 90
+   *  degrees. width: vertices per row. */
   inline uint32_t countFlippedOfFour(const float (*own)[3], const float (*stored)[3], size_t width)
   {
     struct Normals

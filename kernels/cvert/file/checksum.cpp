@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* CRC-32C of eight bytes at a time, by the instruction of SSE4.2 or ARM64 or by tables. Compiled only for the lowest
+/* CRC-32C of eight bytes at a time, by an instruction of SSE4.2 or ARM64, or by tables. Compiled only for the lowest
  * ISA.
  *
  * Based on: Kounavis and Berry, "A Systematic Approach to Building High Performance, Software-based, CRC Generators",

@@ -8,6 +8,6 @@
 
 namespace cvert
 {
-  /*! CRC-32C, as in iSCSI. before: checksum of the preceding bytes. isPortable: do not use the CPU's instruction. */
+  /*! CRC-32C, as in iSCSI. before: checksum of preceding bytes. isPortable: does not use the CPU's instruction. */
   uint32_t fileChecksum (const void* data, size_t bytes, uint32_t before = 0, bool isPortable = false);
 }

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A file of compressed surfaces, mapped for reading. Opening it checks header and directory. Trees and blocks are
- * checked when they are used, see TreeReader and validateVertBlock. */
+/* A file of compressed surfaces, mapped for reading. Opening checks header and directory; trees and blocks are checked
+ * when used, see TreeReader and validateVertBlock. */
 
 #include "../basics/reason.h"
 #include "format.h"
@@ -17,7 +17,7 @@ namespace cvert
   class File
   {
   public:
-    /*! Throws Error with the path if the file does not exist or is not valid. */
+    /*! Throws Error with the path if the file is missing or invalid. */
     explicit File (const std::string& path);
     ~File ();
     File (const File&) = delete;
@@ -29,11 +29,11 @@ namespace cvert
     const char* tree (size_t i) const { return data+geometry(i).tree; }
     const char* blocks (size_t i) const { return data+geometry(i).blocks; }
 
-    /*! Checks a block that is not cVERT. bytes: from the block to the end of the blocks. */
+    /*! For blocks that are not cVERT. bytes: from the block to the end of the blocks. */
     typedef std::function<Reason (const FileGeometry& record, const void* block, size_t bytes)> BlockCheck;
 
-    /*! Reads the whole file. Throws Error if a checksum differs, or if a tree or a block is damaged. other: checks
-     *  blocks that are not cVERT; without it only their checksum is compared. */
+    /*! Reads the whole file. Throws Error if a checksum differs, or a tree or block is damaged. other: checks blocks
+     *  that are not cVERT; without it only their checksum is compared. */
     void verify (const BlockCheck& other = BlockCheck()) const {
       for (size_t i=0; i<size(); i++) verifyGeometry(i,other);
     }
@@ -42,7 +42,7 @@ namespace cvert
 
     [[noreturn]] void failUnsupported (size_t i, const std::string& why) const;
 
-    /*! Remains open until this object is destroyed. */
+    /*! Open until this object is destroyed. */
     int descriptor () const { return file; }
 
     const std::string path;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Layout of files of compressed surfaces, specified by docs/formats/file.md: a header, the tree and the blocks of each
- * geometry, and a directory. Offsets are relative to the start of the file. Numbers are little-endian. */
+/* Layout of files of compressed surfaces, specified by docs/formats/file.md: a header, each geometry's tree and blocks,
+ * and a directory. Offsets are from the start of the file. Little-endian. */
 
 #include "../format/mesh_motion.h"
 #include "checksum.h"
@@ -13,7 +13,7 @@
 
 namespace cvert
 {
-  /*! Version of this layout and of docs/formats/file.md. Blocks have their own versions. */
+  /*! Version of this layout and docs/formats/file.md. Blocks have their own versions. */
   static const uint32_t fileVersion = 1;
   static const char fileMagic[8] = { 'c','b','v','h','\r','\n','\x1a','\0' }; // transfers in text mode damage it
   static const uint32_t fileByteOrder = 0x01020304u;
@@ -21,28 +21,28 @@ namespace cvert
   /*! Version of blocks with frames, which this library copies but does not decode. */
   static const uint32_t fileFramedVersion = 1;
 
-  /*! Trees and blocks begin at multiples of this, in pages of their own. */
+  /*! Trees and blocks begin at multiples of this. */
   static const uint64_t filePage = 4096;
 
-  /*! Bytes after the blocks of a geometry, because decoders read past the end of a block. */
+  /*! After the blocks of a geometry, because decoders read past the end of a block. */
   static const uint64_t fileReadPast = 64;
 
   struct FileHeader
   {
     char magic[8];
     uint32_t byteOrder, version;           //!< fileByteOrder, fileVersion
-    /*! of blocks: vertFormatVersion, or meshFormatVersion if the file has mesh blocks, or movingMeshFormatVersion if it
-     *  has moving ones; fileFramedVersion */
+    /*! vertFormatVersion, or meshFormatVersion if the file has mesh blocks, or movingMeshFormatVersion if it has moving
+     *  ones; fileFramedVersion */
     uint32_t vertVersion, framedVersion;
     uint32_t numGeometries, recordBytes;   //!< sizeof(FileGeometry)
-    uint64_t fileBytes, directory;         //!< size of the file, and offset of the geometries' records
+    uint64_t fileBytes, directory;         //!< size of the file, offset of the geometries' records
     uint32_t directoryChecksum;
-    uint32_t key[2];                       //!< key of a resumable writer, lower half first; else 0
+    uint32_t key[2];                       //!< of a resumable writer, lower half first; else 0
     uint32_t checksum;                     //!< checksum of the bytes before it
   };
   static_assert(sizeof(FileHeader) == 64,"header of a file");
 
-  /*! Tree of a geometry: nodes, a list of a few blocks, or a list of moving blocks. */
+  /*! Nodes, a list of a few blocks, or a list of moving blocks. */
   enum FileForm : uint32_t { FILE_TREE = 0, FILE_LIST = 1, FILE_MOVING = 2 };
 
   enum FileSource : uint32_t { FILE_CAGE = 0, FILE_GRIDS = 1, FILE_QUADS = 2, FILE_TRIANGLES = 3 };
@@ -57,19 +57,19 @@ namespace cvert
     uint32_t treeChecksum, blocksChecksum;
     uint32_t form, source;
     uint32_t compression;                  //!< FileCompression
-    uint32_t surface;                      //!< surface number, with bit 31 for moving surfaces
+    uint32_t surface;                      //!< bit 31 is set for moving surfaces
     uint32_t numPrimitives, numTimeSteps;
-    float begin, end;                      //!< times of the first and the last step
-    float lower[3], upper[3];              //!< bounds of everything that rays can hit; empty if lower > upper
+    float begin, end;                      //!< times of the first and last step
+    float lower[3], upper[3];              //!< of everything that rays can hit; empty if lower > upper
     uint64_t numBlocks;
     float measures[4];
-    uint64_t counts[23];                   //!< like measures, statistics of the writer
+    uint64_t counts[23];                   //!< statistics of the writer, as are `measures`
     uint64_t reserved[2];
   };
   static_assert(sizeof(FileGeometry) == 320,"record of a geometry");
 
   /*! Type of a reference to a child, in the lower 4 bits. The upper bits are the offset from the start of the tree or
-   *  the blocks, a multiple of 16. */
+   *  blocks, a multiple of 16. */
   enum FileChild : uint64_t { FILE_NONE = 0, FILE_NODE = 1, FILE_FRAMED = 2, FILE_VERT = 3, FILE_MOVING_VERT = 4,
     FILE_MESH = 5, FILE_MOVING_MESH = 6, FILE_CHILD_MASK = 15 };
 
@@ -79,11 +79,11 @@ namespace cvert
   struct FileNode
   {
     uint64_t children[4];
-    float planes[3][2][4];                 //!< planes of each child, by axis, lower and upper
+    float planes[3][2][4];                 //!< of each child, by axis, lower and upper
   };
   static_assert(sizeof(FileNode) == 128,"node of a file");
 
-  struct FileEntry                         //!< entry of a list; moving blocks have bounds of 0
+  struct FileEntry                         //!< of a list; moving blocks have bounds of 0
   {
     float lower[3], upper[3];
     uint64_t child;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Resolves an output path to a file that can be replaced, or to a device, a pipe or a descriptor of this process, which
- * must be written in place. Depends only on POSIX, for use by programs. */
+/* Resolves an output path to a file that can be replaced, or to a device, pipe or descriptor of this process, which
+ * must be written in place. Depends only on POSIX, for programs. */
 
 #include <cctype>
 #include <cerrno>
@@ -18,7 +18,7 @@
 
 namespace cvert
 {
-  /*! The exception's what() is the text of the errno. */
+  /*! what() is the text of the errno. */
   [[noreturn]] inline void throwErrno (int error) { throw std::system_error(error,std::generic_category()); }
 
   inline std::string folderOf (const std::string& path)
@@ -31,8 +31,8 @@ namespace cvert
 
   struct OutputPath
   {
-    /*! A REGULAR file is replaced when the output is complete. A STREAM is written in place, because a rename would
-     *  replace it by a file. */
+    /*! A REGULAR file is replaced when the output is complete. A STREAM is written in place: a rename would replace it
+     *  by a file. */
     enum Kind { NEW, REGULAR, STREAM };
 
     /*! Throws std::system_error for folders and paths that cannot be resolved. */
@@ -53,13 +53,13 @@ namespace cvert
       return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
     }
 
-    std::string path;     //!< after following links, also those to files that do not exist yet
+    std::string path;     //!< after following links, also to files that do not exist yet
     Kind kind = NEW;
-    int descriptor = -1;  //!< descriptor of this process, if the path names one, for example /dev/stdout
+    int descriptor = -1;  //!< of this process, if the path names one, for example /dev/stdout
     struct stat status;   //!< undefined for a new file
 
   private:
-    /*! Returns true at a link of /proc to an open file, whose text is not a path. */
+    /*! True at a link of /proc to an open file, whose text is not a path. */
     bool followLinks ()
     {
       for (int links=0; ; links++)
@@ -74,7 +74,7 @@ namespace cvert
       }
     }
 
-    /*! True for links in /proc/PID/fd. */
+    /*! In /proc/PID/fd. */
     static bool isOpenFile (const std::string& path)
     {
       const long proc = 0x9fa0; // PROC_SUPER_MAGIC

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Checks the record of a geometry and its blocks, in writers and readers: everything that can be saved can
- * be loaded. */
+/* Checks a geometry's record and blocks, in writers and readers: everything that can be saved can be loaded. */
 
 #include "format.h"
 #include "../decoder/validate.h"
@@ -12,14 +11,14 @@
 
 namespace cvert
 {
-  /*! True if the box is finite and not empty. */
+  /*! Finite and not empty. */
   bool areBounds (const float lower[3], const float upper[3]);
 
-  /*! Checks everything but the positions of the tree and the blocks. */
+  /*! Except for the positions of tree and blocks. */
   Reason validateRecord (const FileGeometry& record);
 
-  /*! Checks a cVERT block at data with at most `bytes` bytes, except for its surface number. Decoders of valid blocks
-   *  read only the block and readPastVert bytes after it, and report primitives that the geometry has. */
+  /*! Checks a cVERT block of at most `bytes` bytes, except for its surface number. Decoders of valid blocks read only
+   *  the block and readPastVert bytes after it, and report existing primitives. */
   Reason validateVertBlock (const FileGeometry& record, const void* data, size_t bytes);
 
   /*! The same for a mesh block. */

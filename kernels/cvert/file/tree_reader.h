@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Reads and checks the tree of a geometry in a file, without its blocks: every node has one parent, nodes and blocks
- * are in the order of traversal, and boxes are finite. */
+/* Reads and checks a geometry's tree in a file, without its blocks: every node has one parent, nodes and blocks are in
+ * the order of traversal, and boxes are finite. */
 
 #include "../format/block.h"
 #include "record.h"
@@ -25,7 +25,7 @@ namespace cvert
   class TreeReader
   {
   public:
-    /*! Largest depth, in nodes. */
+    /*! In nodes. */
     static const unsigned maxDepth = 40;
 
     TreeReader (const FileGeometry& record, const char* tree, Sink& sink) : record(record), tree(tree), sink(sink) {}
@@ -111,12 +111,12 @@ namespace cvert
     const char* const tree;
     Sink& sink;
     Reason reason;
-    uint64_t next = 0;       //!< lowest valid offset of the next block
+    uint64_t next = 0;       //!< lowest valid one of the next block
     uint64_t numBlocks = 0;
-    uint64_t used = 0;       //!< number of nodes
+    uint64_t used = 0;       //!< nodes
   };
 
-  /*! Calls visit(type,offset) for each block in the order of the file. Returns the first error in the tree. */
+  /*! Calls visit(type,offset) for blocks in the order of the file. Returns the tree's first error. */
   template<typename Visit>
   Reason forEachBlock (const FileGeometry& record, const char* tree, const Visit& visit)
   {

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* A file that is written next to its final path, and renamed when it is complete. A lock distinguishes it from files
- * that killed processes left. Depends only on POSIX, for use by programs. */
+/* A file that is written next to its final path, and renamed when complete. A lock distinguishes it from files of
+ * killed processes. Depends only on POSIX, for programs. */
 
 #include "output_path.h"
 #include <algorithm>
@@ -19,7 +19,7 @@
 
 namespace cvert
 {
-  /*! Writes of this thread beyond the limit on file sizes fail with EFBIG instead of raising SIGXFSZ. */
+  /*! This thread's writes beyond the limit on file sizes fail with EFBIG instead of raising SIGXFSZ. */
   class FileSizeLimit
   {
   public:
@@ -45,7 +45,7 @@ namespace cvert
     sigset_t signal, before;
   };
 
-  /*! Writes all bytes with put(data,bytes,done), a system call that may write fewer. Returns 0 or an errno. */
+  /*! put(data,bytes,done): a system call that may write fewer bytes. Returns 0 or an errno. */
   template<typename Put>
   int putAll (const void* data, size_t bytes, const Put& put)
   {
@@ -71,8 +71,8 @@ namespace cvert
   class UnfinishedFile
   {
   public:
-    /*! Creates a file that is removed unless it is committed, and removes files of killed writers of the same path.
-     *  Throws std::system_error, with EINVAL for a STREAM, which the file would replace. */
+    /*! Creates a file that is removed unless committed, and removes files of killed writers of the same path. Throws
+     *  std::system_error, with EINVAL for a STREAM, which the file would replace. */
     explicit UnfinishedFile (const OutputPath& place) : place(place)
     {
       requireFile();
@@ -84,7 +84,7 @@ namespace cvert
     }
 
     /*! Creates or opens a file that a later process can continue, named by the final name and `ending`. Throws
-     *  std::system_error, with EWOULDBLOCK if another writer has it locked, and with EINVAL for a STREAM. */
+     *  std::system_error, with EWOULDBLOCK if another writer locked it, and with EINVAL for a STREAM. */
     UnfinishedFile (const OutputPath& place, const std::string& ending) : place(place), keeps(true)
     {
       requireFile();
@@ -93,7 +93,7 @@ namespace cvert
         if (tries == 100) throwErrno(EWOULDBLOCK);
     }
 
-    /*! Removes the file unless it was committed or kept. */
+    /*! Removes the file unless committed or kept. */
     ~UnfinishedFile ()
     {
       if (file < 0) return;
@@ -108,7 +108,7 @@ namespace cvert
     const std::string& path () const { return name; }
     void keep (bool isKept) { keeps = isKept; }
 
-    /*! Copies permissions, and the owner if the process may, of the file that this one replaces. */
+    /*! Copies permissions, and the owner if permitted, of the file that this one replaces. */
     void copyPermissions ()
     {
       if (place.kind != OutputPath::REGULAR) return;
@@ -118,8 +118,8 @@ namespace cvert
       (void)!::fchmod(file,status.st_mode & (owns ? 07777 : 0777));
     }
 
-    /*! Flushes and renames the file. Keeps the lock until then, so that no other process writes the same file. Throws
-     *  std::system_error, and renames nothing then. */
+    /*! Flushes and renames the file. Keeps the lock until then, so that no other process writes the file. Throws
+     *  std::system_error without renaming. */
     void commit ()
     {
       if (::fsync(file) != 0 && errno != EINVAL && errno != EROFS) throwErrno(errno);
@@ -133,8 +133,8 @@ namespace cvert
   private:
     void requireFile () const { if (place.kind == OutputPath::STREAM) throwErrno(EINVAL); }
 
-    /*! Creates and locks the file. Returns false if the caller must try again, because the name exists, or because the
-     *  file's previous writer renamed or removed it. */
+    /*! Creates and locks the file. Returns false if the caller must retry: the name exists, or the previous writer
+     *  renamed or removed the file. */
     bool open (const std::string& path, int flags)
     {
       const int opened = ::open(path.c_str(),O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags,0666);
@@ -142,7 +142,7 @@ namespace cvert
         if (errno == EEXIST) return false;
         throwErrno(errno);
       }
-      // file systems without locks ignore them
+      // ignored by file systems without locks
       const int error = ::flock(opened,LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
       if ((error == EWOULDBLOCK && !(flags & O_EXCL)) || !isNamed(opened,path) || error == EWOULDBLOCK) {
         ::close(opened);
@@ -160,7 +160,7 @@ namespace cvert
       return ::fstat(file,&open) == 0 && ::lstat(path.c_str(),&named) == 0 && OutputPath::isSame(open,named);
     }
 
-    /*! The final name. If `more` bytes would not fit after it, it is cut and followed by a checksum of the name. */
+    /*! The final name. If `more` bytes would not fit after it, it is cut and followed by its checksum. */
     std::string fitted (size_t more) const
     {
       const std::string all = nameOf(place.path);
@@ -170,7 +170,7 @@ namespace cvert
       uint64_t sum = 0xcbf29ce484222325; // FNV-1a
       for (char c : all) sum = (sum ^ (unsigned char)c)*0x100000001b3;
       size_t left = most > more+17 ? std::min(all.size(),most-more-17) : 0;
-      while (left > 0 && (all[left] & 0xC0) == 0x80) left--; // do not cut a UTF-8 character
+      while (left > 0 && (all[left] & 0xC0) == 0x80) left--; // keeps UTF-8 characters whole
       return all.substr(0,left) + "-" + digitsOf(sum);
     }
 
@@ -187,7 +187,7 @@ namespace cvert
       return digitsOf((uint64_t(random()) << 32) | random());
     }
 
-    /*! Removes unlocked files whose names are `begin` and random digits. */
+    /*! With names of `begin` and random digits, if unlocked. */
     void removeStale (const std::string& folder, const std::string& begin) const
     {
       DIR* const entries = ::opendir(folder.c_str());

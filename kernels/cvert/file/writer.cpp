@@ -86,7 +86,7 @@ namespace cvert
   {
     if (!file || !keeps) return;
     try { if (!failed && !directory.empty() && at != saved) writeDirectory(); }
-    catch (...) {} // the file still contains everything that was saved before
+    catch (...) {} // the file still contains everything saved before
     file->keep(saved != 0);
   }
 
@@ -162,7 +162,7 @@ namespace cvert
 
   uint32_t FileWriter::numberOf (const FileGeometry& record)
   {
-    // Depends on the contents only, so the same surfaces produce the same file. Other files most likely differ.
+    // Depends only on contents: the same surfaces produce the same file, other files most likely differ.
     const uint32_t count = firstFileNumber-1; // ~0u is reserved
     uint32_t number = fileChecksum(&record,sizeof(record)) % count;
     while (!numbers.insert(number).second) number = (number+1) % count;
@@ -200,7 +200,7 @@ namespace cvert
     if (at-end < fileReadPast) { const char zeros[fileReadPast] = {}; write(zeros,sizeof(zeros)); padTo(filePage); }
     directory.push_back(record);
     vertVersion = std::max(vertVersion,surface.vertVersion);
-    // starts writing to the disk, so that the next checkpoint need not wait
+    // starts writing to disk, so that the next checkpoint need not wait
     if (keeps) (void)!::sync_file_range(file->descriptor(),off_t(saved),0,SYNC_FILE_RANGE_WRITE);
   }
 
@@ -241,7 +241,7 @@ namespace cvert
     header.key[0] = uint32_t(key);
     header.key[1] = uint32_t(key >> 32);
     header.checksum = fileChecksum(&header,offsetof(FileHeader,checksum));
-    // the header of a file that may be resumed must only refer to data on the disk
+    // the header of a resumable file must only refer to data on the disk
     int error = keeps && ::fsync(file->descriptor()) != 0 ? errno : 0;
     if (!error) error = writeAllAt(file->descriptor(),&header,sizeof(header),0);
     if (!error && ::fsync(file->descriptor()) != 0) error = errno;

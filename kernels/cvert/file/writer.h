@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Writes a file of compressed surfaces. It replaces an existing file in one step when it is complete. */
+/* Writes a file of compressed surfaces, which replaces an existing file in one step when complete. */
 
 #include "../basics/reason.h"
 #include "format.h"
@@ -19,33 +19,33 @@ namespace cvert
   {
   public:
     /*! The caller sets form, source, compression, numPrimitives, numTimeSteps, begin, end, lower, upper and,
-     *  optionally, statistics. The writer sets the rest. */
+     *  optionally, statistics; the writer sets the rest. */
     FileGeometry record = FileGeometry();
 
     std::vector<char> tree;  //!< FileNode or FileEntry, by record.form
 
     struct Block
     {
-      const void* data;      //!< must remain valid until the surface is written
+      const void* data;      //!< valid until the surface is written
       uint32_t bytes;
       uint32_t surface;      //!< offset of the surface number
     };
     std::vector<Block> blocks;
 
-    /*! Appends a block. type: FILE_FRAMED, FILE_VERT, FILE_MOVING_VERT, FILE_MESH or FILE_MOVING_MESH. surface: offset
-     *  of the surface number in the block. Returns the child that refers to the block. */
+    /*! type: FILE_FRAMED, FILE_VERT, FILE_MOVING_VERT, FILE_MESH or FILE_MOVING_MESH. surface: offset of the surface
+     *  number in the block. Returns the child that refers to the block. */
     uint64_t append (FileChild type, const void* data, uint32_t bytes, uint32_t surface);
 
-    /*! Appends a cVERT block to a list, and extends the record's bounds by the block's vertices. record.form must be
-     *  FILE_LIST or FILE_MOVING. Throws Error if it is not, or if the block is damaged or has no finite vertex. block:
-     *  a VertHeader and the bytes after it; must remain valid until the surface is written. */
+    /*! Appends a cVERT block to a list, and extends the record's bounds by its vertices. Throws Error if record.form is
+     *  not FILE_LIST or FILE_MOVING, or if the block is damaged or has no finite vertex. block: a VertHeader and the
+     *  following bytes, valid until the surface is written. */
     void appendToList (const void* block, uint32_t bytes);
 
   private:
     friend class FileWriter;
 
-    uint64_t end = 0;        //!< size of the blocks
-    uint32_t vertVersion = vertFormatVersion; //!< of its blocks, the newest
+    uint64_t end = 0;        //!< end of the blocks
+    uint32_t vertVersion = vertFormatVersion; //!< newest version of its blocks
   };
 
   /*! One thread at a time may use a writer. Functions throw Error. After an error during writing, only the destructor
@@ -57,7 +57,7 @@ namespace cvert
     explicit FileWriter (const std::string& path);
 
     /*! Starts a file, or continues one that a writer with the same key did not commit. key: identifies the source of
-     *  the geometries. Throws if the file has another key, or if another process writes it. */
+     *  the geometries. Throws if the file has another key, or another process writes it. */
     FileWriter (const std::string& path, uint64_t key);
 
     /*! Deletes an uncommitted file, unless the writer has a key. */
@@ -73,19 +73,19 @@ namespace cvert
     /*! Flushes the file and renames it to its path. */
     void commit ();
 
-    /*! Number of geometries, including those of earlier writers. */
+    /*! Includes geometries of earlier writers. */
     size_t size () const { return directory.size(); }
 
   private:
-    /*! bytes that may be lost if the process ends */
+    /*! may be lost if the process ends */
     static const uint64_t checkpointBytes = uint64_t(64) << 20;
 
-    /*! ending: suffix of the name of a file that another writer may continue, else empty */
+    /*! ending: suffix of a file that another writer may continue, else empty */
     void open (const std::string& ending);
     void begin ();
     void resume ();
 
-    /*! Writes the directory, flushes, then writes the header that refers to it. */
+    /*! Flushes before it writes the header that refers to the directory. */
     void writeDirectory ();
 
     void writeBlocks (FileSurface& surface);
@@ -98,11 +98,11 @@ namespace cvert
 
     const std::string path;
     std::unique_ptr<UnfinishedFile> file; //!< null after commit
-    const bool keeps;                     //!< if it is not committed
+    const bool keeps;                     //!< keeps the file without commit
     bool failed = false;
     uint64_t key = 0;
-    uint64_t at = 0, saved = 0;           //!< bytes written, and bytes covered by the header on the disk
-    uint32_t vertVersion = vertFormatVersion; //!< newest of all surfaces
+    uint64_t at = 0, saved = 0;           //!< written, and covered by the header on the disk
+    uint32_t vertVersion = vertFormatVersion; //!< newest version of all surfaces
     std::vector<FileGeometry> directory;
     std::set<uint32_t> numbers;
   };

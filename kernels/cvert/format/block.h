@@ -12,14 +12,14 @@
  *
  *   origin + coordinate * spacing + remainder * spacing / 2^bits,
  *
- * where the spacing is a power of two. Coordinates have 14 bits and are coded in cells (cell.h). Blocks whose vertices
- * need more bits store the lower ones as remainders, or floats if an axis needs too many. Vertices are exact in float,
- * with fused or unfused multiply-adds: the origin and the sum before the remainder are multiples of the spacing. Blocks
- * that share a vertex therefore have the same three floats, so surfaces are watertight if their triangles are.
+ * with a power of two as spacing. Coordinates have 14 bits, coded in cells (cell.h). Blocks whose vertices need more
+ * bits store the lower ones as remainders, or floats if an axis needs too many. Vertices are exact in float, fused or
+ * not: the origin and the sum before the remainder are multiples of the spacing. Blocks that share a vertex therefore
+ * have the same floats, so surfaces are watertight if their triangles are.
  *
- * The box of a group is the box of its four corners, which the first cell stores, enlarged by margins of 4 bits per
- * side. Its planes are perpendicular to two world axes and to a third axis that is sheared along the block, so that
- * inclined sheets have flat boxes.
+ * A group's box is the box of its four corners, which the first cell stores, enlarged by margins of 4 bits per side.
+ * Its planes are perpendicular to two world axes and to a third one that is sheared along the block, so that inclined
+ * sheets have flat boxes.
  *
  * A raw block stores vertices and boxes as floats, if a vertex is not finite or if floats need fewer bytes. */
 
@@ -36,37 +36,37 @@ CVERT_BEGIN
 /*! Version of this format (docs/formats/block.md). Changes that affect readers increment it. */
 CVERT_CONSTANT uint32_t vertFormatVersion = 5u;
 
-/*! Decoders will always read all versions from this one on. */
+/*! Decoders will always read versions from this one on. */
 CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 
-/*! Decoders may read this many bytes after a block. */
+/*! That decoders may read after a block. */
 CVERT_CONSTANT uint32_t readPastVert = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
-CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< blocks have at most 2^maxVertHeight quads per side
-CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks of a patch begin at multiples of this
+CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< at most 2^maxVertHeight quads per side
+CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;
 CVERT_CONSTANT uint32_t vertHeaderBytes = 64u;
-CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< offset of the corners in the header
+CVERT_CONSTANT uint32_t vertCornersOffset = 32u; //!< offset of corners in the header
 CVERT_CONSTANT uint32_t vertEdgesBytes = 8u;
 CVERT_CONSTANT uint32_t vertMotionBytes = 16u;
 CVERT_CONSTANT uint32_t vertRemaindersBytes = 4u;
 CVERT_CONSTANT uint32_t maxRemainderBits = 24u;  //!< per axis; the precision of a float
 CVERT_CONSTANT uint32_t remaindersAreFloats = 31u; //!< special value for a number of bits
-CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< in steps, see marginShift
-CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< planes of a raw block: lower x, y, z, then upper x, y, z
+CVERT_CONSTANT uint32_t maxMargin = 15u;         //!< largest margin in steps, see marginShift
+CVERT_CONSTANT uint32_t boxPlanes = 6u;          //!< of a raw block: lower x, y, z, then upper x, y, z
 
 struct VertHeader
 {
-  float origin[3];        //!< world position of coordinates (0,0,0)
-  uint32_t reach;         //!< bounds of the block, 8 bits each: see reachStep
-  uint32_t surface;       //!< number of the surface, see limits.h
-  uint32_t primID;        //!< or the base of the numbers of quads, see quad_numbers.h
+  float origin[3];        //!< position of coordinates (0,0,0)
+  uint32_t reach;         //!< bounds, 8 bits each: see reachStep
+  uint32_t surface;       //!< see limits.h
+  uint32_t primID;        //!< or base of the numbers of quads, see quad_numbers.h
   uint32_t region;        //!< size and position: see the accessors
-  uint32_t patchQuads;    //!< quads of the patch along u and v, minus 1, 16 bits each; or the form of numbers
-  uint32_t corners[6];    //!< coordinates of the corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first;
-                          //!< see cornerBits for the other 2 bits
+  uint32_t patchQuads;    //!< of the patch along u and v, minus 1, 16 bits each; or the form of numbers
+  uint32_t corners[6];    //!< coordinates of corners 00, 10, 01, 11, 14 of 16 bits each: x, y, z of 00 first; see
+                          //!< cornerBits for the other 2 bits
   uint32_t boxForm;       //!< bits 0..11: shifts of margins; 12..13: sheared axis, or 3: raw; 14..23: shear of boxes;
                           //!< 24: has remainders; 25..28: shift of reach; 29: has edges; 30: has numbers of quads;
                           //!< 31: moves
@@ -87,13 +87,13 @@ CBVH_FUNCTION uint32_t vertPatch (uint32_t quadsX, uint32_t quadsY) { return (qu
 CBVH_FUNCTION uint32_t patchQuadsX (uint32_t patchQuads) { return (patchQuads & 65535u) + 1u; }
 CBVH_FUNCTION uint32_t patchQuadsY (uint32_t patchQuads) { return (patchQuads >> 16) + 1u; }
 
-/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate of the edge
- *  minus 1, which may be less than the patch's quads along it. The upper 4 bits of the first two are the parameters u
- *  and v of the face at the patch's corner, in halves. Stored after the header, with bit 29 of boxForm set, if the
- *  patch does not begin at the corner of its face or the block touches an edge of a lower rate. */
+/*! Edges of a patch: 16 bits for each of v = 0, u = 1, v = 1 and u = 0. The lower 12 bits are the rate minus 1, which
+ *  may be less than the patch's quads. The upper 4 bits of the first two are the face parameters u and v at the patch's
+ *  corner, in halves. Stored after the header, with bit 29 of boxForm set, if the patch does not begin at its face's
+ *  corner or the block touches an edge of a lower rate. */
 struct VertEdges
 {
-  uint32_t low, high; //!< the first two edges, and the other two
+  uint32_t low, high; //!< first two edges, other two
 };
 CVERT_READABLE(VertEdges,4)
 
@@ -113,10 +113,10 @@ CBVH_FUNCTION uint32_t vertRate (VertEdges edges, int edge) {
 CBVH_FUNCTION uint32_t vertCornerU (VertEdges edges) { return (edges.low >> 12) & 15u; }
 CBVH_FUNCTION uint32_t vertCornerV (VertEdges edges) { return edges.low >> 28; }
 
-/*! Follows the header, and edges or numbers, of a moving block. */
+/*! Follows the header, and edges or numbers. */
 struct VertMotion
 {
-  float begin, end;  //!< times of the first and the last step
+  float begin, end;  //!< times of the first and last step
   uint32_t numSteps; //!< at least 2
   uint32_t steps;    //!< offset of a 4-byte offset for each step after the first; offsets are in bytes from the start
                      //!< of the block
@@ -131,7 +131,7 @@ CBVH_FUNCTION uint32_t motionOffset (uint32_t boxForm) {
 
 CBVH_FUNCTION uint32_t groupsOf (uint32_t quads) { return (quads + groupQuads-1u)/groupQuads; }
 
-/*! quads: number of quads in the row or column of group g. */
+/*! quads: in the row or column of group g. */
 CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
 {
   uint32_t rest = quads - groupQuads*g;
@@ -142,8 +142,8 @@ CBVH_FUNCTION uint32_t quadsOfGroup (uint32_t quads, uint32_t g)
  *
  *   h = c[m] + (s1 c[m+1] + s2 c[m+2])/16,    axes modulo 3,
  *
- * which is constant on a plane with the slopes of the block. Shifts, axis and slopes have the same bit positions as
- * bits, main axis and slopes in the word of a cell. */
+ * which is constant on a plane with the block's slopes. Shifts, axis and slopes have the bit positions of bits, main
+ * axis and slopes in a cell's word. */
 
 /*! Margins on an axis are multiples of 2^marginShift. */
 CBVH_FUNCTION uint32_t marginShift (uint32_t boxForm, int axis) { return (boxForm >> (4*axis)) & 15u; }
@@ -191,7 +191,7 @@ CBVH_FUNCTION uint32_t reservedOfCorners (uint32_t c4, uint32_t c5) {
 /*! Powers of two, stored as exponents of floats. */
 struct VertSpacing { float at[3]; };
 
-/*! word: word of the first cell. c0 to c3: words of corners. */
+/*! word: of the first cell. c0 to c3: words of corners. */
 CBVH_FUNCTION VertSpacing vertSpacing (uint32_t word, uint32_t c0, uint32_t c1, uint32_t c2, uint32_t c3)
 {
   VertSpacing spacing;
@@ -218,8 +218,8 @@ CBVH_FUNCTION BlockReach reachOfBlock (uint32_t boxForm, uint32_t reach, uint32_
 }
 
 /*! Upper bound, on any axis, of the distance between the origin and the block's vertices and planes of boxes. Slopes
- *  are less than 1, so no vertex is farther away than the sum of the bounds; margins may double this. All axes share
- *  the bound because the shear of a ray mixes their rounding errors. */
+ *  are less than 1, so no vertex is farther than the sum of the bounds; margins may double this. All axes share the
+ *  bound, because the shear of a ray mixes their rounding errors. */
 CBVH_FUNCTION float extentOfReach (BlockReach bounds) {
   return 2.0f*(greater(-bounds.sheared[0],bounds.sheared[1]) + bounds.upper[0] + bounds.upper[1]);
 }
@@ -228,14 +228,14 @@ CBVH_FUNCTION float vertExtent (uint32_t boxForm, uint32_t reach, uint32_t step,
   return extentOfReach(reachOfBlock(boxForm,reach,step,spacing));
 }
 
-/*! Factor by which a coordinate on axis m+i (i = 1 or 2) enters the sheared coordinate, in spacings of m. */
+/*! Factor of a coordinate on axis m+i (i = 1 or 2) in the sheared coordinate, in spacings of m. */
 CBVH_FUNCTION float shearFactor (uint32_t boxForm, int i, VertSpacing spacing)
 {
   int slope = shearSlope(boxForm,i), m = shearedAxis(boxForm);
   return slope == 0 ? 0.0f : float(slope)*(1.0f/16.0f)*(spacing.at[axisAfter(m,i)]/spacing.at[m]);
 }
 
-/*! words, wordsHigh: offsets of the lower and the upper bits. If hasHighBits is false, upper bits are 0. */
+/*! words, wordsHigh: offsets of lower and upper bits. Without hasHighBits, upper bits are 0. */
 CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, uint32_t wordsHigh, bool hasHighBits,
                                      uint32_t g)
 {
@@ -243,13 +243,12 @@ CBVH_FUNCTION uint32_t wordOfGroup (CVERT_POINTER(void) data, uint32_t words, ui
   return hasHighBits ? low | (byteAt(data,wordsHigh+g) << 16) : low;
 }
 
-/*! Returns the offset after the fields of the first `groups` groups. cell, word: offset of the fields and word of the
- *  first cell. */
+/*! Offset after the fields of the first `groups` groups. cell, word: of the first cell's fields. */
 CBVH_FUNCTION uint32_t endOfFields (CVERT_POINTER(void) data, uint32_t cell, uint32_t word, uint32_t words,
                                      uint32_t groups)
 {
   uint32_t end = cell + cellBytes(word);
-  // the lower half of a word contains the numbers of bits
+  // the lower half of a word has the numbers of bits
   for (uint32_t g=0u; g<groups; g++) end += cellBytes(halfAt(data,words+2u*g));
   return end;
 }
@@ -265,7 +264,7 @@ CBVH_FUNCTION bool hasRemainders (uint32_t boxForm) { return ((boxForm >> 24) & 
 CBVH_FUNCTION uint32_t remainderBits (uint32_t remainders, int axis) { return (remainders >> (5*axis)) & 31u; }
 CBVH_FUNCTION uint32_t remainderOffset (uint32_t remainders) { return remainders >> 16; }
 
-/*! Stored bits per vertex on an axis: the bits of a remainder, or 32 for a float. */
+/*! Per vertex on an axis: the bits of a remainder, or 32 for a float. */
 CBVH_FUNCTION uint32_t storedRemainderBits (uint32_t remainders, int axis)
 {
   uint32_t bits = remainderBits(remainders,axis);
@@ -276,7 +275,7 @@ CBVH_FUNCTION uint32_t remainderStride (uint32_t remainders) {
   return storedRemainderBits(remainders,0) + storedRemainderBits(remainders,1) + storedRemainderBits(remainders,2);
 }
 
-/*! Position of a remainder, in bits. vertex: index, row by row. */
+/*! In bits. vertex: index, row by row. */
 CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int axis)
 {
   uint32_t bit = 8u*remainderOffset(remainders) + vertex*remainderStride(remainders);
@@ -287,7 +286,7 @@ CBVH_FUNCTION uint32_t remainderBegin (uint32_t remainders, uint32_t vertex, int
 
 CBVH_FUNCTION float remainderSpacing (float spacing, uint32_t bits) { return spacing*floatOfBits((127u-bits) << 23); }
 
-/*! Adds a remainder to a coordinate of a vertex. word: the remainder in the lowest bits. bits: remainderBits, not 0. */
+/*! word: the remainder in the lowest bits. bits: remainderBits, not 0. */
 CBVH_FUNCTION float withRemainder (float without, uint32_t word, uint32_t bits, float spacing)
 {
   if (bits == remaindersAreFloats) return floatOfBits(word);
@@ -298,7 +297,7 @@ CBVH_FUNCTION uint32_t bytesOfRemainders (uint32_t remainders, uint32_t region) 
   return ((vertQuadsX(region)+1u)*(vertQuadsY(region)+1u)*remainderStride(remainders) + 7u)/8u;
 }
 
-/* Margins of a group on an axis, in coordinates. margins: the group's byte. */
+/* In coordinates. margins: the group's byte. */
 CBVH_FUNCTION int lowerMargin (uint32_t margins, uint32_t shift) { return int((margins & 15u) << shift); }
 CBVH_FUNCTION int upperMargin (uint32_t margins, uint32_t shift) { return int((margins >> 4) << shift); }
 
@@ -308,17 +307,17 @@ CBVH_FUNCTION int cornerCoordinate (uint32_t pair, int c, int axis) {
   return int((pair >> (16*((3*c + axis) & 1))) & 16383u);
 }
 
-/*! Offsets in bytes from the start of the block. Groups are stored row by row. */
+/*! In bytes from the start of the block. Groups are stored row by row. */
 struct VertLayout
 {
   uint32_t groupsX, groupsY, groups;
   uint32_t remainders; //!< the word of remainders, if present
   uint32_t margins;   //!< axis by axis, a byte per group: lower 4 bits, then upper 4 bits
-  uint32_t words;     //!< lower 16 bits of the word of each group
-  uint32_t wordsHigh; //!< upper 8 bits of the word of each group
+  uint32_t words;     //!< lower 16 bits per group
+  uint32_t wordsHigh; //!< upper 8 bits per group
   uint32_t cell;      //!< fields of the first cell
-  /* of a raw block */
-  uint32_t vertices;  //!< x, y, z of each vertex, row by row
+  /* vertices of a raw block */
+  uint32_t vertices;  //!< x, y, z per vertex, row by row
   uint32_t boxes;     //!< plane by plane, a float per group
   uint32_t rawBytes;
 };
@@ -341,8 +340,8 @@ CBVH_FUNCTION VertLayout vertLayout (uint32_t region, uint32_t boxForm)
   return offsets;
 }
 
-/* If a patch has more quads along an edge than the rate of the edge, Embree stitches its border: several vertices of
- * the border coincide with one vertex of the edge. */
+/* If a patch has more quads along an edge than the edge's rate, Embree stitches its border: several vertices coincide
+ * with one vertex of the edge. */
 
 /*! Vertex of an edge with which vertex x of a border of `quads` quads coincides. The rate equals quads (no vertex
  *  moves) or is at most maxVertRate, so that the product fits into 32 bits. */
@@ -350,15 +349,15 @@ CBVH_FUNCTION uint32_t stitchedVertex (uint32_t x, uint32_t quads, uint32_t rate
   return rate == quads ? x : (2u*x + 1u)*rate/(2u*quads);
 }
 
-/*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: rate of the edge on which
- *  the row lies, or `quads` inside the patch. */
+/*! Parameter of the patch at vertex x of a row or column of `quads` quads, as in GRID. rate: of the edge on which the
+ *  row lies, or `quads` inside the patch. */
 CVERT_REAL CBVH_FUNCTION Real vertParameter (uint32_t x, uint32_t quads, uint32_t rate) {
   return Real(float(stitchedVertex(x,quads,rate)))/Real(float(rate));
 }
 
 /* --- parts after the header ------------------------------------------------------------ */
 
-/*! All zero if the block stores no edges. */
+/*! Zero if the block stores no edges. */
 CBVH_FUNCTION VertEdges edgesOf (CVERT_POINTER(VertHeader) block)
 {
   VertEdges edges;
@@ -372,7 +371,7 @@ CBVH_FUNCTION VertNumbers storedNumbersOf (CVERT_POINTER(VertHeader) block) {
   return CVERT_AT(VertNumbers,bytesAfter(block,vertHeaderBytes));
 }
 
-/*! Numbers and their distance, which is 1 if the block does not store it. */
+/*! The distance is 1 if the block does not store it. */
 CBVH_FUNCTION VertTrianglePairs trianglePairsOf (CVERT_POINTER(VertHeader) block)
 {
   VertTrianglePairs halves;
@@ -438,12 +437,12 @@ static_assert(sizeof(cvert::VertHeader) == cvert::vertHeaderBytes
 
 CVERT_BEGIN
 
-/*! word: word of the first cell. */
+/*! word: of the first cell. */
 inline VertSpacing vertSpacing (uint32_t word, const uint32_t corners[6]) {
   return vertSpacing(word,corners[0],corners[1],corners[2],corners[3]);
 }
 
-/*! Bytes of a block's first step, without numbers of quads and padding. */
+/*! Bytes of the first step, without numbers of quads and padding. */
 inline uint32_t vertFirstStepSize (const VertHeader* block)
 {
   const VertLayout layout = vertLayout(block->region,block->boxForm);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* A cell of cVERT: up to 5 x 5 vertices with integer coordinates. Its four corners are known from the level above. The
- * other 21 vertices are predicted by bilinear interpolation, and a bit field stores the residual of each:
+ * other 21 are predicted by bilinear interpolation, and a bit field stores the residual of each:
  *
  *     c01--18--19--20--c11      The first cell of a block has the corners of 4 x 4 groups. The cell
  *      13  14  15  16  17       of a group has the vertices of its 4 x 4 quads. If a block ends
@@ -11,9 +11,9 @@
  *     c00---0---1---2--c10
  *
  * Displacement follows a normal, so the three components of a residual are nearly proportional. The component on the
- * cell's main axis is stored as it is, the other two minus a slope times the main one. All arithmetic is exact, in
- * integers or in floats of 24 bits, fused or not, because coordinates are less than maxExtent. Every ISA and GPU
- * therefore computes the same vertices.
+ * cell's main axis is stored as is, the other two minus a slope times the main one. All arithmetic is exact, in
+ * integers or floats of 24 bits, fused or not, because coordinates are less than maxExtent. Every ISA and GPU therefore
+ * computes the same vertices.
  *
  * Word of a cell:
  *
@@ -34,12 +34,12 @@ CVERT_BEGIN
 
 CVERT_CONSTANT int cellVertices = 25; //!< row by row
 CVERT_CONSTANT int cellFields = 21;   //!< all but the corners
-CVERT_CONSTANT int maxFieldBits = 32; //!< size of a field that holds all three residuals
+CVERT_CONSTANT int maxFieldBits = 32; //!< of a field with all three residuals
 CVERT_CONSTANT int maxResidualBits = 15;
 CVERT_CONSTANT int maxSlope = 15;
 
-/*! Exclusive bound of coordinates in a block. Predictions then have 16 bits before the binary point and 8 after it,
- *  which a float represents exactly. */
+/*! Exclusive bound of coordinates. Predictions then have 16 bits before the binary point and 8 after it, which floats
+ *  represent exactly. */
 CVERT_CONSTANT int maxExtent = 16384;
 
 CBVH_FUNCTION int cellBits (uint32_t word, int i) { return int((word >> (4*i)) & 15u); }
@@ -56,7 +56,7 @@ CBVH_FUNCTION int cellSlope (uint32_t word, int i) { return int(word << (18-5*i)
 
 CBVH_FUNCTION uint32_t cellBytes (uint32_t word) { return (uint32_t(cellFields*cellFieldBits(word)) + 7u)/8u; }
 
-/*! Returns -1 for a corner. */
+/*! -1 for a corner. */
 CBVH_FUNCTION int cellField (int i, int j)
 {
   bool corner = (i == 0 || i == 4) && (j == 0 || j == 4);
@@ -64,7 +64,7 @@ CBVH_FUNCTION int cellField (int i, int j)
 }
 
 /*! Weight, in 1/16, of the upper corner in the prediction of vertex i, which is step*i quads from the lower corner.
- *  quads: quads of the cell along this direction. */
+ *  quads: of the cell along this direction. */
 CBVH_FUNCTION int cellWeight (int i, int step, int quads)
 {
   int x = step*i;
@@ -74,7 +74,7 @@ CBVH_FUNCTION int cellWeight (int i, int step, int quads)
 
 CBVH_FUNCTION bool isByAxis (uint32_t word) { return cellFieldBits(word) > maxFieldBits; }
 
-/*! Decodes the `bits` bits of a field that start at bit `shift`. */
+/*! Decodes `bits` bits of a field from bit `shift` on. */
 CBVH_FUNCTION int cellResidual (uint32_t field, int shift, int bits)
 {
   if (bits == 0) return 0;

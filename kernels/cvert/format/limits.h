@@ -12,7 +12,7 @@ CVERT_BEGIN
 /*! Largest rate of an edge, and most quads per side of a patch. */
 CVERT_CONSTANT uint32_t maxVertRate = 4096u;
 
-/*! Alignment of blocks in memory and in files, in bytes. */
+/*! In memory and in files, in bytes. */
 CVERT_CONSTANT uint32_t blockAlignment = 16u;
 
 /*! Surface numbers in files start here; lower ones are for surfaces in memory. */

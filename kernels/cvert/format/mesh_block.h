@@ -6,16 +6,16 @@
  *
  *   header | records of groups | boxes of groups | topology of groups | fields of vertices | numbers of groups
  *
- * Only the sizes of groups are stored: their offsets in the last three sections are sums over the groups before them.
+ * Only sizes of groups are stored: offsets in the last three sections are sums over the groups before.
  *
  * A vertex belongs to the first group that uses it; other groups refer to its number in the block. On each axis a
- * vertex is origin + coordinate * spacing, exact in float, where the spacing is a power of two. If this takes too many
- * bits, the coordinate is the number of floats between origin and vertex. Fields of vertices are relative to the box of
- * the owning group. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
+ * vertex is origin + coordinate * spacing, exact in float, with a power of two as spacing. If this needs too many bits,
+ * the coordinate is the number of floats between origin and vertex. Vertex fields are relative to the owning group's
+ * box. One axis may be sheared, so that inclined sheets have flat boxes and short fields.
  *
- * The triangles of a group are generalized strips, streams of vertices. Each triangle after the first uses the next
- * vertex of the stream and two vertices of the triangle before it: the last one, and the second to last or the first.
- * Bit masks determine the position of each triangle in the stream, so triangles are decoded in parallel.
+ * A group's triangles are generalized strips, streams of vertices. Each triangle after the first uses the stream's next
+ * vertex and two vertices of the triangle before it: the last one, and the second to last or the first. Bit masks
+ * determine each triangle's position in the stream, so triangles are decoded in parallel.
  *
  * Based on: Deering, "Geometry Compression", 1995; Barczak, Benthin, McAllister, "DGF: A Dense, Hardware-Friendly
  * Geometry Format for Lossily Compressing Meshlets with Arbitrary Topologies", 2024. */
@@ -27,11 +27,10 @@
 
 CVERT_BEGIN
 
-/*! Stored where grid blocks store their version, so that readers of grid blocks reject mesh blocks as an unknown
- *  version. */
+/*! Stored where grid blocks store their version: their readers reject mesh blocks as an unknown version. */
 CVERT_CONSTANT uint32_t meshFormatVersion = 6u;
 
-/*! Kind of a block, in the bits of `counts` and `form` that version 5 reserves. Grid blocks have kind 0. */
+/*! Kind of a block, in bits of `counts` and `form` that version 5 reserves. Grid blocks have kind 0. */
 CVERT_CONSTANT uint32_t kindOfMesh = 1u;
 
 CVERT_CONSTANT uint32_t meshHeaderBytes = 56u;
@@ -42,7 +41,7 @@ CVERT_CONSTANT uint32_t maxMeshGroups = 16u;
 CVERT_CONSTANT uint32_t maxGroupTriangles = 32u;
 CVERT_CONSTANT uint32_t maxGroupVertices = 31u;
 CVERT_CONSTANT uint32_t maxGroupRestarts = 15u;
-CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< vertices of all groups together
+CVERT_CONSTANT uint32_t maxMeshVertices = 496u;     //!< maximum of all groups together
 CVERT_CONSTANT uint32_t maxMeshCoordinateBits = 23u;
 CVERT_CONSTANT uint32_t leastRankShift = 9u;        //!< least shift of boxes on an axis whose coordinates count floats
 
@@ -51,10 +50,10 @@ struct MeshHeader
   float origin[3];        //!< position of coordinates (0,0,0)
   //! bits 0..7, 8..15, 16..23: biased exponents on x, y, z; 0 if coordinates count floats; other bits: 0
   uint32_t spacings;
-  uint32_t surface;       //!< number of the surface, see limits.h
-  uint32_t primID;        //!< base of the primitive numbers
-  uint32_t bytes;         //!< size of the block, a multiple of 4
-  uint32_t motion;        //!< 0; in a block that moves, the offset of its VertMotion, mesh_motion.h
+  uint32_t surface;       //!< see limits.h
+  uint32_t primID;        //!< base of primitive numbers
+  uint32_t bytes;         //!< of the block, a multiple of 4
+  uint32_t motion;        //!< offset of the VertMotion of a block that moves (mesh_motion.h), else 0
   //! a byte per group, 0 if unused: bits 0..4: triangles minus 1; 5..7: lower bits of the number of restarts
   uint32_t groups[4];
   //! bits 0..9: vertices minus 1; 10..13: groups minus 1; 16..23: triangles minus 1; 24..29: bits of the base number of
@@ -70,7 +69,7 @@ CBVH_FUNCTION uint32_t meshGroups (uint32_t counts) { return ((counts >> 10) & 1
 CBVH_FUNCTION uint32_t meshTriangles (uint32_t counts) { return ((counts >> 16) & 255u) + 1u; }
 CBVH_FUNCTION uint32_t baseNumberBits (uint32_t counts) { return (counts >> 24) & 63u; }
 
-/* Bits of version and kind in `counts` and `form`, which are words 4 and 5 of corners in a grid block. */
+/* Version and kind in `counts` and `form`, which are words 4 and 5 of corners in a grid block. */
 CBVH_FUNCTION uint32_t meshMarkOfCounts () {
   return (meshFormatVersion & 1u) << 15 | (meshFormatVersion & 2u) << 30 | (kindOfMesh & 1u) << 14
     | (kindOfMesh & 2u) << 29;
@@ -80,7 +79,7 @@ CBVH_FUNCTION uint32_t meshMarkOfForm () {
     | (kindOfMesh & 8u) << 27;
 }
 
-/* Version and kind of any block, from its words 12 and 13. */
+/* From words 12 and 13 of any block. */
 CBVH_FUNCTION uint32_t versionOfBlock (uint32_t counts, uint32_t form) { return versionOfCorners(counts,form); }
 CBVH_FUNCTION uint32_t kindOfBlock (uint32_t counts, uint32_t form) { return reservedOfCorners(counts,form); }
 
@@ -88,7 +87,7 @@ CBVH_FUNCTION float meshSpacing (uint32_t spacings, uint32_t axis) {
   return floatOfBits(((spacings >> (8u*axis)) & 255u) << 23);
 }
 
-/*! True if coordinates count floats. */
+/*! True if coordinates on the axis count floats. */
 CBVH_FUNCTION bool hasRanks (uint32_t spacings, uint32_t axis) { return ((spacings >> (8u*axis)) & 255u) == 0u; }
 
 /*! Rank among all floats, by size. 0 has rank 2^31. */
@@ -115,7 +114,7 @@ CBVH_FUNCTION int meshSlope (uint32_t form, uint32_t i) { return int(form << (16
  *  the number of its primitive, plus 1 for the second. */
 CVERT_CONSTANT uint32_t meshHasQuads = 1u << 26;
 
-/* number: number of a triangle */
+/* number: of a triangle */
 CBVH_FUNCTION uint32_t primitiveOfMesh (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u ? number >> 1 : number;
 }
@@ -123,8 +122,7 @@ CBVH_FUNCTION bool isSecondOfQuad (uint32_t form, uint32_t number) {
   return (form & meshHasQuads) != 0u && (number & 1u) != 0u;
 }
 
-/*! Amount that the shear adds to a coordinate. c1, c2: coordinates on the axes m+1 and m+2. Rounds to nearest, halves
- *  up. */
+/*! Amount that the shear adds to a coordinate. c1, c2: on the axes m+1 and m+2. Rounds to nearest, halves up. */
 CBVH_FUNCTION int meshShear (uint32_t form, int c1, int c2) {
   return (meshSlope(form,1u)*c1 + meshSlope(form,2u)*c2 + 8) >> 4;
 }
@@ -146,7 +144,7 @@ CBVH_FUNCTION uint32_t groupNumberBits (uint32_t record) {
   uint32_t bits = (record >> 10) & 31u; return bits == 31u ? 32u : bits;
 }
 
-/*! Number of bits that hold all numbers below `count`. */
+/*! Bits of a number below `count`. */
 CBVH_FUNCTION uint32_t bitsForBelow (uint32_t count)
 {
   uint32_t bits = 0u;
@@ -168,7 +166,7 @@ CBVH_FUNCTION uint32_t streamLength (uint32_t triangles, uint32_t restarts) { re
  *   others        for each vertex of the group that does not belong to it: its number in the block */
 struct MeshTopology
 {
-  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< first bits, relative to the first bit of the group
+  uint32_t restarts, fans, turns, news, owns, repeats, others; //!< first bits, relative to the group's
   uint32_t repeatBits, otherBits;                             //!< bits per entry
   uint32_t bits;                                               //!< bits of the whole topology
 };
@@ -192,17 +190,17 @@ CBVH_FUNCTION MeshTopology meshTopology (uint32_t group, uint32_t record, uint32
   return at;
 }
 
-/*! Bits of a vertex field on an axis. extent: of the group's box. */
+/*! Bits of a vertex's field on an axis. extent: of the group's box. */
 CBVH_FUNCTION uint32_t meshFieldBits (uint32_t spacings, uint32_t form, uint32_t extent, uint32_t axis) {
   return bitsForBelow((extent+1u) << meshBoxShift(spacings,form,axis)); // 2^32 wraps to 0, which has 32 bits
 }
 
-/*! Bits of the primitive numbers of a group: a base, then a number per triangle. */
+/*! Bits of a group's numbers: a base, then a number per triangle. */
 CBVH_FUNCTION uint32_t meshNumberBits (uint32_t counts, uint32_t group, uint32_t record) {
   return baseNumberBits(counts) + groupTriangles(group)*groupNumberBits(record);
 }
 
-/*! Offsets in bytes from the start of the block. */
+/*! In bytes from the start of the block. */
 struct MeshLayout
 {
   uint32_t records;
@@ -220,7 +218,7 @@ CBVH_FUNCTION MeshLayout meshLayout (uint32_t counts)
   return offsets;
 }
 
-/* Strips. Masks have a bit per triangle of the group, starting with triangle 0. */
+/* Strips. Masks have a bit per triangle of the group. */
 
 CBVH_FUNCTION uint32_t bitsUpTo (uint32_t t) { return 0xFFFFFFFFu >> (31u-t); }
 
@@ -239,14 +237,14 @@ CBVH_FUNCTION uint32_t highestBit (uint32_t mask)
   return bit;
 }
 
-/*! Positions in the stream, in the order of the application's triangle. */
+/*! Positions in the stream, in the vertex order of the application's triangle. */
 struct StripTriangle { uint32_t v0, v1, v2; };
 
 /*! Bit 0 must be set in restarts and clear in fans. turn: of triangle t. */
 CBVH_FUNCTION StripTriangle stripTriangle (uint32_t restarts, uint32_t fans, uint32_t turn, uint32_t t)
 {
   uint32_t upTo = bitsUpTo(t);
-  uint32_t last = t + 2u*countBits(restarts & upTo); // the triangle's last vertex
+  uint32_t last = t + 2u*countBits(restarts & upTo);
   uint32_t start = highestBit(restarts & upTo);      // first triangle of the strip
   // last triangle up to t that did not keep the first vertex
   uint32_t kept = highestBit((~fans | restarts) & upTo);
@@ -267,7 +265,7 @@ static_assert(sizeof(cvert::MeshHeader) == cvert::meshHeaderBytes, "header of a 
 
 CVERT_BEGIN
 
-/*! True for mesh blocks of any version. Reads 56 bytes. */
+/*! Accepts any version. Reads 56 bytes. */
 inline bool isMeshBlock (const void* block)
 {
   uint32_t words[2];
@@ -284,7 +282,7 @@ inline uint32_t meshRecord (const MeshHeader* block, uint32_t g)
   return record;
 }
 
-/*! plane: 0 to 2 for the lower planes, 3 to 5 for the extents. */
+/*! plane: 0 to 2 for lower planes, 3 to 5 for extents. */
 inline uint32_t meshPlane (const MeshHeader* block, uint32_t plane, uint32_t g) {
   return ((const uint8_t*)block)[meshLayout(block->counts).boxes + plane*meshGroups(block->counts) + g];
 }

@@ -3,21 +3,20 @@
 
 #pragma once
 
-/* A moving mesh block: a mesh block at its first time step, followed by its other steps. docs/formats/mesh_motion.md
- * specifies it.
+/* A moving mesh block: a mesh block at its first time step, then its other steps. docs/formats/mesh_motion.md specifies
+ * it.
  *
  *   block of the first step | VertMotion | offsets of steps | step 1 | step 2 | ...
  *
  *   step: MeshStep | records of groups | boxes of groups | bases of groups | fields of vertices
  *
- * Triangles and their numbers are the same at all steps. A step has an affine map, which predicts the positions of all
- * vertices from their positions at the first step: a small piece of a surface moves nearly as a rigid body. The block
- * stores the difference between predicted and true coordinates: a base per group, and a field per vertex. A step needs
- * the first step only, so that decoders do not read the steps between.
+ * Triangles and their numbers are the same at all steps. A step's affine map predicts all vertices from their positions
+ * at the first step: a small piece of a surface moves nearly as a rigid body. The block stores the differences from
+ * true coordinates: a base per group, and a field per vertex. A step needs only the first step, so that decoders do not
+ * read the steps between.
  *
- * Predictions are computed in double. They are exactly the same on all processors: products of two floats are exact in
- * double, with fused operations or without, and the order of sums is fixed. Denormal floats count as 0, because
- * processors may flush them. */
+ * Predictions are computed in double, with the same results on all processors: products of two floats are exact, fused
+ * or not, and the order of sums is fixed. Denormal floats count as 0, because processors may flush them. */
 
 #include "mesh_block.h"
 #include "motion.h"
@@ -45,13 +44,13 @@ namespace cvert { inline namespace CVERT_ISA
   }
   inline uint32_t stepBaseBits (uint32_t form, uint32_t axis) { return (form >> (12+6*axis)) & 63; }
 
-  /*! Bits of a field of a group. record: bits 0..4, 5..9, 10..14: bits on x, y and z; 31 stands for 32. */
+  /*! record: bits 0..4, 5..9, 10..14: bits on x, y and z; 31 means 32. */
   inline uint32_t stepFieldBits (uint32_t record, uint32_t axis) {
     const uint32_t bits = (record >> (5*axis)) & 31;
     return bits == 31 ? 32 : bits;
   }
 
-  /*! Offsets in bytes from the start of the step. */
+  /*! In bytes from the start of the step. */
   struct MeshStepLayout
   {
     uint32_t records, boxes, bases, fields;
@@ -75,10 +74,10 @@ namespace cvert { inline namespace CVERT_ISA
     return record;
   }
 
-  /*! Version and kind of a block that moves, in `counts`. Those in `form` are the same as of other mesh blocks. */
+  /*! In `counts`. `form` is as in other mesh blocks. */
   inline uint32_t movingMeshMarkOfCounts () { return meshMarkOfCounts() | 1u << 15; }
 
-  /*! block: a valid mesh block. MeshHeader::motion is the offset of its VertMotion, or 0. */
+  /*! block: valid. MeshHeader::motion is the offset of its VertMotion, or 0. */
   inline bool isMovingMesh (const MeshHeader* block) { return block->motion != 0; }
 
   /*! block: must move. */
@@ -99,15 +98,15 @@ namespace cvert { inline namespace CVERT_ISA
 
   /* --- prediction --- */
 
-  /*! Converts a float exactly, but a denormal one to 0. */
+  /*! Exact, but 0 for denormal floats. */
   inline double wideOf (float x) { return (bitsOfFloat(x) & 0x7F800000u) != 0 ? double(x) : 0.0; }
 
-  /*! Returns the predicted position on an axis. row: of MeshStep::map. p: vertex at the first step. */
+  /*! On an axis. row: of MeshStep::map. p: vertex at the first step. */
   inline double predictedPosition (const float row[4], const float p[3]) {
     return ((wideOf(row[0])*wideOf(p[0]) + wideOf(row[1])*wideOf(p[1])) + wideOf(row[2])*wideOf(p[2])) + wideOf(row[3]);
   }
 
-  /*! Returns the coordinate of a predicted position on an axis, modulo 2^32. origin, spacings: of the step. */
+  /*! On an axis, modulo 2^32. origin, spacings: of the step. */
   inline uint32_t predictedCoordinate (double position, float origin, uint32_t spacings, uint32_t axis)
   {
     if (hasRanks(spacings,axis))

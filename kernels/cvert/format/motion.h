@@ -1,19 +1,19 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* A moving block of cVERT: a block at its first time step as in block.h, followed by all other steps.
+/* A moving block of cVERT: a block at its first time step as in block.h, then all other steps.
  *
  *   block of step 0 with the margins of segment 0 | offsets of steps | step 1 | step 2 | ... | table of numbers
  *
  * A segment is the time between two steps; vertices and planes of boxes are linear in it. Each step has its own
- * lattice, origin, corners and cells. The residuals of a cell may be predicted from its residuals in step 0: details
- * rotate with the surface, so one matrix rotates all residuals of the block, and only the difference is stored.
+ * lattice, origin, corners and cells. A cell's residuals may be predicted from step 0: details rotate with the surface,
+ * so one matrix rotates all residuals of the block, and only the difference is stored.
  *
  *   step: VertStep | word of remainders | margins of the segment that begins | words of groups |
  *         fields of the first cell | fields of groups | remainders
  *
- * A raw step stores its vertices as floats after VertStep. A segment with a raw end does not use its margins: its boxes
- * are the boxes of the decoded vertices. */
+ * A raw step stores its vertices as floats after VertStep. A segment with a raw end uses the boxes of decoded vertices
+ * instead of margins. */
 
 #ifndef CVERT_VERT_MOTION_FORMAT_H
 #define CVERT_VERT_MOTION_FORMAT_H
@@ -24,7 +24,7 @@ CVERT_BEGIN
 
 CVERT_CONSTANT uint32_t maxTimeSteps = 129u;
 CVERT_CONSTANT uint32_t vertStepBytes = 64u;
-CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of the corners in a step
+CVERT_CONSTANT uint32_t stepCornersOffset = 20u; //!< offset of corners in a step
 
 struct VertStep
 {
@@ -32,17 +32,17 @@ struct VertStep
   uint32_t boxForm;       //!< bits 0..23: of the segment that begins, as in VertHeader, 3 in bits 12..13 if the step is
                           //!< raw; 24: has remainders; 25: the first cell is turned; 26: groups have upper bits of
                           //!< words; 27: has margins; 28..31: shift of reach
-  uint32_t word;          //!< word of the first cell, and exponent of the spacing on x
+  uint32_t word;          //!< of the first cell, and exponent of the spacing on x
   uint32_t corners[6];    //!< with the exponents on y and z, as in VertHeader
   uint32_t turned;        //!< bits 0..15: groups whose residuals are turned; 16..18: shift of the matrix; 19..22: shift
                           //!< of endReach; 24..31: last entry of the matrix
   uint32_t turn[2];       //!< other entries of the matrix, a byte each, row by row
-  uint32_t reach;         //!< bounds at this step, as in VertHeader, in the shear of the segment that begins
-  uint32_t endReach;      //!< bounds at this step in the shear of the segment that ends
+  uint32_t reach;         //!< at this step, as in VertHeader, in the shear of the segment that begins
+  uint32_t endReach;      //!< at this step in the shear of the segment that ends
 };
 CVERT_READABLE(VertStep,4)
 
-/* Units of the bounds of a block at the beginning and at the end of a segment, see reachStep. */
+/* Units of bounds at a segment's beginning and end, see reachStep. */
 CBVH_FUNCTION uint32_t beginReachStep (uint32_t boxForm) { return 1u << (boxForm >> 28); }
 CBVH_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >> 19) & 15u); }
 
@@ -62,7 +62,7 @@ CBVH_FUNCTION int rotatedResidual (int a, int b, int c, int x, int y, int z, uin
   return (a*x + b*y + c*z + (1 << (shift-1u))) >> shift;
 }
 
-/*! True from the first step to the last, both included. */
+/*! True from the first step to the last, inclusive. */
 CBVH_FUNCTION bool isPresent (VertMotion motion, float time) { return time >= motion.begin && time <= motion.end; }
 
 /*! Segment of a time, and position in it, 0 to 1, as Embree computes them. */
@@ -82,7 +82,7 @@ CBVH_FUNCTION TimeInMotion timeInMotion (VertMotion motion, float time)
   return at;
 }
 
-/*! fraction: position between the steps a and b, 0 to 1 */
+/*! fraction: between the steps a and b, 0 to 1 */
 CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fraction)
 {
   float e = 1.0f-fraction;
@@ -95,18 +95,18 @@ CBVH_FUNCTION BlockReach reachBetween (BlockReach a, BlockReach b, float fractio
 }
 
 /*! Distance by which planes of boxes must move outwards on an axis between two steps, because vertices, origins and
- *  planes there are rounded by less than 3 times 2^-24 of themselves. a, b: origins at the steps on that axis. extent:
- *  the larger extentOfReach of the two steps. */
+ *  planes there are rounded by less than 3 times 2^-24 of themselves. a, b: the steps' origins on that axis. extent:
+ *  their larger extentOfReach. */
 CBVH_FUNCTION float motionSlack (float a, float b, float extent) {
   return (greater(magnitude(a),magnitude(b)) + 2.0f*extent)*(1.0f/1048576.0f);
 }
 
-/*! Offsets in bytes from the start of the step. */
+/*! In bytes from the start of the step. */
 struct VertStepLayout
 {
   uint32_t remainders;         //!< the word of remainders, if present
   uint32_t margins, words, wordsHigh, cell;
-  uint32_t vertices, rawBytes; //!< offset of the vertices, and size, of a raw step
+  uint32_t vertices, rawBytes; //!< of a raw step: offset of its vertices, and size
 };
 
 CBVH_FUNCTION VertStepLayout vertStepLayout (uint32_t region, uint32_t boxForm)
@@ -140,7 +140,7 @@ static_assert(sizeof(cvert::VertStep) == cvert::vertStepBytes
 
 CVERT_BEGIN
 
-/*! Bytes of a step, without padding. */
+/*! Without padding. */
 inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
 {
   const VertStepLayout layout = vertStepLayout(region,step->boxForm);
@@ -153,7 +153,7 @@ inline uint32_t vertStepSize (const VertStep* step, uint32_t region)
                      groupsOf(vertQuadsX(region))*groupsOf(vertQuadsY(region)));
 }
 
-/*! Bytes of a block, without padding. */
+/*! Without padding. */
 inline uint32_t vertBytes (const VertHeader* block)
 {
   const uint32_t form = block->patchQuads;

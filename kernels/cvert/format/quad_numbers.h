@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Primitive numbers of blocks of a quad mesh, or of a triangle mesh in which pairs of triangles form quads. Each quad
- * or triangle is a primitive with its own parameters. A block stores its numbers as one of these patterns:
+/* Primitive numbers of blocks of a quad mesh, or of a triangle mesh whose pairs of triangles form quads. Each quad or
+ * triangle is a primitive with its own parameters. A block stores its numbers as one of these patterns:
  *
  *   rows        numbers grow by a step along x and by another along y: sheets that were written row by row
  *   recursive   bits of x and y map to bits of the number: quads that were split into four recursively
@@ -12,10 +12,10 @@
  * Bit 30 of boxForm marks such blocks. VertNumbers follows the header, where other blocks have edges. patchQuads is the
  * form of the numbers, and primID their base.
  *
- * The number of a quad of two triangles is the number of its first triangle. The number of the second triangle is
- * higher by 1, or by a distance in VertTrianglePairs if the application lists all first triangles before all second
- * ones. The parameters of a triangle depend on its turn: the corner with which the application's triangle begins. The
- * form or the table stores turns. */
+ * The number of a quad of two triangles is the number of its first triangle. The second triangle's number is higher by
+ * 1, or by a distance in VertTrianglePairs if the application lists all first triangles before all second ones. A
+ * triangle's parameters depend on its turn: the corner with which the application's triangle begins. The form or the
+ * table stores turns. */
 
 #ifndef CVERT_QUAD_NUMBERS_H
 #define CVERT_QUAD_NUMBERS_H
@@ -27,18 +27,17 @@ CVERT_BEGIN
 struct VertNumbers
 {
   /* rows: steps. recursive: 8 bits for each bit of x and y. tables: offset from the start of the block, and bits per
-   * quad or triangle. With VertTrianglePairs, x is the offset of VertTrianglePairs from the start of the block, and y
-   * is 0. */
+   * quad or triangle. With VertTrianglePairs, x is their offset from the start of the block, and y is 0. */
   uint32_t x, y;
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Section of blocks in which the number of a second triangle is not that of the first plus 1. If the block has a table
- *  of numbers, the table follows this section. */
+/*! Section of blocks in which second triangles' numbers are not those of the first plus 1. A table of numbers follows
+ *  it. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;
-  uint32_t distance; //!< a second triangle's number minus its first triangle's number, modulo 2^32
+  uint32_t distance; //!< second triangle's number minus first triangle's, modulo 2^32
 };
 CVERT_READABLE(VertTrianglePairs,4)
 
@@ -63,7 +62,7 @@ CBVH_FUNCTION uint32_t formOfFirstCorners (uint32_t first, uint32_t second) { re
 CBVH_FUNCTION uint32_t firstCornerOfTriangle (uint32_t form, bool isSecond) { return (form >> (isSecond ? 6
   : 4)) & 3u; }
 
-/*! Number of quad x, y relative to the first. Requires a form without table. */
+/*! Relative to the first quad. Requires a form without table. */
 CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32_t x, uint32_t y)
 {
   if (patternOfNumbers(form) == numbersInRows) return numbers.x*x + numbers.y*y;
@@ -75,35 +74,35 @@ CBVH_FUNCTION uint32_t patternNumber (uint32_t form, VertNumbers numbers, uint32
   return isTriangleForm(form) && !haveTrianglePairs(form) ? 2u*code : code;
 }
 
-/*! Number of lowest bits of an entry in a table of triangles that store the triangle's turn. 30 bits remain for the
- *  number, so all numbers of such a table are within 2^30 of the lowest one. */
+/*! Lowest bits of an entry in a table of triangles that store the turn. 30 bits remain for the number, so all numbers
+ *  of such a table are within 2^30 of the lowest one. */
 CVERT_CONSTANT uint32_t firstCornerBits = 2u;
 
 CBVH_FUNCTION uint32_t entriesPerQuad (uint32_t form) {
   return patternOfNumbers(form) == numbersInTriangleTable ? 2u : 1u;
 }
 
-/*! Bytes of a table. Readers may read 32 bits after its end. */
+/*! Readers may read 32 bits after the table's end. */
 CBVH_FUNCTION uint32_t bytesOfNumberTable (uint32_t entries, uint32_t bits) { return (entries*bits + 7u)/8u; }
 
-/*! The application's primitive that a hit in a quad reports: the quad, or one of its triangles. */
+/*! The primitive that a hit in a quad reports: the quad, or one of its triangles. */
 struct QuadPrimitive
 {
   uint32_t primID;
-  uint32_t form; //!< form of its block with the turn of this triangle
+  uint32_t form; //!< of its block, with this triangle's turn
 };
 
-/*! Parameters of a primitive of the application. */
+/*! Parameters on a primitive of the application. */
 struct OwnParameters { float u, v; };
 
-/*! Converts the parameters a, b of a quad to those of its primitive. form: see QuadPrimitive. */
+/*! Converts the parameters a, b of a quad. form: see QuadPrimitive. */
 CBVH_FUNCTION OwnParameters ownParameters (uint32_t form, bool isSecond, float a, float b)
 {
   OwnParameters parameters;
   parameters.u = a;
   parameters.v = b;
   if (!isTriangleForm(form)) return parameters;
-  // weights of the corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
+  // of corners 00, 10, 01 of the first triangle, or 11, 01, 10 of the second
   float w1 = isSecond ? 1.0f-a : a, w2 = isSecond ? 1.0f-b : b;
   float w0 = greater(1.0f-w1-w2,0.0f);
   uint32_t turn = firstCornerOfTriangle(form,isSecond);

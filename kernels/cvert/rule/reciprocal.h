@@ -11,7 +11,7 @@ CVERT_BEGIN
 
 /*! Reciprocal of component d of a direction. largest: magnitude of the largest component. Both must be finite.
  *  Magnitudes below 1e-18 of the largest, far below the precision of floats, count as 1e-18 of it. The result is normal
- *  and not 0, so its product with a distance is a number, even if the distance is 0 or infinite. */
+ *  and not 0, so its product with any distance, also 0 or infinity, is a number. */
 CVERT_REAL CVERT_INLINE Real directionReciprocal (Real d, Real largest)
 {
   Real least = greater(Real(1e-18f)*largest,Real(1.17549435e-38f));

@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule by which rays hit the triangles of cVERT, for single rays, packets, shaders and tests.
- * docs/formats/rays.md specifies it. Its parts, in the order in which a ray needs them:
+/* The rule by which rays hit triangles of cVERT, for single rays, packets, shaders and tests. docs/formats/rays.md
+ * specifies it. Its parts, in the order of use:
  *
  *   boxes        by how much boxes are enlarged, because they only cull
  *   sides        on which side of an edge the ray is, in the sheared space in which the ray is the z axis
@@ -19,9 +19,8 @@
  *      |      \   |
  *     00-bottom--10
  *
- * Real is a float, or a vector of floats with a ray or a quad per lane. Wide is a double or a vector of doubles, in
- * which products of Reals are exact. In shaders without 64-bit floats Wide is a float, and signs are computed exactly
- * in integers.
+ * Real is a float, or a vector of floats with a ray or quad per lane. Wide is a double or a vector of doubles, in which
+ * products of Reals are exact. In shaders without 64-bit floats Wide is a float, and integers compute exact signs.
  *
  * Based on: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013. */
 
@@ -35,8 +34,8 @@ CVERT_BEGIN
 
 /* --- boxes --------------------------------------------------------------------------- */
 
-/*! Bound of the total rounding error of sheared vertices, boxes and the ray's distances to them, in ulps: 1/2 for a
- *  difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders the error of a quotient is up to
+/*! Bound of the total rounding error of sheared vertices, boxes and a ray's distances to them, in ulps: 1/2 for a
+ *  difference, 3/2 for a shear, 3 for each of the two distances to planes. In shaders, quotients have errors of up to
  *  2.5 ulps instead of 1/2: this adds 2 to the shear and 2 to each distance. */
 #ifdef VULKAN
 CVERT_CONSTANT float slackUlps = 14.0f;
@@ -44,7 +43,7 @@ CVERT_CONSTANT float slackUlps = 14.0f;
 CVERT_CONSTANT float slackUlps = 8.0f;
 #endif
 
-/*! The same for the sheared coordinate, in which the ray's origin and direction are sums of three terms. */
+/*! For the sheared coordinate, in which the ray's origin and direction are sums of three terms. */
 CVERT_CONSTANT float shearedSlackUlps = 2.0f*slackUlps;
 
 /*! Outward offset of planes on a world axis. extent: at least the block's extent from its origin. */
@@ -56,7 +55,7 @@ CVERT_REAL CVERT_INLINE Real boxSlack (Real org, float origin, float extent) {
 CVERT_REAL struct ShearedCoordinate
 {
   Real org, dir;
-  Real size;  //!< sum of magnitudes that bounds the rounding error of org, see shearedSlack
+  Real size;  //!< bound of magnitudes for the rounding error of org, see shearedSlack
 };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
@@ -66,7 +65,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) noShearedCoordinate ()
   return sum;
 }
 
-/*! Adds a world axis, whose factor is `shear`. */
+/*! Adds the contribution of a world axis. */
 CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(ShearedCoordinate) sum, Real org, Real dir,
                                                                 float origin, float extent, float shear)
 {
@@ -77,10 +76,10 @@ CVERT_REAL CVERT_INLINE CVERT_OF(ShearedCoordinate) addSheared (CVERT_OF(Sheared
   return sum;
 }
 
-/*! Outward offset of planes of the sheared coordinate. size: ShearedCoordinate::size. */
+/*! Outward offset of sheared planes. size: ShearedCoordinate::size. */
 CVERT_REAL CVERT_INLINE Real shearedSlack (Real size) { return Real(shearedSlackUlps*floatUlp)*size; }
 
-/*! Factor of a world axis in the sheared coordinate: i = 0 for the sheared axis m, 1 and 2 for the next axes. */
+/*! i = 0 for the sheared axis m, 1 and 2 for the next axes. */
 CBVH_FUNCTION float shearOf (uint32_t boxForm, int i) {
   return i == 0 ? 1.0f : float(shearSlope(boxForm,i))*(1.0f/16.0f);
 }
@@ -92,14 +91,14 @@ CVERT_REAL CVERT_INLINE CVERT_OF(RayInterval) clipped (CVERT_OF(RayInterval) int
 {
   Real a = lower*rcp, b = upper*rcp;
   interval.from = greater(interval.from,lesser(a,b));
-  interval.to = lesser(interval.to,greater(b,a)); // with (a,b) compilers merge both lines into a branch
+  interval.to = lesser(interval.to,greater(b,a)); // with (a,b), compilers merge both lines into a branch
   return interval;
 }
 
 /* --- sides --------------------------------------------------------------------------- */
 
-/*! Axis of the largest magnitude, or the first of several. NaN counts as largest. Has no branches, which would often be
- *  mispredicted. */
+/*! Axis of the largest magnitude, or the first of several. NaN counts as largest. Without branches, which would often
+ *  be mispredicted. */
 CBVH_FUNCTION int largestAxis (float x, float y, float z)
 {
   int isY = int(!(x >= y)), isZ = (isY & int(!(y >= z))) | ((1-isY) & int(!(x >= z)));
@@ -107,20 +106,20 @@ CBVH_FUNCTION int largestAxis (float x, float y, float z)
 }
 
 /*! Side of the ray on which the sheared edge from a to b lies. The edge's other triangle gets the exact negative,
- *  because products commute. Rounding is monotonic, so the result may round to 0 but never to the wrong sign. */
+ *  because products commute. Rounding is monotonic: results may round to 0, but never to the wrong sign. */
 CVERT_REAL CVERT_INLINE Real edgeSide (Real ax, Real ay, Real bx, Real by)
 {
   CVERT_PRECISE Real side = product(ax,by) - product(ay,bx); // drivers must not fuse the difference
   return side;
 }
 
-/*! True if the ray is on the same side of three edges, or on some of them. Conservative: never false for a triangle
- *  that contains the ray. */
+/*! True if the ray is on the same side of three edges, or on some of them. Conservative: never false if the triangle
+ *  contains the ray. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) isInside (Real a, Real b, Real c) {
   return either(lesser(a,lesser(b,c)) >= Real(0.0f),greater(a,greater(b,c)) <= Real(0.0f));
 }
 
-/*! Sides of a triangle's edges, which are the weights of the opposite vertices. */
+/*! Weights of the vertices opposite of the edges. */
 CVERT_REAL struct TriangleSides
 {
   Real w0, w1, w2, sum;
@@ -138,7 +137,7 @@ CVERT_REAL CVERT_INLINE CVERT_OF(TriangleSides) triangleSides (Real ax, Real ay,
 }
 
 /*! True if no side rounded to 0: signs are exact for triangles that satisfy isInside. lesser and greater are nested
- *  differently, because compilers would otherwise generate a branch, which would be mispredicted. */
+ *  differently, because compilers would otherwise generate a branch that is mispredicted. */
 CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) areCertain (CVERT_OF(TriangleSides) sides)
 {
   return both(either(Real(0.0f) < lesser(sides.w0,lesser(sides.w1,sides.w2)),
@@ -148,8 +147,8 @@ CVERT_REAL CVERT_INLINE CVERT_BOOL(Real) areCertain (CVERT_OF(TriangleSides) sid
 
 /* --- containment --------------------------------------------------------------------- */
 
-/*! Product of two finite floats: the product of the mantissas, shifted until its highest bit is at a fixed position,
- *  and the exponent. For the exact sign of ax by - ay bx in integers. */
+/*! Product of two finite floats, for the exact sign of ax by - ay bx in integers: the product of the mantissas, shifted
+ *  until its highest bit is at a fixed position, and the exponent. */
 struct ExactProduct
 {
   int exponent;
@@ -205,7 +204,7 @@ CBVH_FUNCTION int exactSideOfFloats (float ax, float ay, float bx, float by)
 }
 
 #if !defined(VULKAN) || defined(CBVH_FLOAT64)
-/*! The same in doubles, in which products of floats are exact. */
+/*! In doubles, products of floats are exact. */
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 {
   double p = double(ax)*double(by), q = double(ay)*double(bx);
@@ -215,8 +214,8 @@ CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by)
 CBVH_FUNCTION int exactSide (float ax, float ay, float bx, float by) { return exactSideOfFloats(ax,ay,bx,by); }
 #endif
 
-/*! True if a sheared triangle contains the ray, by exact signs. A side of 0 counts as inside for both triangles of its
- *  edge. A triangle with three sides of 0 is a line, which other triangles cover. */
+/*! Decides by exact signs. A side of 0 is inside for both triangles of its edge. A triangle with three sides of 0 is a
+ *  line, which other triangles cover. */
 CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, float cy)
 {
   float size = magnitude(ax) + magnitude(ay) + magnitude(bx) + magnitude(by) + magnitude(cx) + magnitude(cy);
@@ -228,8 +227,8 @@ CBVH_FUNCTION bool contains (float ax, float ay, float bx, float by, float cx, f
 
 /* --- distance ------------------------------------------------------------------------ */
 
-/*! Vertices by axis: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at most
- *  28. Distances come from the plane because the weights of a needle have larger errors than its plane. */
+/*! Vertices: at[axis][vertex]. Differences of floats are exact in double if their exponents differ by at most 28.
+ *  Distances come from the plane, because a needle's weights have larger errors than its plane. */
 CVERT_WIDE struct WideTriangle { Wide at[3][3]; };
 
 /*! Cross product of the edges from the first vertex; 0 for a line. */
@@ -277,11 +276,11 @@ CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(PlaneIntersection) intersectPlane (CVERT_O
   return at;
 }
 
-/*! Distances along a ray of a triangle's nearest and farthest vertex. */
+/*! Along a ray: a triangle's nearest and farthest vertex. */
 CVERT_WIDE struct TriangleSpan { Wide nearest, farthest; };
 
-/*! The parameters are components on the axis of the ray's largest component. Because division is monotonic, it is
- *  enough to divide the lowest and the highest difference. */
+/*! Parameters are components on the axis of the ray's largest component. Division is monotonic: it is enough to divide
+ *  the lowest and highest difference. */
 CVERT_WIDE CVERT_INLINE CVERT_OF_WIDE(TriangleSpan) spanOf (Wide z0, Wide z1, Wide z2, Wide org, Wide dir)
 {
   Wide d0 = z0-org, d1 = z1-org, d2 = z2-org;
@@ -303,7 +302,7 @@ CVERT_WIDE CVERT_INLINE CVERT_BOOL(Wide) isPlaneDecisive (CVERT_OF_WIDE(PlaneInt
   return either(at.least < magnitude(at.speed),both(span.nearest <= at.t,at.t <= span.farthest));
 }
 
-/*! Distance at which a ray is nearest to a triangle's longest edge. */
+/*! Where a ray is nearest to the longest edge. */
 CVERT_WIDE CBVH_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) triangle, const Wide org[3],
                                                  const Wide dir[3])
 {
@@ -328,9 +327,8 @@ CVERT_WIDE CBVH_FUNCTION Wide alongLongestEdge (CVERT_OF_WIDE(WideTriangle) tria
   return t;
 }
 
-/*! Distance at which a ray hits a triangle that its line passes through. If the ray lies in the plane, it hits where it
- *  is nearest to the longest edge, but not before tnear: otherwise a ray could leave a closed surface there without a
- *  hit. */
+/*! Distance of the hit of a triangle that the ray's line passes through. A ray in the plane hits where it is nearest to
+ *  the longest edge, but not before tnear: otherwise it could leave a closed surface there without a hit. */
 CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangle, CVERT_OF_WIDE(WideNormal) normal,
                                               CVERT_OF_WIDE(TriangleSpan) span, const Wide org[3],
                                               const Wide dir[3], Wide tnear)
@@ -344,11 +342,11 @@ CVERT_WIDE CBVH_FUNCTION Wide distanceOfHit (CVERT_OF_WIDE(WideTriangle) triangl
 /* --- nearest hit --------------------------------------------------------------------- */
 
 /* results of placeOfHit */
-CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< does not count
-CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< counts
-CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< counts if it hasPrecedence the previous hit of the ray
+CVERT_CONSTANT uint32_t hitIsOutside = 0u; //!< the hit does not count
+CVERT_CONSTANT uint32_t hitIsNearest = 1u; //!< the hit counts
+CVERT_CONSTANT uint32_t hitIsTied = 2u;    //!< the hit counts if it hasPrecedence over the ray's previous one
 
-/*! tfar: end of the ray, or distance of the nearest hit so far. isHitDistance: tfar is the distance of a cVERT hit. */
+/*! tfar: end of the ray, or distance of its nearest hit. isHitDistance: tfar is the distance of a cVERT hit. */
 CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar, bool isHitDistance)
 {
   float t = float(exact);
@@ -361,13 +359,12 @@ CVERT_WIDE CVERT_INLINE uint32_t placeOfHit (Wide exact, float tnear, float tfar
 struct TriangleKey
 {
   uint32_t geomID, primID;
-  uint32_t region;     //!< VertHeader::region of the block
+  uint32_t region;     //!< of the block's VertHeader
   uint32_t triangle;   //!< 32 (column + 4 row) of the group in the block + 2 (column + 4 row) of the quad in the group
                        //!< + 1 for the second triangle of the quad
 };
 
-/*! Order of hits at the same distance. The first one counts, so that the order in which blocks are traced does not
- *  matter. */
+/*! The first of hits at the same distance counts, so that results do not depend on the order of blocks. */
 CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
 {
   if (a.geomID != b.geomID) return a.geomID < b.geomID;
@@ -375,14 +372,14 @@ CBVH_FUNCTION bool hasPrecedence (TriangleKey a, TriangleKey b)
   return a.region != b.region ? a.region < b.region : a.triangle < b.triangle;
 }
 
-/*! Corner of the quad, column + 2 row, at a vertex of triangle h of a group. */
+/*! column + 2 row, at a vertex of triangle h of a group. */
 CBVH_FUNCTION uint32_t cornerOfTriangle (uint32_t h, int vertex)
 {
   bool isSecond = (h & 1u) != 0u;
   return vertex == 0 ? (isSecond ? 2u : 0u) : vertex == 1 ? 1u : (isSecond ? 3u : 2u);
 }
 
-/* Position in its group of the quad of triangle h. */
+/* Position in the group of the quad of triangle h. */
 CBVH_FUNCTION uint32_t quadXOfTriangle (uint32_t h) { return (h >> 1) & 3u; }
 CBVH_FUNCTION uint32_t quadYOfTriangle (uint32_t h) { return h >> 3; }
 
@@ -393,7 +390,7 @@ CVERT_REAL struct QuadPosition { Real a, b; };
 
 CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(TriangleSides) sides, CVERT_BOOL(Real) isSecond)
 {
-  // weights of the second and the third vertex, NaN if all sides rounded to 0
+  // weights of the second and third vertex; NaN if all sides rounded to 0
   Real b1 = sides.w1/sides.sum, b2 = sides.w2/sides.sum;
   CVERT_OF(QuadPosition) position;
   position.a = choose(isSecond,b1+b2,b1);
@@ -401,21 +398,21 @@ CVERT_REAL CVERT_INLINE CVERT_OF(QuadPosition) positionInQuad (CVERT_OF(Triangle
   return position;
 }
 
-/*! Clamps to 0 to 1. NaN of slivers becomes 1/2: the middle of the diagonal belongs to both triangles. */
+/*! Clamps to 0 to 1. NaN of slivers becomes 1/2: the diagonal's middle belongs to both triangles. */
 CVERT_REAL CVERT_INLINE Real clampParameter (Real x) {
   return choose(x >= Real(0.0f),lesser(x,Real(1.0f)),choose(x < Real(0.0f),Real(0.0f),Real(0.5f)));
 }
 
-/*! Parameter of the face at position a of quad x of `quads` along the patch. corner: of the patch, in halves. */
+/*! At position a of quad x of `quads` along the patch. corner: of the patch, in halves. */
 CVERT_REAL CVERT_INLINE Real faceParameterOfQuad (uint32_t corner, Real x, Real a, uint32_t quads) {
   return Real(0.5f*float(corner)) + greater((x + clampParameter(a))/Real(float(quads)),Real(0.0f));
 }
 
-/* Position in the patch of the first quad of the group in a lane. */
+/* In the patch, of the group in a lane. */
 CBVH_FUNCTION uint32_t firstQuadX (uint32_t region, uint32_t lane) { return vertX(region) + groupQuads*(lane & 3u); }
 CBVH_FUNCTION uint32_t firstQuadY (uint32_t region, uint32_t lane) { return vertY(region) + groupQuads*(lane >> 2); }
 
-/*! True if an edge has a lower rate than the patch has quads. Requires a block with edges. */
+/*! An edge has a lower rate than the patch has quads. Requires a block with edges. */
 CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -423,7 +420,7 @@ CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
     || vertRate(edges,3) != quadsY;
 }
 
-/*! True if a quad is at such an edge, where its parameters are interpolated from those of its vertices. */
+/*! There, parameters are interpolated from those of the vertices. */
 CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
@@ -433,8 +430,8 @@ CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t
 
 struct FaceParameters { float u, v; };
 
-/*! Parameters at position (a,b) of a quad that isAtLowerEdge: barycentric interpolation of the parameters of vertices,
- *  which Embree stitches there. */
+/*! At position (a,b) of a quad that isAtLowerEdge: barycentric interpolation of the parameters of vertices, which
+ *  Embree stitches there. */
 CBVH_FUNCTION FaceParameters parametersAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y,
                                                      bool isSecond, float a, float b)
 {

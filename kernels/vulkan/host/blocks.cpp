@@ -18,14 +18,14 @@ using namespace cbvh;
 
 namespace {
 
-constexpr size_t readPast = 16;               // readable bytes after a block, which shaders read in whole words
-constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size do not share buffers
+constexpr size_t readPast = 16;               // bytes after a block; shaders read whole words
+constexpr size_t ownBufferBytes = 1 << 20;    // surfaces of at least this size have buffers of their own
 
 bool isVert(const FlatBlock& block) {
   return block.type == blockReference(kindVert) || block.type == movingBlockReference;
 }
 
-/* True if shaders may read beyond the end of the block. */
+/* Shaders may read beyond the block's end. */
 bool isReadInWords(const FlatBlock& block) { return isVert(block) || block.type == meshBlockReference; }
 
 void requireValid(const FlatBlock& block)
@@ -47,7 +47,7 @@ void requireValid(const FlatBlock& block)
     throw VulkanError(RTC_ERROR_INVALID_OPERATION, "a block of the scene is not valid: " + reason.message());
 }
 
-/* The bytes of a block to upload. Grids are uploaded without their trees, which are part of the scene's tree. */
+/* The bytes to upload. Grids are uploaded without their trees, which are part of the scene's tree. */
 struct Source
 {
   uint32_t header[gridDataWord];
@@ -76,7 +76,7 @@ size_t bytesOf(const std::vector<PlacedBlock*>& blocks)
   return bytes;
 }
 
-/* Uploads blocks one after another to buffers for `expected` bytes in total. */
+/* Uploads blocks to consecutive buffers for `expected` bytes in total. */
 class BlockWriter
 {
 public:
@@ -112,7 +112,7 @@ private:
   size_t rest, used = 0, end = 0;
 };
 
-/* Uploads each block once, even if the scene contains the surface both directly and in an instanced scene. */
+/* Uploads each block once, even if the scene contains the surface directly and in an instanced scene. */
 std::shared_ptr<const UploadedSurface> writeSurface(BlockWriter& writer, const std::vector<PlacedBlock*>& blocks)
 {
   const auto surface = std::make_shared<UploadedSurface>();
@@ -221,7 +221,7 @@ BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBl
   BlockWriter writer(device, uploader, smallBytes);
   for (const auto& build : small) surfaces[build.first] = writeSurface(writer, build.second);
 
-  uploader.flush(); // other scenes may use the surfaces as soon as they are added
+  uploader.flush(); // other scenes may use surfaces as soon as they are added
   for (const auto& surface : surfaces) {
     device.uploads.add(surface.first, surface.second);
     out.surfaces.push_back(surface.second);

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Blocks in device memory. Scenes share the uploaded blocks of a compressed surface until it is built anew. Other
- * blocks belong to the scene that uploads them. */
+/* Blocks in device memory. Scenes share the uploaded blocks of a compressed surface until it is rebuilt. Other blocks
+ * belong to the scene that uploads them. */
 
 #include "memory.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -14,11 +14,11 @@ namespace embree { namespace vulkan {
 struct PlacedBlock
 {
   const cbvh::FlatBlock* block;
-  uint64_t build;                // FlatGeometry::build of its surface; 0 if scenes do not share it
+  uint64_t build;                // FlatGeometry::build; 0 if scenes do not share the surface
   VkDeviceAddress address = 0;
 };
 
-/* The uploaded blocks of one build of a surface. */
+/* One build of a surface. */
 struct UploadedSurface
 {
   struct Place { const void* data; VkDeviceAddress address; };
@@ -26,7 +26,7 @@ struct UploadedSurface
   std::vector<std::shared_ptr<Buffer>> buffers;   // shared between small surfaces
   std::vector<Place> places;                      // sorted by host address
 
-  /* Returns the device address of a block, or 0 if the surface does not contain it. */
+  /* Device address of a block, or 0 if the surface does not contain it. */
   VkDeviceAddress addressOf(const void* data) const;
 };
 
@@ -40,13 +40,13 @@ struct BlockBuffers
   size_t bytes() const;   // counts shared buffers once
 };
 
-/* Both functions set the addresses. They validate each block that is new to the device and throw VulkanError if it is
- * damaged, because shaders read at offsets from the block without checks. */
+/* Both functions set the addresses. They validate each block that is new to the device, and throw VulkanError if it is
+ * damaged, because shaders do not check offsets. */
 
-/* Imports the host memory of the blocks, without a copy. */
+/* Imports host memory without a copy. */
 BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks);
 
-/* Uploads the blocks that are not on the device yet. */
+/* Uploads blocks that are not on the device yet. */
 BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks);
 
 }} // namespace embree::vulkan

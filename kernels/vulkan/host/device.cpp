@@ -18,7 +18,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* SPIR-V as glslc writes it. The Float32 variants are for devices without shaderFloat64. */
+/* SPIR-V of glslc. The Float32 variants are for devices without shaderFloat64. */
 const uint32_t closestHit[] =
 #include "trace_closest.inc"
 ;
@@ -153,7 +153,7 @@ void Device::open()
 
 Device::~Device()
 {
-  try { writeCache(); } catch (const std::exception&) {} // out of memory: the cache is not needed
+  try { writeCache(); } catch (const std::exception&) {} // out of memory: the cache is optional
   destroy();
   if (embree) rtcReleaseDevice(embree);
 }
@@ -219,7 +219,7 @@ bool Device::isDone(const Submission& submission) const
 }
 
 /* A wait may fail because the host is out of memory, while the device still uses the fence, the commands and the
- * caller's buffers. Therefore this function retries until the device is done or lost. */
+ * caller's buffers. This function therefore retries until the device is done or lost. */
 void Device::recycle(const Submission& submission)
 {
   auto hasEnded = [](VkResult result) { return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST; };
@@ -290,7 +290,7 @@ VkPipeline Device::compile(const uint32_t* words, size_t bytes, const VkSpeciali
   return pipeline;
 }
 
-/* Returns the file that keeps compiled pipelines between runs, or "" if there is no cache folder. */
+/* File that keeps compiled pipelines between runs, or "" without a cache folder. */
 std::string Device::cachePath() const
 {
   const char* folder = std::getenv("XDG_CACHE_HOME");
@@ -303,7 +303,7 @@ std::string Device::cachePath() const
   return path + "/vulkan-" + id;
 }
 
-/* FNV-1a. Drivers may crash on a truncated or damaged cache. */
+/* FNV-1a. Drivers may crash on truncated or damaged caches. */
 uint64_t Device::checksum(const std::vector<char>& data)
 {
   uint64_t sum = 0xcbf29ce484222325;
@@ -316,7 +316,7 @@ void Device::readCache()
   std::vector<char> data;
   const std::string path = cachePath();
   struct stat status;
-  if (!path.empty() && stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode)) { // a pipe would block
+  if (!path.empty() && stat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode)) { // opening a pipe would block
     std::ifstream file(path, std::ios::binary);
     uint64_t sum = 0;
     if (file.read(reinterpret_cast<char*>(&sum), sizeof(sum)))
@@ -348,7 +348,7 @@ void Device::writeCache() const
     const int error = cvert::writeAll(file.descriptor(), &sum, sizeof(sum));
     if (!error && cvert::writeAll(file.descriptor(), data.data(), bytes) == 0) file.commit();
   }
-  catch (const std::exception&) {} // the next run compiles again
+  catch (const std::exception&) {} // then the next run compiles again
 }
 
 }} // namespace embree::vulkan

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* An open Vulkan device with its queue, command pool and pipelines. */
+/* An open Vulkan device with queue, command pool and pipelines. */
 
 #include "opening.h"
 #include "structures.h"
@@ -19,7 +19,7 @@ namespace embree { namespace vulkan {
 
 enum Query { CLOSEST_HIT, ANY_HIT };
 
-/* Reference-counted base class. The count starts at 1. */
+/* Reference-counted, from 1. */
 class Shared
 {
 public:
@@ -46,7 +46,7 @@ private:
   T& object;
 };
 
-/* Several threads may call member functions. */
+/* Threads may call member functions concurrently. */
 class Device : public Shared
 {
 public:
@@ -64,15 +64,15 @@ public:
   void wait(const Submission& submission) const;
   bool isDone(const Submission& submission) const;
 
-  /* Frees a submission. First waits until it is done or the device is lost. */
+  /* Frees a submission, after it is done or the device is lost. */
   void recycle(const Submission& submission);
 
-  /* Returns the pipeline that traces scenes with the given kinds of leaves, compiling it on the first call. byQuery:
-   * use ray queries instead of a stack of stackSize entries. */
+  /* Pipeline for scenes with these kinds of leaves, compiled on the first call. byQuery: ray queries instead of a stack
+   * of stackSize entries. */
   VkPipeline pipeline(Query query, bool byQuery, uint32_t kinds, uint32_t stackSize);
   VkPipelineLayout pipelineLayout() const { return layout; }
 
-  /* Returns the four pipelines of ray_order.comp, compiling them on the first call. */
+  /* The four pipelines of ray_order.comp, compiled on the first call. */
   const VkPipeline* makeOrderPipelines();
 
   const RTCDevice embree;         // receives errors; retained, may be NULL
@@ -93,17 +93,17 @@ private:
   std::string cachePath() const;
   static uint64_t checksum(const std::vector<char>& data);
 
-  std::unique_ptr<Machine> machine;  // NULL if the application passed its own handles
-  std::mutex mutex;                  // guards the queue, the command pool and the pipelines
+  std::unique_ptr<Machine> machine;  // NULL if the application passed handles
+  std::mutex mutex;                  // protects queue, command pool and pipelines
   VkCommandPool pool = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache cache = VK_NULL_HANDLE;
-  size_t cacheBytes = 0;             // when it was read
+  size_t cacheBytes = 0;             // size of the cache when it was read
   std::map<std::tuple<Query, bool, uint32_t, uint32_t>, VkPipeline> pipelines;
   VkPipeline orderPipelines[4] = {};
 };
 
-/* Push constants of trace.comp. order is 0 if rays are not sorted. */
+/* Push constants of trace.comp. order: 0 if rays are not sorted. */
 struct TraceArguments
 {
   VkDeviceAddress scene, rays, order;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Constructors and functions of host/ throw VulkanError. rtcore_vulkan.cpp passes it to the RTCDevice. */
+/* Functions of host/ throw VulkanError, which rtcore_vulkan.cpp passes to the RTCDevice. */
 
 #include <embree3/rtcore.h>
 

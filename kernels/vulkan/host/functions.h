@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* Vulkan's functions, loaded per instance and per device: an application may have several of each, and its own
- * loader. */
+/* Vulkan's functions, loaded per instance and device: an application may have several of each, and its own loader. */
 
 #include "error.h"
 
@@ -30,7 +29,7 @@ namespace embree { namespace vulkan {
   F(CreateQueryPool) F(DestroyQueryPool) F(GetQueryPoolResults) \
   F(CreateFence) F(DestroyFence) F(WaitForFences) F(GetFenceStatus)
 
-/* NULL unless VK_KHR_acceleration_structure is enabled. */
+/* NULL without VK_KHR_acceleration_structure. */
 #define CBVH_STRUCTURE_FUNCTIONS(F) \
   F(CreateAccelerationStructureKHR) F(DestroyAccelerationStructureKHR) F(GetAccelerationStructureBuildSizesKHR) \
   F(GetAccelerationStructureDeviceAddressKHR) F(CmdBuildAccelerationStructuresKHR)
@@ -43,7 +42,7 @@ struct InstanceFunctions
 
   InstanceFunctions() = default;
 
-  /* Throws VulkanError with the name of a missing function. */
+  /* Throws VulkanError naming a missing function. */
   InstanceFunctions(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance)
   {
 #define CBVH_LOAD(NAME) \
@@ -65,7 +64,7 @@ struct DeviceFunctions
 {
   CBVH_DEVICE_FUNCTIONS(CBVH_DECLARE)
   CBVH_STRUCTURE_FUNCTIONS(CBVH_DECLARE)
-  /* NULL unless VK_EXT_external_memory_host is enabled */
+  /* NULL without VK_EXT_external_memory_host */
   PFN_vkGetMemoryHostPointerPropertiesEXT GetMemoryHostPointerPropertiesEXT = nullptr;
 
   DeviceFunctions() = default;
@@ -88,7 +87,7 @@ struct DeviceFunctions
 
 #undef CBVH_DECLARE
 
-/* Throws VulkanError if `result` is an error. doing: the failing action for the message, "creating a fence". */
+/* Throws VulkanError if `result` is an error. doing: the action, for the message: "creating a fence". */
 void check(VkResult result, const std::string& doing);
 
 }} // namespace embree::vulkan

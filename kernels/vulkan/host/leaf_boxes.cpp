@@ -32,7 +32,7 @@ Bounds boundsOfChild(const FlatNode& node, int child)
   return out;
 }
 
-/* Returns bounds over the time interval of the child. Its ends suffice, because planes move linearly. */
+/* Bounds over the child's time interval. Its ends suffice, because planes move linearly. */
 Bounds boundsOfChild(const FlatMovingNode& node, int child)
 {
   Bounds out = Bounds::empty();
@@ -51,7 +51,7 @@ class Leaves
 public:
   explicit Leaves(const Tree& tree) : tree(tree) {}
 
-  /* Returns each leaf once, sorted by reference. The tree may contain a moving leaf once per time interval. */
+  /* Each leaf once, sorted by reference. The tree may contain a moving leaf once per time interval. */
   std::vector<std::pair<uint32_t, Bounds>> joined()
   {
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -80,7 +80,7 @@ private:
   std::vector<std::pair<uint32_t, Bounds>> found;
 };
 
-/* Moves bit i to bit 3i, for 21 bits. */
+/* Bit i to bit 3i, for 21 bits. */
 uint64_t spread(uint64_t x)
 {
   x &= 0x1FFFFF;
@@ -91,9 +91,9 @@ uint64_t spread(uint64_t x)
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/* Bound of a driver's rounding errors. It computes (plane - origin)/direction in floats with three roundings, so that a
- * plane at distance D is off by D 2^-22 at most. 2^-17 of the largest coordinate suffices for rays that start 20 times
- * as far away, with a margin for transforming the ray. */
+/* Bound of a driver's rounding errors. (plane - origin)/direction in floats has three roundings, so a plane at distance
+ * D is off by at most D 2^-22. 2^-17 of the largest coordinate suffices for rays that start 20 times as far away, with
+ * a margin for transforming the ray. */
 float widthOfErrors(const Bounds& all)
 {
   float largest = 0;
@@ -108,7 +108,7 @@ Bounds boundsOf(const std::vector<LeafBox>& boxes)
   return all;
 }
 
-/* Ties are broken by reference, so that the order is deterministic. */
+/* Ties are ordered by reference, for determinism. */
 void sortByMorton(std::vector<LeafBox>& boxes, const Bounds& all)
 {
   std::vector<std::pair<uint64_t, LeafBox>> order;

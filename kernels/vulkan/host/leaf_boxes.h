@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Boxes of the leaves of a tree, per geometry: the input of bottom-level acceleration structures. */
+/* Boxes of a tree's leaves, per geometry: input of bottom-level acceleration structures. */
 
 #include "structures.h"
 #include "tree.h"
@@ -17,16 +17,16 @@ using cbvh::LeafBox;
 
 struct LeafBoxes
 {
-  uint32_t geomID;              // all bits set for triangle meshes, because their leaves mix geometries
+  uint32_t geomID;              // all bits set for triangle meshes, whose leaves mix geometries
   std::vector<LeafBox> boxes;   // in Morton order
 
-  /* Returns the boxes after `place`, enlarged by the rounding errors of drivers. */
+  /* The boxes after `place`, enlarged by rounding errors of drivers. */
   std::vector<VkAabbPositionsKHR> forDriver(const std::function<Bounds(const Bounds&)>& place) const;
 };
 
 BoxesKey keyOf(const std::vector<VkAabbPositionsKHR>& boxes);
 
-/* Returns the leaves below a subtree, each once, without instances. geomIDOf: geomID of a reference. */
+/* Leaves below a subtree, each once, without instances. geomIDOf: geomID of a reference. */
 std::vector<LeafBoxes> leafBoxesOf(const Tree& tree, const Subtree& subtree,
                                    const std::function<uint32_t(uint32_t)>& geomIDOf);
 

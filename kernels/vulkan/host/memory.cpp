@@ -10,7 +10,7 @@
 namespace embree { namespace vulkan {
 namespace {
 
-/* Returns the allowed memory type with all needed and most liked flags. Throws VulkanError if there is none. */
+/* The allowed memory type with all needed and most liked flags. Throws VulkanError if there is none. */
 uint32_t chooseType(const Capabilities& capabilities, uint32_t allowed, VkMemoryPropertyFlags needed,
                     VkMemoryPropertyFlags liked, const char* what)
 {
@@ -194,7 +194,7 @@ Slice Arena::take(size_t bytes, const char* what)
   bytes = (bytes + 15) & ~size_t(15);
   if (bytes > largest/64) return {&add(bytes, what), 0};
   if (shared == ~size_t(0) || used + bytes > buffers[shared]->bytes) {
-    /* sizes double, so that small scenes need little memory and large scenes few buffers */
+    /* sizes double: small scenes need little memory, large scenes few buffers */
     const size_t size = shared == ~size_t(0) ? size_t(1) << 14 : 2*buffers[shared]->bytes;
     add(std::max(bytes, std::min(size, largest)), what);
     shared = buffers.size() - 1;

@@ -11,20 +11,20 @@
 
 namespace embree { namespace vulkan {
 
-/* A buffer and its memory allocation. */
+/* A buffer with its own memory. */
 class Buffer
 {
 public:
   enum Kind
   {
-    OnDevice,  // device-local; also mapped if the host can see it
+    OnDevice,  // device-local; also mapped if host-visible
     Staging
   };
 
-  /* what: contents of the buffer, for messages. */
+  /* what: contents, for messages. */
   Buffer(Device& device, size_t bytes, Kind kind, const char* what);
 
-  /* Imports host memory. begin and bytes must be multiples of the device's importAlignment. */
+  /* Imports host memory. begin and bytes must be multiples of importAlignment. */
   Buffer(Device& device, void* begin, size_t bytes);
 
   ~Buffer();
@@ -34,7 +34,7 @@ public:
   VkBuffer handle = VK_NULL_HANDLE;
   VkDeviceAddress address = 0;
   const size_t bytes;
-  char* mapped = nullptr;   // NULL if the memory is not host-visible
+  char* mapped = nullptr;   // NULL if not host-visible
 
 private:
   void create(const void* next, const char* what);
@@ -53,7 +53,7 @@ struct Slice
   VkDeviceAddress address() const { return buffer->address + offset; }
 };
 
-/* Writes to buffers: directly if they are mapped, otherwise through a staging buffer. */
+/* Writes to mapped buffers directly, otherwise through a staging buffer. */
 class Uploader
 {
 public:
@@ -64,7 +64,7 @@ public:
   /* Completes the writes and waits for the device. */
   void flush();
 
-  size_t written = 0;   // total bytes
+  size_t written = 0;
 
 private:
   Device& device;
@@ -74,13 +74,13 @@ private:
   std::vector<Copy> copies;
 };
 
-/* Allocates slices of shared buffers, aligned to 16 bytes. Large slices get their own buffer. */
+/* Slices of shared buffers, aligned to 16 bytes. Large slices get their own buffer. */
 class Arena
 {
 public:
   explicit Arena(Device& device) : device(device) {}
 
-  /* what: contents of the slice, for messages. */
+  /* what: contents, for messages. */
   Slice take(size_t bytes, const char* what);
 
   size_t bytes() const;
@@ -90,8 +90,8 @@ private:
 
   Device& device;
   std::vector<std::unique_ptr<Buffer>> buffers;
-  size_t used = 0;              // bytes of the current shared buffer
-  size_t shared = ~size_t(0);   // index of the current shared buffer, or all bits set
+  size_t used = 0;              // bytes used of the current shared buffer
+  size_t shared = ~size_t(0);   // index of that buffer, or all bits set
 };
 
 }} // namespace embree::vulkan

@@ -208,7 +208,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
   out.scratchAlignment
     = std::max(out.scratchAlignment, size_t(structures.minAccelerationStructureScratchOffsetAlignment));
   out.maxBoxes = structures.maxPrimitiveCount;
-  out.maxInstances = std::min(uint64_t(structures.maxInstanceCount), uint64_t(1) << 24); // bits of a custom index
+  out.maxInstances = std::min(uint64_t(structures.maxInstanceCount), uint64_t(1) << 24); // a custom index has 24 bits
   out.info.hasFloat64 = features.features.shaderFloat64;
   std::string missing;
   if (!f12.bufferDeviceAddress) missing = "it has no bufferDeviceAddress";

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Opens Vulkan: loads the loader, creates an instance, chooses a physical device and queries its features. */
+/* Opens Vulkan: loader, instance, physical device and its features. */
 
 #include "functions.h"
 #include <embree3/rtcore_vulkan.h>
@@ -33,28 +33,28 @@ private:
   void* loader = nullptr;
 };
 
-/* The properties of a physical device that this library uses. */
+/* Properties of a physical device. */
 struct Capabilities
 {
   RTCVulkanDeviceInfo info;
-  bool hasHostImport = false;       // VK_EXT_external_memory_host
-  size_t scratchAlignment = 256;    // alignment of the scratch memory that builds of acceleration structures need
+  bool hasHostImport = false;       // the device has VK_EXT_external_memory_host
+  size_t scratchAlignment = 256;    // of scratch memory for builds of acceleration structures
   uint64_t maxBoxes = 0, maxInstances = 0;
   uint32_t computeFamily = ~0u;
   VkPhysicalDeviceProperties properties;
   VkPhysicalDeviceMemoryProperties memory;
-  size_t maxAllocation = 0;         // bytes
+  size_t maxAllocation = 0;         // in bytes
   size_t importAlignment = 4096;
-  uint32_t timestampBits = 0;       // valid bits of timestamps of the compute family; 0 if it has no timestamps
+  uint32_t timestampBits = 0;       // valid bits of the compute family's timestamps; 0 without timestamps
   uint8_t cacheID[VK_UUID_SIZE];
 };
 
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
-/* Returns the device that `which` selects, see rtcNewVulkanDevice. */
+/* `which`: see rtcNewVulkanDevice. */
 VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which);
 
-/* Creates a device with one compute queue and the features that tracing needs. */
+/* With one compute queue and the features that tracing needs. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);
 
 }} // namespace embree::vulkan

@@ -47,7 +47,7 @@ void QueryStructuresBuilder::addInstance(size_t level, const float* transform, c
   instance.transform = matrixOf(transform);
   instance.instanceCustomIndex = uint32_t(places.size());
   instance.mask = 0xFF;
-  instance.accelerationStructureReference = level;   // build() replaces the number by an address
+  instance.accelerationStructureReference = level;   // a number, which build() replaces by an address
   instances.push_back(instance);
   places.push_back(place);
 }
@@ -57,7 +57,7 @@ void QueryStructuresBuilder::build(Arena& arena, QueryStructures& out, RTCVulkan
   uploader.flush();
   const BuildCounts counts = buildBottomLevels(device, wanted);
   input.reset();
-  std::map<const Structure*, size_t> bytes;   // counts a shared structure once
+  std::map<const Structure*, size_t> bytes;   // counts shared structures once
   for (size_t i = 0; i < wanted.size(); i++) {
     const Structure& structure = *wanted[i].level->structure;
     out.levels[froms[i]] = wanted[i].level;

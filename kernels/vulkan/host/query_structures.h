@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The acceleration structures of a scene for ray queries: bottom levels of boxes, and a top level of instances. */
+/* A scene's acceleration structures for ray queries: bottom levels of boxes, and a top level of instances. */
 
 #include "leaf_boxes.h"
 #include "memory.h"
@@ -17,8 +17,7 @@ using cbvh::PlacedBoxes;
 
 struct QueryStructures
 {
-  /* Origin of a bottom level: number of the instanced scene (0: the scene itself), geomID there, and the ID of the
-   * instance if that moves. */
+  /* Origin of a bottom level: instanced scene (0: the scene itself), geomID there, and ID of a moving instance. */
   typedef std::tuple<size_t, uint32_t, uint32_t> Place;
   std::map<Place, std::shared_ptr<const BottomLevel>> levels;
   std::vector<VkAccelerationStructureInstanceKHR> instances;
@@ -29,21 +28,21 @@ struct QueryStructures
 class QueryStructuresBuilder
 {
 public:
-  /* previous: structures of the scene before an edit, whose bottom levels are updated if possible; or NULL. */
+  /* previous: the scene's structures before an edit, whose bottom levels are updated if possible, or NULL. */
   QueryStructuresBuilder(Device& device, Uploader& uploader, const QueryStructures* previous)
     : device(device), uploader(uploader), previous(previous), input(new Arena(device)) {}
 
-  /* Adds a bottom level over boxes after `place`. Returns its number. */
+  /* Returns the number of the bottom level over boxes after `place`. */
   size_t addLevel(const LeafBoxes& boxes, const QueryStructures::Place& from,
                   const std::function<Bounds(const Bounds&)>& place);
 
   /* transform: level to world, a 3x4 matrix column by column. */
   void addInstance(size_t level, const float* transform, const PlacedBoxes& place);
 
-  /* Returns one entry per instance, in the order of addInstance. */
+  /* One per instance, in the order of addInstance. */
   const std::vector<PlacedBoxes>& placedBoxes() const { return places; }
 
-  /* Writes the statistics of boxes and structures. arena: allocates the array of instances. */
+  /* Sets the statistics of boxes and structures. arena: for the array of instances. */
   void build(Arena& arena, QueryStructures& out, RTCVulkanSceneStatistics& statistics);
 
 private:

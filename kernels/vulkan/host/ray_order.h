@@ -3,23 +3,23 @@
 
 #pragma once
 
-/* Sorts the indices of rays on the device, so that neighboring threads visit the same blocks. */
+/* Sorts ray indices on the device, so that neighboring threads visit the same blocks. */
 
 #include "scene.h"
 
 namespace embree { namespace vulkan {
 
-/* Returns the bytes of scratch memory for `count` rays. Throws VulkanError if there are too many. */
+/* Scratch memory for `count` rays. Throws VulkanError for too many. */
 size_t rayOrderBytes(size_t count);
 
 struct RaysToOrder
 {
   VkDeviceAddress rays;
   size_t rayBytes, count;
-  VkDeviceAddress scratch;   // rayOrderBytes(count), aligned to 16 bytes
+  VkDeviceAddress scratch;   // of rayOrderBytes(count), aligned to 16
 };
 
-/* Records the sort and a barrier after its last write. The sorted pairs (key, index) are at the beginning of scratch.
+/* Records the sort and a barrier after its last write. Sorted pairs (key, index) are at the beginning of scratch.
  * pipelines: from Device::makeOrderPipelines. Throws before it records anything. */
 void recordRayOrder(const Scene& scene, const VkPipeline* pipelines, VkCommandBuffer commands, const RaysToOrder& rays);
 

@@ -21,7 +21,7 @@ void embree::core::invalidArgument(const std::string& text) { throw VulkanError(
 
 namespace {
 
-/* Returns false if the closure threw. Reports the error to the device. RTC_ERROR_NONE: already reported. */
+/* Reports an exception of the closure to the device, and returns false. RTC_ERROR_NONE: already reported. */
 template<typename Closure>
 bool guarded(RTCDevice device, const Closure& closure)
 {
@@ -50,7 +50,7 @@ void write(T* to, const T& from, const char* name)
   core::writeStruct(to, from);
 }
 
-/* An array of the application, whose elements have the size with which the application was compiled. */
+/* An application's array, with elements of the application's size. */
 class DeviceInfos
 {
 public:
@@ -132,7 +132,7 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
     const Machine machine;
     const std::vector<VkPhysicalDevice> devices = machine.devices();
     const size_t numWritten = infos ? std::min(size_t(capacity), devices.size()) : 0;
-    for (size_t i = 0; i < numWritten; i++) written.at(i); // checks all sizes before anything is written
+    for (size_t i = 0; i < numWritten; i++) written.at(i); // checks all sizes before writing
     for (size_t i = 0; i < numWritten; i++)
       core::writeStruct(written.at(i), capabilitiesOf(machine.vk, devices[i]).info);
     count = (unsigned int)devices.size();

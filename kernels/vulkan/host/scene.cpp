@@ -32,7 +32,7 @@ std::string nameOf(const Part& part, const Part& top, size_t geomID)
   return "geometry " + std::to_string(geomID) + (&part == &top ? "" : " of an instanced scene");
 }
 
-/* True if Embree accepts the vertex. The areas of boxes with larger coordinates would overflow. */
+/* Embree accepts the vertex. Areas of boxes with larger coordinates would overflow. */
 bool isVertexInRange(const float* p)
 {
   for (int k = 0; k < 3; k++)
@@ -40,8 +40,8 @@ bool isVertexInRange(const float* p)
   return true;
 }
 
-/* Returns bounds of the box in world space at all times. It is enough to transform the corners at each time step,
- * because they move linearly in between. */
+/* World bounds of a box at all times. Corners move linearly between time steps, so transforming them at each step
+ * suffices. */
 Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float* upper)
 {
   Bounds out = Bounds::empty();
@@ -55,7 +55,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
       }
       out.extend(p);
     }
-  /* more than the rounding errors of this transform and of the inverse one, which transforms rays */
+  /* above the rounding errors of this transform and of the inverse one, which transforms rays */
   for (int k = 0; k < 3; k++) {
     const float slack = 1e-5f*std::max({std::fabs(out.lower[k]), std::fabs(out.upper[k]), out.upper[k] - out.lower[k]});
     out.lower[k] -= slack;
@@ -64,7 +64,7 @@ Bounds worldBounds(const FlatGeometry& instance, const float* lower, const float
   return out;
 }
 
-/* True if the driver can invert the transform of the instance. */
+/* The driver can invert the instance's transform. */
 bool isInvertible(const FlatGeometry& instance)
 {
   return std::all_of(instance.worldToLocal, instance.worldToLocal + 12, [](float x) { return std::isfinite(x); });
@@ -72,7 +72,6 @@ bool isInvertible(const FlatGeometry& instance)
 
 } // namespace
 
-/* Builds a Scene in its constructor. */
 class SceneUpload
 {
 public:
@@ -232,14 +231,14 @@ private:
         valid = isVertexInRange(p);
         item.bounds.extend(p);
       }
-      if (valid) items.push_back(item);   // Embree also skips invalid triangles
+      if (valid) items.push_back(item);   // as Embree, skips invalid triangles
     }
   }
 
-  /* Indices of the first elements of a part in the scene's arrays. */
+  /* First elements of a part in the scene's arrays. */
   struct PartOffsets { size_t node, movingNode, cell; };
 
-  /* Appends the nodes and cells of part p to the scene's arrays and renumbers their references. */
+  /* Appends nodes and cells of part p to the scene's arrays, and renumbers their references. */
   void copyNodes(const FlatScene& flat, size_t p)
   {
     offsets.resize(parts.size());
@@ -262,7 +261,7 @@ private:
     out.statistics.numBlocks += flat.numBlocks;
   }
 
-  /* Converts a reference of part p to one of the scene. Adds its type to the scene's kinds. */
+  /* Converts a reference of part p to one of the scene, and adds its type to the scene's kinds. */
   uint32_t renumbered(uint32_t reference, size_t p)
   {
     if (reference == emptyReference) return reference;
@@ -276,7 +275,7 @@ private:
 
   /* --- writing --- */
 
-  /* Appends the triangles to the cells, because both share an array, and adjusts the references to triangles. */
+  /* Triangles and cells share an array. Adjusts references to triangles. */
   void appendTriangles()
   {
     if (tree.triangles.empty()) return;
@@ -307,7 +306,7 @@ private:
     data.isRobust = part.flat->isRobust;
     if (geometry.type == FLAT_TRIANGLES && geometry.numTriangles)
     {
-      /* the padding after the last element may not be readable */
+      /* padding after the last element may be unreadable */
       const size_t vertices = geometry.numVertices ? (geometry.numVertices - 1)*geometry.vertexStride + 12 : 0;
       const size_t indices = (geometry.numTriangles - 1)*geometry.indexStride + 12;
       data.vertices = writeArray(geometry.vertices, vertices, "vertices of a triangle mesh").address();
@@ -345,11 +344,11 @@ private:
   {
     LeafBoxes boxes;
     VkDeviceAddress address;
-    size_t level;   // bottom level, in the space of the instanced scene
+    size_t level;   // bottom level, in the instanced scene's space
   };
 
-  /* Adds the bottom levels and instances of all parts. A moving instance gets its own bottom levels, whose boxes bound
-   * it at all times. */
+  /* Adds bottom levels and instances of all parts. A moving instance gets its own bottom levels, with boxes for all
+   * times. */
   void placeBoxes(QueryStructuresBuilder& builder)
   {
     const float identity[12] = {1,0,0, 0,1,0, 0,0,1, 0,0,0};
@@ -394,7 +393,7 @@ private:
         geometries.push_back(describe(parts[p], parts[p].flat->geometries[i]));
       if (p > 0) instancedDepth = std::max(instancedDepth, parts[p].tree.depth);
     }
-    /* traversal pushes up to three children per node on the path from the root */
+    /* traversal pushes up to three children per node from the root down */
     const uint32_t depth = parts[0].tree.depth + instancedDepth;
     out.statistics.stackSize = (3*depth + 2 + 31) & ~31u;
 
@@ -442,10 +441,10 @@ private:
   const SceneOptions options;
   const RTCVulkanMemory memory;
   Uploader uploader;
-  std::vector<Part> parts;            // begins with the traced scene
-  std::map<RTCScene, size_t> partOf;  // index in parts
+  std::vector<Part> parts;            // first is the traced scene
+  std::map<RTCScene, size_t> partOf;  // index of a scene in parts
   uint32_t numGeometries = 0;
-  std::vector<uint32_t> firstBlock;   // index in blocks, per part
+  std::vector<uint32_t> firstBlock;   // index of the first block of each part in blocks
   std::vector<BlockData> blocks;
   Tree tree;
   std::vector<std::array<uint32_t, 2>> cells;
@@ -460,7 +459,7 @@ Scene::Scene(Device& device, RTCScene scene, const SceneOptions& options)
 
 Scene::~Scene()
 {
-  blocks = BlockBuffers();   // released first, because they may import memory of `source`
+  blocks = BlockBuffers();   // first, because they may import memory of `source`
   if (source) rtcReleaseScene(source);
 }
 

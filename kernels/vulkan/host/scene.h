@@ -22,21 +22,21 @@ struct SceneOptions
 class Scene : public Shared
 {
 public:
-  /* Throws VulkanError with the name of the unsupported geometry or of the exceeded limit. */
+  /* Throws VulkanError naming the unsupported geometry or the exceeded limit. */
   Scene(Device& device, RTCScene scene, const SceneOptions& options);
 
   Device& device;
-  const Held<Device> held;       // declared early: the device must outlive the buffers
-  VkDeviceAddress address = 0;   // SceneData
-  uint32_t kinds = 0;            // mask of the types of references
+  const Held<Device> held;       // first: the device must outlive the buffers
+  VkDeviceAddress address = 0;   // device address of SceneData
+  uint32_t kinds = 0;            // mask of reference types
   const bool byQuery;
   RTCVulkanSceneStatistics statistics{};
 
-  /* Records the trace of `count` rays. order: result of recordRayOrder, or 0. */
+  /* Records the trace of `count` rays. order: of recordRayOrder, or 0. */
   void record(Query query, VkPipeline pipeline, VkCommandBuffer commands, VkDeviceAddress rays, size_t count,
               VkDeviceAddress order = 0) const;
 
-  std::atomic<bool> sortsRays{false};   // applies to Trace only
+  std::atomic<bool> sortsRays{false};   // used by Trace only
 
   const QueryStructures& queryStructures() const { return structures; }   // empty unless byQuery
 
@@ -44,7 +44,7 @@ private:
   ~Scene() override;
 
   friend class SceneUpload;
-  RTCScene source = nullptr;   // retained if its memory was imported, otherwise NULL
+  RTCScene source = nullptr;   // retained if its memory was imported, else NULL
   QueryStructures structures;
   Arena arena;
   BlockBuffers blocks;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* The extensible structs of rtcore_vulkan.h. This library compiles core/struct_size.cpp, because libembree3 does not
- * export it. */
+/* Extensible structs of rtcore_vulkan.h. This library compiles core/struct_size.cpp, which libembree3 does not
+ * export. */
 
 #include "kernels/cbvh/core/struct_size.h"
 

@@ -52,7 +52,7 @@ Structure::~Structure() { device.vk.DestroyAccelerationStructureKHR(device.handl
 
 namespace {
 
-constexpr size_t structureAlignment = 256;   // required by Vulkan
+constexpr size_t structureAlignment = 256;   // alignment that Vulkan requires
 
 size_t roundedUp(size_t bytes, size_t alignment) { return (bytes + alignment - 1)/alignment*alignment; }
 
@@ -101,7 +101,7 @@ void addBarrier(Device& device, VkCommandBuffer commands, VkAccessFlags from, Vk
   device.vk.CmdPipelineBarrier(commands, fromStage, toStage, 0, 1, &barrier, 0, nullptr, 0, nullptr);
 }
 
-/* Builds structures with one command, in one shared buffer. */
+/* Builds with one command, in one shared buffer. */
 void buildTogether(Device& device, Build* builds, size_t count)
 {
   const size_t alignment = device.capabilities.scratchAlignment;
@@ -138,7 +138,7 @@ void buildTogether(Device& device, Build* builds, size_t count)
 
 void buildAll(Device& device, std::vector<Build>& builds)
 {
-  /* bytes per batch, for structures and for scratch memory each */
+  /* per batch, for structures and scratch memory each */
   const size_t most = std::min(size_t(64) << 20, device.capabilities.maxAllocation);
   for (Build& build : builds) build.measure(device);
   for (size_t first = 0; first < builds.size();) {

@@ -20,11 +20,11 @@ class Buffer;
 class Device;
 class Uploader;
 
-/* An acceleration structure in a buffer that it may share with others. */
+/* In a buffer that it may share with others. */
 class Structure
 {
 public:
-  /* Creates the structure without building it. */
+  /* Does not build the structure. */
   Structure(Device& device, VkAccelerationStructureTypeKHR type, const std::shared_ptr<Buffer>& memory, size_t offset,
             size_t bytes);
   ~Structure();
@@ -55,13 +55,13 @@ struct BottomLevel
   std::shared_ptr<Structure> structure;
 };
 
-/* The bottom levels on a device, kept for reuse while a scene uses them. Thread-safe. */
+/* A device's bottom levels, kept for reuse while a scene uses them. Thread-safe. */
 class Structures
 {
 public:
-  std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // NULL if there is none
+  std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // Returns NULL if there is none.
   void add(const std::shared_ptr<const BottomLevel>& level);
-  void clean();   // removes entries of freed levels
+  void clean();   // Removes freed levels.
 
 private:
   mutable std::mutex mutex;
@@ -71,17 +71,17 @@ private:
 struct WantedLevel
 {
   BoxesKey key;
-  VkDeviceAddress boxes;                         // array of VkAabbPositionsKHR
-  std::shared_ptr<const BottomLevel> previous;   // level with the same number of boxes to update from, or NULL
-  std::shared_ptr<const BottomLevel> level;      // NULL until it is built
+  VkDeviceAddress boxes;                         // address of VkAabbPositionsKHR
+  std::shared_ptr<const BottomLevel> previous;   // to update from, with the same number of boxes, or NULL
+  std::shared_ptr<const BottomLevel> level;      // NULL until built
 };
 
-struct BuildCounts { size_t built = 0, updated = 0; }; // boxes
+struct BuildCounts { size_t built = 0, updated = 0; }; // numbers of boxes
 
-/* Updates or builds the levels that are still NULL. Boxes of equal keys are built once. */
+/* Updates or builds levels that are NULL. Boxes of equal keys are built once. */
 BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted);
 
-/* instances: array of VkAccelerationStructureInstanceKHR on the device. */
+/* instances: VkAccelerationStructureInstanceKHR on the device. */
 std::shared_ptr<Structure> buildTopLevel(Device& device, VkDeviceAddress instances, size_t count);
 
 }} // namespace embree::vulkan

@@ -48,7 +48,7 @@ Trace::Trace(Scene& scene, Query query, const void* rays, size_t count)
       info.queryCount = numStamps;
       check(device.vk.CreateQueryPool(device.handles.device, &info, nullptr, &clock), "creating a clock");
     }
-    /* compiled here because submit holds the device's mutex while it records */
+    /* not in submit, which holds the device's mutex while it records */
     const VkPipeline pipeline = device.pipeline(query, scene.byQuery, scene.kinds, scene.statistics.stackSize);
     const VkPipeline* sorting = order ? device.makeOrderPipelines() : nullptr;
     submission = device.submit([&](VkCommandBuffer commands) { record(commands, pipeline, sorting); });

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Traces rays in host memory on a device, asynchronously. */
+/* Asynchronously traces rays in host memory. */
 
 #include "scene.h"
 
@@ -20,7 +20,7 @@ public:
 
   bool isDone() const { return device.isDone(submission); }
 
-  /* Waits until the trace is done. rays, times: may be NULL. */
+  /* Waits for the trace. rays, times: may be NULL. */
   void finish(void* rays, RTCVulkanTimes* times);
 
   Device& device;
@@ -34,7 +34,7 @@ private:
   const Query query;
   const size_t count, bytes;
   std::unique_ptr<Buffer> staging, onDevice;   // staging is NULL if onDevice is mapped
-  std::unique_ptr<Buffer> order;               // NULL if rays are not sorted
+  std::unique_ptr<Buffer> order;               // NULL without sorting
   VkQueryPool clock = VK_NULL_HANDLE;
   Device::Submission submission;
 };

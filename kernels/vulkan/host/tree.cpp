@@ -63,7 +63,7 @@ void setChild(FlatNode& node, int i, uint32_t child, const Bounds& bounds)
   }
 }
 
-/* A node or a leaf of rtcBuildBVH, in Embree's memory. Pointers to children are NULL if that memory ran out. */
+/* A node or leaf of rtcBuildBVH, in Embree's memory. Children are NULL if that memory ran out. */
 struct BuildNode
 {
   bool isLeaf;
@@ -134,7 +134,7 @@ public:
 private:
   uint32_t leaf(const BuildNode* from)
   {
-    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // an instance
+    if (from->items[0][1] == RTC_INVALID_GEOMETRY_ID) { // the item is an instance
       requireReferences(size_t(from->items[0][0]) + 1, "geometries");
       return cbvh::makeReference(cbvh::instanceReference, from->items[0][0]);
     }

@@ -3,8 +3,7 @@
 
 #pragma once
 
-/* The tree of a scene. It joins libembree3's trees over blocks with trees over triangles and instances, which
- * rtcBuildBVH builds. */
+/* A scene's tree: joins libembree3's trees over blocks with trees of rtcBuildBVH over triangles and instances. */
 
 #include "error.h"
 #include "kernels/cbvh/flat/flat_scene.h"
@@ -35,14 +34,14 @@ struct Subtree
   uint32_t depth = 0;   // nodes on the longest path
 };
 
-/* A triangle, or an instance: its primID is RTC_INVALID_GEOMETRY_ID. */
+/* Instances have the primID RTC_INVALID_GEOMETRY_ID. */
 struct Item
 {
   Bounds bounds;
   uint32_t geomID, primID;
 };
 
-/* Throws VulkanError if a reference cannot represent all indices below `count`. */
+/* Throws VulkanError if references cannot represent all indices below `count`. */
 void requireReferences(size_t count, const char* what);
 
 class Tree
@@ -50,13 +49,13 @@ class Tree
 public:
   std::vector<FlatNode> nodes;
   std::vector<FlatMovingNode> movingNodes;
-  std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves refer to runs of them
+  std::vector<std::array<uint32_t, 2>> triangles;  // geomID and primID; leaves are runs of them
 
-  /* Add a tree over the items, which they clear. */
+  /* Add a tree over the items, and clear them. */
   Subtree buildTriangles(RTCDevice device, std::vector<Item>& items);
   Subtree buildInstances(RTCDevice device, std::vector<Item>& items);
 
-  /* Adds a node over up to four subtrees, without the empty ones. */
+  /* Adds a node over up to four subtrees, omitting empty ones. */
   Subtree join(const std::vector<Subtree>& subtrees);
 
   uint32_t addNode();

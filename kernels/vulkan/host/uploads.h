@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* The surfaces on a device, by their builds, kept for reuse while a scene uses them. Thread-safe. */
+/* A device's surfaces by builds, kept for reuse while a scene uses them. Thread-safe. */
 
 #include <cstdint>
 #include <map>
@@ -17,7 +17,7 @@ struct UploadedSurface;
 class Uploads
 {
 public:
-  /* Returns NULL if no scene on the device uses the surface. */
+  /* NULL if no scene on the device uses the surface. */
   std::shared_ptr<const UploadedSurface> find(uint64_t build) const
   {
     std::lock_guard<std::mutex> lock(mutex);
@@ -31,7 +31,7 @@ public:
     surfaces[build] = surface;
   }
 
-  /* Removes entries of freed surfaces. */
+  /* Removes freed surfaces. */
   void clean()
   {
     std::lock_guard<std::mutex> lock(mutex);

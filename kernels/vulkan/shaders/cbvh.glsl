@@ -61,13 +61,13 @@ bool cbvhIsNode (uint type) {
   return type == nodeReference || (cbvhHasKind(movingNodeReference) && type == movingNodeReference);
 }
 
-/* True if all framed blocks of a scene have this kind. */
+/* All framed blocks of a scene have this kind. */
 bool cbvhHasOnly (uint kind)
 {
   return (uint(CBVH_KINDS) & (framedKinds << firstBlockReference)) == (1u << blockReference(kind));
 }
 
-/* Returns a node at a time. isPresent: whether each child exists then. */
+/* isPresent: whether each child exists then. */
 CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
 {
   CbvhNode now = node.atZero;
@@ -79,12 +79,12 @@ CbvhNode cbvhNodeAt (CbvhMovingNode node, float time, out bvec4 isPresent)
   return now;
 }
 
-/* Relative error of a distance to a plane: half an ulp each for the difference and the product, and the 2.5 ulps that
+/* Relative error of a distance to a plane: half an ulp each for the difference and the product, and 2.5 ulps that
  * Vulkan allows for quotients. Embree's robust traversal uses 3 ulps, because its quotients are exact. */
 const float cbvhNodeSlack = 4.0*floatUlp;
 
-/* Returns sorted keys of the children, nearest first: the distance, with the child in the lower two bits. Missed
- * children have the key 0xFFFFFFFF. Of two at the same distance, the later one comes first, as in Embree. */
+/* Sorted keys of the children, nearest first: the distance, with the child in the lower two bits. Missed children have
+ * 0xFFFFFFFF. Of two at the same distance, the later one comes first, as in Embree. */
 uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, float tfar)
 {
   vec4 enter = vec4(ray.tnear), leave = vec4(tfar);
@@ -104,7 +104,7 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, flo
 uint cbvhChildOfKey (uint key) { return 3u - (key & 3u); }
 float cbvhEntryOfKey (uint key) { return uintBitsToFloat(key & ~3u); }
 
-/* Intersects a leaf that is not an instance. framed: see cbvhReport. */
+/* For leaves that are not instances. framed: see cbvhReport. */
 bool cbvhTraceLeaf (SceneData scene, CbvhPreparedRay ray, uint reference, const bool anyHit, inout CbvhHit hit,
                     inout vec2 framed, inout CbvhVertNearest nearest)
 {
@@ -139,8 +139,8 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   vec2 framed = vec2(-1.0);
   CbvhVertNearest nearest = cbvhNoVertNearest();
 
-  uvec2 stack[CBVH_STACK];       // reference, key
-  int top = 0, instanceTop = -1; // instanceTop: value of `top` when the ray entered an instance
+  uvec2 stack[CBVH_STACK];       // pairs of reference and key
+  int top = 0, instanceTop = -1; // instanceTop: `top` when the ray entered an instance
   uint current = scene.root;
 
   while (true)
@@ -203,7 +203,7 @@ bool cbvhTrace (uvec2 address, CbvhRay worldRay, const bool anyHit, inout CbvhHi
   return found;
 }
 
-/* Finds the closest hit. If there is none, returns false with hit.t = ray.tfar and IDs of CBVH_NONE. */
+/* Finds the closest hit. Without one, returns false with hit.t = ray.tfar and IDs of CBVH_NONE. */
 bool cbvhIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhTrace(scene, ray, false, hit); }
 
 bool cbvhOccluded (uvec2 scene, CbvhRay ray)

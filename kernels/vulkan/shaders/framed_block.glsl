@@ -3,12 +3,11 @@
 
 /* Intersects a ray with a block of cGRID, cVOXEL or cLEAF. Headers of kernels/cbvh/framed define bytes and hits.
  *
- * The traversal keeps two masks of 4 bits per level: pending children, and pending children that the ray passes over or
- * under. It does not keep boxes. Going up, it decodes a box again along the path from the root, which is faster than a
- * stack of boxes.
+ * Traversal keeps two masks of 4 bits per level: pending children, and pending children that the ray passes over or
+ * under. Going up, it decodes a box again along the path from the root, which is faster than a stack of boxes.
  *
- * Children are visited in order along the ray. Mirrored so that x and y ascend, this is 0, then 1 and 2 by entry, then
- * 3. Bit i of a mask is child i ^ flip. */
+ * Children are visited along the ray. Mirrored so that x and y ascend, the order is 0, then 1 and 2 by entry, then 3.
+ * Bit i of a mask is child i ^ flip. */
 
 #ifndef CBVH_FRAMED_BLOCK_GLSL
 #define CBVH_FRAMED_BLOCK_GLSL
@@ -23,13 +22,13 @@ struct CbvhLocalRay
   Segment segment;
   vec3 lower, upper;  // start minus and plus epsilon
   vec3 rcp;
-  uint flip;          // bit k is set if the direction descends along axis k (x, y)
-  float scale;        // 1/largest component of the direction; factor from the segment's distances to the ray's
+  uint flip;          // bit k: the direction descends along axis k (x, y)
+  float scale;        // 1/largest component of the direction; from the segment's distances to the ray's
 };
 
 struct CbvhSlabs
 {
-  vec4 enter, leave;      // boxes of children 0 to 3
+  vec4 enter, leave;      // children 0 to 3
   vec4 enterXY, leaveXY;  // their x and y planes only
   vec4 leaveZ;
 };
@@ -92,7 +91,7 @@ CbvhSlabs cbvhGroupSlabs (CbvhLocalRay ray, uint word, Heights heights, NodeBox 
 
 uint cbvhMask (bvec4 b) { return (b.x ? 1u : 0u) | (b.y ? 2u : 0u) | (b.z ? 4u : 0u) | (b.w ? 8u : 0u); }
 
-/* Moves bit i of a mask to bit i ^ flip. */
+/* Bit i to bit i ^ flip. */
 uint cbvhToOrder (uint mask, uint flip)
 {
   if ((flip & 1u) != 0u) mask = ((mask & 5u) << 1) | ((mask >> 1) & 5u);
@@ -122,7 +121,7 @@ uint cbvhNodeWord (CbvhPointer block, uint level, uint m) {
   return cbvhWord(block, CBVH_FIRST_NODE + nodesOfLevels(level) + m);
 }
 
-/* Decodes the boxes from the root to node m of a level. */
+/* Decodes boxes from the root to node m of a level. */
 NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
 {
   NodeBox box = rootBox();
@@ -133,18 +132,18 @@ NodeBox cbvhBoxOfNode (CbvhPointer block, uint level, uint m)
   return box;
 }
 
-/* A hit on the surface of a leaf, in the frame. */
+/* A hit in a leaf, in the frame. */
 struct CbvhLeafHit
 {
   float s;
   uint leaf;
   float u, v;           // position in the leaf
   float slopeX, slopeY;
-  uint from;            // side of the surface, leaf/hit_rule.h
+  uint from;            // side from which the ray comes, see leaf/hit_rule.h
 };
 
-/* Stores the hit and returns true if it is nearer than the stored one by the rule of framed/nearest_hit.h, except for
- * its order of faces. framed: `t` and `own` of that rule, for the stored hit. */
+/* Stores the hit and returns true if it is nearer by the rule of framed/nearest_hit.h, except for its order of faces.
+ * framed: `t` and `own` of that rule, for the stored hit. */
 bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocalRay local, uint numLeaves,
   CbvhLeafHit at,
                  inout CbvhHit hit, inout vec2 framed)
@@ -154,7 +153,7 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
   if (t > hit.t || (t == hit.t && hit.t == framed.x && own >= framed.y)) return false;
   framed = vec2(t, own);
   uint height = heightOf(header.info);
-  float size = float(1u << height)/float(numLeaves); // size of a leaf, in quads
+  float size = float(1u << height)/float(numLeaves); // side of a leaf, in quads
   float u = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling), height,
                           size*(float(mortonX(at.leaf)) + at.u));
   float v = faceParameter(cornerVOf(header.tiling), blockYOf(header.info), lastYOf(header.tiling), height,
@@ -173,7 +172,7 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
   return true;
 }
 
-/* Returns the segment's parameter for world distance t, rounded up. */
+/* Segment's parameter for world distance t, rounded up. */
 float cbvhShareAfter (Segment s, float t) {
   return t < s.t1 && s.t0 < s.t1 ? localFraction(s.w0, s.w1, (t - s.t0)/(s.t1 - s.t0)) + 1e-5 : 1.0;
 }
@@ -239,7 +238,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
   WorldRay world;
   for (int k = 0; k < 3; k++) { world.org[k] = ray.org[k]; world.dir[k] = ray.dir[k]*local.scale; }
   world.tnear = ray.tnear*rcpScale;
-  world.tfar = ray.tfar*rcpScale; // not hit.t, so that hits do not depend on the order of blocks
+  world.tfar = ray.tfar*rcpScale; // not hit.t, so that hits are independent of the order of blocks
   local.segment = enterBlock(header, world, 1.0);
   if (!local.segment.valid || local.segment.t0 > hit.t*rcpScale) return false;
 
@@ -317,7 +316,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
       uint before = (2u << i) - 1u;
       if (i == 1u && ((isHit | isPassed) & 4u) != 0u &&
           slabs.enter[int(2u ^ local.flip)] < slabs.enter[int(1u ^ local.flip)]) {
-        /* the ray enters child 2 before child 1 */
+        /* enters child 2 before child 1 */
         if ((events & 4u) != 0u) { i = 2u; before = 5u; }
         else before = 7u;
       }
@@ -334,7 +333,7 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         state = v.next;
         if (v.hit == hitNone) continue;
         exit_.from = v.from;
-        /* the traversal continues with this hit even if another block has a nearer one */
+        /* continues with this hit even if another block has a nearer one */
         if (cbvhReport(header, block.geomID, ray, local, layout_.leaves, exit_, hit, framed)) found = true;
         if (anyHit) return true;
         best = exit_.s;

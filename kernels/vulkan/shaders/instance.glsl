@@ -27,7 +27,7 @@ CbvhTransform cbvhInverse (CbvhTransform t)
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CbvhTransforms { CbvhTransform at[]; };
 
-/* Returns false if the instance does not exist at the time. */
+/* False if the instance does not exist then. */
 bool cbvhWorldToLocal (GeometryData instance, float time, out CbvhTransform local)
 {
   local = cbvhTransformOf(instance.worldToLocal);

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h). It decodes the boxes of all groups. For each
- * group that the ray hits, it decodes the vertices in the order of the strips and tests each triangle at its last
- * vertex. */
+/* Intersects a ray with a mesh block (kernels/cvert/format/mesh_block.h). Decodes the boxes of all groups. For groups
+ * that the ray hits, decodes the vertices in the order of the strips and tests each triangle at its last vertex. */
 
 #ifndef CBVH_MESH_BLOCK_GLSL
 #define CBVH_MESH_BLOCK_GLSL
@@ -21,11 +20,11 @@ struct CbvhMeshBlock
   vec3 origin;
   uint spacings, primID, counts, form;
   uint groups;
-  uint boxes;                                      // first byte
-  uint topologyBegin, verticesBegin, numbersBegin; // first bits of sections, from the start of the block
+  uint boxes;                                      // offset of the boxes in bytes
+  uint topologyBegin, verticesBegin, numbersBegin; // first bits, from the start of the block
 };
 
-/* Bit offsets of each group in the sections of the block, and the fields of its vertices:
+/* Bit offsets of each group in the block's sections, and the fields of its vertices:
  *
  *   x   lower half: topology, upper half: fields of vertices
  *   y   lower half: numbers, upper half: index in the block of the first vertex that the group owns
@@ -33,7 +32,7 @@ struct CbvhMeshBlock
  *   w   bits per field on x, y and z, 8 bits each */
 uvec4 cbvhMeshGroups[maxMeshGroups];
 
-/* distances at which the ray enters the boxes */
+/* where the ray enters the boxes */
 float cbvhMeshEntries[maxMeshGroups];
 
 /* cbvhFindMeshGroups sets verticesBegin and numbersBegin. */
@@ -68,7 +67,7 @@ uint cbvhMeshBits (CbvhMeshBlock block, uint begin, uint count)
   return bitsAt(block.at, begin, count) & mask;
 }
 
-/* Returns the world position of a coordinate on axis k. On the sheared axis it may be negative (modulo 2^32). */
+/* World position of a coordinate on axis k. On the sheared axis it may be negative (modulo 2^32). */
 float cbvhMeshPosition (CbvhMeshBlock block, int k, uint coordinate)
 {
   if (hasRanks(block.spacings, uint(k))) return floatOfRank(rankOfFloat(block.origin[k]) + coordinate);
@@ -79,16 +78,16 @@ bool cbvhIsMeshSheared (uint form) { return meshSlope(form, 1u) != 0 || meshSlop
 
 /* --- boxes ------------------------------------------------------------------------------ */
 
-/* Axes of the boxes of a block, and the ray along the sheared one, from the block's origin. */
+/* Axes of a block's boxes, and the ray along the sheared one, from the block's origin. */
 struct CbvhMeshAxes
 {
-  int sheared;               // axis; 3 if none
-  bool isBounded;            // whether boxes bound the sheared coordinate
-  vec3 extent;               // upper bound of the block's extent from its origin; 0 on an axis of ranks
+  int sheared;               // sheared axis; 3 if there is none
+  bool isBounded;            // boxes bound the sheared coordinate
+  vec3 extent;               // upper bound, from the block's origin; 0 on an axis of ranks
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* Boxes do not bound the sheared coordinate if a ratio of spacings exceeds 2^30, because it would not be exact. */
+/* Boxes do not bound the sheared coordinate if a ratio of spacings exceeds 2^30, because it would be inexact. */
 const int cbvhMaxMeshRatio = 30;
 
 CbvhMeshAxes cbvhMeshAxes (CbvhMeshBlock block, CbvhPreparedRay ray, CbvhVertRay vert)
@@ -148,8 +147,7 @@ RayInterval cbvhClippedByMeshPlanes (RayInterval interval, CbvhMeshBlock block, 
                  isSheared ? axes.rcp : vert.rcp[k]);
 }
 
-/* Sets the sections of the block, cbvhMeshGroups and cbvhMeshEntries. Returns the mask of groups whose boxes the ray
- * hits. */
+/* Sets the block's sections, cbvhMeshGroups and cbvhMeshEntries. Returns the groups whose boxes the ray hits. */
 uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float tfar)
 {
   CbvhVertRay vert = cbvhVertRay(ray);
@@ -189,7 +187,7 @@ uint cbvhFindMeshGroups (inout CbvhMeshBlock block, CbvhPreparedRay ray, float t
 struct CbvhMeshGroup
 {
   uint g;
-  uint stream;                  // entries
+  uint stream;                  // number of entries
   uint restarts, fans;          // masks of triangles
   uvec2 news;                   // mask of entries
   uint owns;                    // mask of vertices
@@ -197,7 +195,7 @@ struct CbvhMeshGroup
   uint repeatBits, otherBits;
 };
 
-/* Needs cbvhFindMeshGroups. */
+/* Requires cbvhFindMeshGroups. */
 CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
 {
   uint bits = cbvhMeshGroupByte(block, g), record = cbvhMeshRecord(block, g);
@@ -220,15 +218,15 @@ CbvhMeshGroup cbvhMeshGroup (CbvhMeshBlock block, uint g)
   return group;
 }
 
-/* Counts the bits below bit i <= 31. */
+/* i: at most 31. */
 uint cbvhBitsBelow (uint mask, uint i) { return uint(bitCount(mask & ((1u << i) - 1u))); }
 
 vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 {
   bool isLow = i < 32u;
   uint news = isLow ? group.news.x : group.news.y;
-  uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // entries that are new
-  uint vertex = before; // index in the group
+  uint before = cbvhBitsBelow(news, i & 31u) + (isLow ? 0u : uint(bitCount(group.news.x))); // new entries before i
+  uint vertex = before; // index of the vertex in the group
   if (((news >> (i & 31u)) & 1u) == 0u)
     vertex = cbvhMeshBits(block, group.repeats + (i - before)*group.repeatBits, group.repeatBits);
 
@@ -259,7 +257,7 @@ vec3 cbvhStreamVertex (CbvhMeshBlock block, CbvhMeshGroup group, uint i)
 
 /* --- triangles -------------------------------------------------------------------------- */
 
-/* Returns the mask of triangles that the line of the ray may pass, ignoring their orientation. */
+/* Triangles that the ray's line may pass, in any orientation. */
 uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRay ray, CbvhShear shear)
 {
   uint mask = 0u, t = 0u;
@@ -280,7 +278,7 @@ uint cbvhMeshTriangles (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPreparedRa
   return mask;
 }
 
-/* Returns the argument of primitiveOfMesh for triangle t of group g. */
+/* The argument of primitiveOfMesh for triangle t of group g. */
 uint cbvhMeshNumber (CbvhMeshBlock block, uint g, uint t)
 {
   uint baseBits = baseNumberBits(block.counts), bits = groupNumberBits(cbvhMeshRecord(block, g));
@@ -312,7 +310,7 @@ bool cbvhHitMeshTriangle (CbvhMeshBlock block, CbvhMeshGroup group, CbvhPrepared
   return true;
 }
 
-/* Returns the group of a nonzero mask that the ray enters first. */
+/* The group that the ray enters first. open: not 0. */
 uint cbvhFirstMeshGroup (uint open)
 {
   uint first = uint(findLSB(open));

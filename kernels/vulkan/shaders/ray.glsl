@@ -3,8 +3,8 @@
 
 /* Rays and hits.
  *
- * Functions that intersect a ray return true and update `hit` if they find a hit nearer than hit.t. With anyHit, a
- * compile-time constant, they return at the first one. */
+ * Functions that intersect a ray return true and update `hit` for hits nearer than hit.t. With anyHit, a compile-time
+ * constant, they return at the first. */
 
 #ifndef CBVH_RAY_GLSL
 #define CBVH_RAY_GLSL
@@ -35,26 +35,26 @@ struct CbvhHit
   float t;
   float u, v;
   vec3 Ng;
-  uint primID, geomID, instID; // CBVH_NONE for none
+  uint primID, geomID, instID; // CBVH_NONE without a hit
 };
 
 const uint CBVH_NONE = 0xFFFFFFFFu;
 
-/* A ray in the space of the traversed scene or instance. */
+/* In the space of the traversed scene or instance. */
 struct CbvhPreparedRay
 {
   vec3 org, dir;
-  vec3 rcp;       // finite
+  vec3 rcp;       // reciprocals of the direction, finite
   float tnear;    // not negative
-  float tfar;     // without hits
-  float enter;    // lower bound of the distance at which the ray enters the current leaf
+  float tfar;     // end of the ray, independent of hits
+  float enter;    // lower bound of the distance to the current leaf
   uint mask;
-  float time;     // finite; if the ray's is not, before all motion
+  float time;     // finite; before all motion if the ray's is not
   uint instID;
   uint firstGeometry;
 };
 
-/* Same as directionReciprocal of kernels/cvert/rule/reciprocal.h, except that it keeps the sign of zero. */
+/* directionReciprocal of kernels/cvert/rule/reciprocal.h, but keeps the sign of zero. */
 float cbvhReciprocal (float d, float largest)
 {
   float size = min(max(abs(d), max(1e-18*largest, 1.17549435e-38)), 4.25352959e37);
@@ -64,7 +64,7 @@ float cbvhReciprocal (float d, float largest)
 bool cbvhIsFinite (vec3 v) { return all(lessThan(floatBitsToUint(v) & uvec3(0x7FFFFFFFu), uvec3(0x7F800000u))); }
 bool cbvhIsNumber (float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
 
-/* Returns false if the ray cannot hit anything. Tests bits, because shader compilers assume finite numbers. */
+/* False if the ray cannot hit anything. Tests bits, because shader compilers assume finite numbers. */
 bool cbvhMayHit (CbvhRay ray)
 {
   return cbvhIsFinite(ray.origin) && cbvhIsFinite(ray.direction) && cbvhIsNumber(ray.tnear) && cbvhIsNumber(ray.tfar) &&

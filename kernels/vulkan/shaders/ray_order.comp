@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sorts the indices of rays by origin and direction, so that neighboring threads visit the same blocks. This is a
- * stable radix sort with digits of 4 bits.
+/* Sorts ray indices by origin and direction, so that neighboring threads visit the same blocks. A stable radix sort
+ * with digits of 4 bits.
  *
  *   STAGE 0: writes pairs (key, index)
  *   STAGE 1: counts the digits in each tile
@@ -22,11 +22,11 @@ layout(local_size_x = 256) in; // orderThreads
 
 layout(push_constant, scalar) uniform Arguments
 {
-  uvec2 rays;       // STAGE 0 only
-  uvec2 from, to;   // Pairs
+  uvec2 rays;       // used by STAGE 0 only
+  uvec2 from, to;   // addresses of Pairs
   uvec2 counts;     // [digit][tile]
   uvec2 scene;
-  uint count, rayWords, shift;   // count: of rays; STAGE 2: of tiles
+  uint count, rayWords, shift;   // count: rays; STAGE 2: tiles
 } arguments;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Pairs { uvec2 at[]; };
@@ -44,7 +44,7 @@ uint spreadThree (uint x)
   return (x | (x << 2)) & 0x09249249u;
 }
 
-/* Key of 30 bits: 6 bits of each coordinate of the origin in Morton order, octant of the direction, 3 more bits of each
+/* 30 bits: 6 bits of each coordinate of the origin in Morton order, octant of the direction, 3 more bits of each
  * coordinate. */
 uint keyOfRay (vec3 origin, vec3 direction, vec3 lower, vec3 upper)
 {
@@ -84,7 +84,7 @@ void countTile ()
   barrier();
 }
 
-/* Turns counts into prefix sums. Returns the tile's count of digit gl_LocalInvocationID.x to the first threads. */
+/* Counts to prefix sums. Returns the tile's count of digit gl_LocalInvocationID.x to the first threads. */
 uint sumThreads ()
 {
   uint thread = gl_LocalInvocationID.x, sum = 0u;
@@ -106,7 +106,7 @@ void countDigits ()
     Words(arguments.counts).at[gl_LocalInvocationID.x*gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
 }
 
-/* sum of each thread's range of counts */
+/* of each thread's range of counts */
 shared uint partial[orderThreads];
 void sumDigits ()
 {

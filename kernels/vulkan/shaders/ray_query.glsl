@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* For ray queries and intersection shaders: intersects the leaves whose boxes the driver finds. */
+/* For ray queries and intersection shaders: intersects leaves whose boxes the driver finds. */
 
 #ifndef CBVH_RAY_QUERY_GLSL
 #define CBVH_RAY_QUERY_GLSL
@@ -24,7 +24,7 @@ CbvhCandidates cbvhNoCandidates (CbvhRay ray)
   return CbvhCandidates(none, vec2(-1.0), cbvhNoVertNearest());
 }
 
-/* Returns the hit after all candidates were intersected. */
+/* Call it after intersecting all candidates. */
 CbvhHit cbvhHitOf (CbvhCandidates found)
 {
   CbvhHit hit = found.hit;
@@ -32,7 +32,7 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
   return hit;
 }
 
-/* Tests the exact box, because the driver's is larger. Sets ray.enter. */
+/* Tests the exact box, which is smaller than the driver's. Sets ray.enter. */
 bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
@@ -45,8 +45,7 @@ bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
   return enter*(1.0 - 3.0*floatUlp) <= leave*(1.0 + 3.0*floatUlp);
 }
 
-/* Intersects the leaf of a box. placed: custom index of the instance. box: index of the primitive. ray: in the space of
- * the scene. */
+/* placed: custom index of the instance. box: index of the primitive. ray: in the scene's space. */
 bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const bool anyHit, inout CbvhCandidates found)
 {
   if (!cbvhMayHit(ray)) return false;
@@ -69,8 +68,8 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
 }
 
-/* Intersects the current candidate of a query, which must be a box of the scene. ray: the ray of the query. If your top
- * level transforms the scene, transform the ray to the space of the scene. */
+/* Intersects the query's current candidate, which must be a box of the scene. ray: the query's ray, transformed to the
+ * scene's space if your top level transforms the scene. */
 void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout CbvhCandidates found)
 {
   if (rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT)
@@ -80,8 +79,8 @@ void cbvhIntersectCandidate (rayQueryEXT query, uvec2 scene, CbvhRay ray, inout 
   if (cbvhIntersectBox(scene, placed, box, ray, false, found)) rayQueryGenerateIntersectionEXT(query, found.hit.t);
 }
 
-/* Traces a ray with the library's top level. Scales the direction by a power of two, so that its largest component is
- * in [1,2) and no rounding occurs. */
+/* Uses the library's top level. Scales the direction by a power of two, so that its largest component is in [1,2),
+ * without rounding. */
 bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit)
 {
   CbvhCandidates found = cbvhNoCandidates(ray);
@@ -111,7 +110,7 @@ bool cbvhQuery (uvec2 address, CbvhRay ray, const bool anyHit, inout CbvhHit hit
   return isHit;
 }
 
-/* Same contract as cbvhIntersect and cbvhOccluded. */
+/* As cbvhIntersect and cbvhOccluded. */
 bool cbvhQueryIntersect (uvec2 scene, CbvhRay ray, out CbvhHit hit) { return cbvhQuery(scene, ray, false, hit); }
 
 bool cbvhQueryOccluded (uvec2 scene, CbvhRay ray)

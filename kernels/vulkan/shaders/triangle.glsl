@@ -9,7 +9,7 @@
 
 #include "ray.glsl"
 
-/* Vertex i of a grid, whose x, y and z are arrays of `plane` words from word `first` on. */
+/* x, y and z of a grid's vertices are arrays of `plane` words from word `first` on. */
 vec3 cbvhGridVertex (CbvhPointer block, uint first, uint plane, uint i)
 {
   return vec3(cbvhFloat(block, first + i), cbvhFloat(block, first + plane + i), cbvhFloat(block, first + 2u*plane + i));
@@ -24,11 +24,11 @@ uvec3 cbvhQuadTriangle (uint i, uint width, bool second)
 struct CbvhTriangleHit
 {
   float t;
-  float u, v;   // weights of the second and the third vertex
+  float u, v;   // weights of the second and third vertex
   vec3 Ng;
 };
 
-/* Normal from the pair of edges with less cancellation, as in Embree. */
+/* From the pair of edges with less cancellation, as in Embree. */
 vec3 cbvhStableNormal (vec3 a, vec3 b, vec3 c)
 {
   vec3 ab = a.zxy*b.yzx, bc = b.zxy*c.yzx;

@@ -1,9 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a block of cVERT by the rule of kernels/cvert/rule/rule.h. For static blocks it decodes one row
- * of vertices at a time; for moving blocks it stores the vertices of a group. Float tests select triangles, which are
- * then tested exactly. */
+/* Intersects a ray with a cVERT block by kernels/cvert/rule/rule.h. For static blocks, decodes a row of vertices at a
+ * time; for moving blocks, stores a group's vertices. Float tests select triangles, which are then tested exactly. */
 
 #ifndef CBVH_VERT_BLOCK_GLSL
 #define CBVH_VERT_BLOCK_GLSL
@@ -11,7 +10,7 @@
 #include "vert_motion.glsl"
 #include "vert_triangle.glsl"
 
-/* Returns vertex i, j of group gx, gy in the world. moves: constant; if true, needs cbvhDecodeGroup. */
+/* Vertex i, j of group gx, gy in the world. moves: constant; if true, requires cbvhDecodeGroup. */
 vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, CellRow row, uint gx, uint gy, int i, int j,
                       const bool moves)
 {
@@ -26,7 +25,7 @@ vec3 cbvhGroupVertex (CbvhVertBlock block, CodedCell cell, uint gx, uint gy, int
 
 /* --- triangles ------------------------------------------------------------------------- */
 
-/* Returns the mask of triangles that the line of the ray may pass: bits 2q and 2q + 1 for quad q. */
+/* Triangles that the ray's line may pass: bits 2q and 2q + 1 for quad q. */
 uint cbvhTriangles (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
                     const bool moves)
 {
@@ -93,7 +92,7 @@ uint cbvhMirror (CbvhPreparedRay ray, vec3 alongX, vec3 alongY) {
   return (dot(alongX, ray.dir) < 0.0 ? 3u : 0u) | (dot(alongY, ray.dir) < 0.0 ? 12u : 0u);
 }
 
-/* Returns the mask of groups of a static block whose boxes the ray hits, with bit (x + 4y) ^ mirror. */
+/* Groups of a static block whose boxes the ray hits, with bit (x + 4y) ^ mirror. */
 uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes,
                  float tfar, uint mirror)
 {
@@ -121,8 +120,8 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, Cbvh
   return open;
 }
 
-/* Loops here and below have one exit, because lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once
- * while other rays continue. */
+/* Loops here and below have one exit: lavapipe (Mesa 22.3) loses hits of rays that leave several loops at once while
+ * others continue. */
 bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, CbvhShear shear, uint gx, uint gy,
                      const bool anyHit, const bool moves, inout CbvhHit hit, inout CbvhVertNearest nearest)
 {
@@ -139,7 +138,7 @@ bool cbvhTraceGroup (CbvhVertBlock block, CodedCell cell, CbvhPreparedRay ray, C
   return found;
 }
 
-/* Intersects a static block. */
+/* Traces static blocks. */
 bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                     inout CbvhVertNearest nearest)
 {
@@ -174,7 +173,6 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   return found;
 }
 
-/* Intersects a moving block. */
 bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const bool anyHit, inout CbvhHit hit,
                           inout CbvhVertNearest nearest)
 {

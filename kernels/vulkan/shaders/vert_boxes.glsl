@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Tests a ray against the bounds of a block of cVERT and the boxes of its groups. The tests are conservative: planes
- * are exact or interpolated between exact ones, and are widened by the slacks of kernels/cvert/rule/rule.h. */
+/* Tests a ray against a cVERT block's bounds and its groups' boxes. Conservative: planes are exact or interpolated
+ * between exact ones, and widened by the slacks of kernels/cvert/rule/rule.h. */
 
 #ifndef CBVH_VERT_BOXES_GLSL
 #define CBVH_VERT_BOXES_GLSL
@@ -14,8 +14,8 @@
 
 struct CbvhVertRay
 {
-  vec3 rcp;        // finite
-  float largest;   // largest absolute component of the direction
+  vec3 rcp;        // reciprocals of the direction, finite
+  float largest;   // largest component of the direction, absolute
 };
 
 CbvhVertRay cbvhVertRay (CbvhPreparedRay ray)
@@ -27,16 +27,16 @@ CbvhVertRay cbvhVertRay (CbvhPreparedRay ray)
   return vert;
 }
 
-/* Axes of the boxes of a block that is not raw, and the ray along the sheared axis relative to the block's origin. */
+/* Axes of the boxes of a block that is not raw, and the ray along the sheared axis, relative to the block's origin. */
 struct CbvhVertAxes
 {
   uint boxForm;
   vec3 origin;
-  float extent;              // upper bound of the block's extent from its origin
+  float extent;              // upper bound, from the block's origin
   float org, rcp, error;     // ray along the sheared coordinate
 };
 
-/* Returns the factor of component k in the sheared coordinate. */
+/* Factor of component k in the sheared coordinate. */
 float cbvhShearOf (uint boxForm, int k)
 {
   int m = shearedAxis(boxForm);
@@ -55,7 +55,7 @@ CbvhVertAxes cbvhVertAxes (uint boxForm, vec3 origin, float extent, CbvhPrepared
 float cbvhSlack (CbvhVertAxes axes, CbvhPreparedRay ray, int k) { return boxSlack(ray.org[k], axes.origin[k],
   axes.extent); }
 
-/* Widens the bounds of the block by `slack` on each axis. */
+/* Widens the bounds by `slack` on each axis. */
 bool cbvhMeetsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack,
   float tfar)
 {
@@ -93,7 +93,7 @@ bool cbvhMeetsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert,
   return interval.from <= interval.to;
 }
 
-/* For a raw block. */
+/* Tests a group of a raw block. */
 bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);

@@ -1,9 +1,9 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes a moving block of cVERT (kernels/cvert/format/motion.h) at the time of a ray, between two time steps.
- * Vertices and planes are interpolated by the same expression, whose operations round monotonically. Therefore planes
- * that bound the vertices at both steps bound them in between. */
+/* Decodes a moving cVERT block (kernels/cvert/format/motion.h) at a ray's time, between two steps. The same expression,
+ * whose operations round monotonically, interpolates vertices and planes. Planes that bound the vertices at both steps
+ * therefore bound them in between. */
 
 #ifndef CBVH_VERT_MOTION_GLSL
 #define CBVH_VERT_MOTION_GLSL
@@ -14,12 +14,12 @@
 struct CbvhSegment
 {
   StepView begin, end;
-  float fraction;           // fraction of the time from begin to end
+  float fraction;           // of the time from begin to end
 };
 
-/* Lattice coordinates of the corners of groups at both steps, row by row. */
+/* Coordinates of groups' corners at both steps, row by row. */
 ivec3 cbvhCornersAtEnds[2][cellVertices];
-/* Vertices of the current group in the world at the ray's time, row by row. */
+/* Vertices of the current group at the ray's time, row by row. */
 vec3 cbvhVerticesNow[cellVertices];
 
 float cbvhBetween (float a, float b, float fraction)
@@ -35,13 +35,13 @@ vec3 cbvhBetween (vec3 a, vec3 b, float fraction) {
 
 /* --- steps ----------------------------------------------------------------------------- */
 
-/* Returns false if the block does not exist at the time. Sets block.hasRaw. */
+/* False if the block does not exist then. Sets block.hasRaw. */
 bool cbvhFindSegment (inout CbvhVertBlock block, float time, out CbvhSegment segment)
 {
   VertMotion motion = motionOf(block.at);
   if (!isPresent(motion, time)) return false;
   TimeInMotion place = timeInMotion(motion, time);
-  segment.fraction = clamp(place.fraction, 0.0, 1.0); // division on devices is not exact
+  segment.fraction = clamp(place.fraction, 0.0, 1.0); // division on devices is inexact
   segment.begin = block.first;
   if (place.segment > 0u) segment.begin = viewOfLaterStep(block.at, block.region, place.segment);
   segment.end = viewOfLaterStep(block.at, block.region, place.segment + 1u);
@@ -77,7 +77,7 @@ void cbvhDecodeCorners (CbvhVertBlock block, CbvhSegment segment)
   }
 }
 
-/* Sets cbvhVerticesNow. Needs cbvhDecodeCorners. */
+/* Sets cbvhVerticesNow. Requires cbvhDecodeCorners. */
 void cbvhDecodeGroup (CbvhVertBlock block, CbvhSegment segment, uint gx, uint gy)
 {
   uint g = gy*block.groupsX + gx;
@@ -124,7 +124,7 @@ CbvhVertAxes cbvhAxesNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay 
                       ray, vert);
 }
 
-/* Returns motionSlack per axis. On the sheared axis, the errors of the three components add up. */
+/* motionSlack per axis. On the sheared axis, errors of the three components add up. */
 vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
 {
   vec3 slack;
@@ -144,7 +144,7 @@ bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay ve
   return cbvhMeetsBounds(ray, vert, axes, reach, slack, tfar);
 }
 
-/* Needs cbvhDecodeCorners. */
+/* Requires cbvhDecodeCorners. */
 bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
   CbvhVertAxes axes,
                         vec3 slack, float tfar, uint gx, uint gy)

@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Intersects a ray with a triangle of cVERT by the rule of kernels/cvert/rule/rule.h. */
+/* Intersects a ray with a cVERT triangle by kernels/cvert/rule/rule.h. */
 
 #ifndef CBVH_VERT_TRIANGLE_GLSL
 #define CBVH_VERT_TRIANGLE_GLSL
@@ -9,14 +9,14 @@
 #include "ray.glsl"
 #include "../../cvert/rule/rule.h"
 
-/* The shear that maps the direction to axis kz. kz is the axis of the direction's largest component. */
+/* Maps the direction to axis kz, the axis of its largest component. */
 struct CbvhShear
 {
   int kz;
   float sx, sy;
 };
 
-/* Rotates the components so that kz comes last. */
+/* Rotates the components so that kz is last. */
 vec3 cbvhTurn (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
 
 CbvhShear cbvhShear (vec3 dir)
@@ -52,7 +52,7 @@ WideTriangle cbvhWideTriangle (vec3 a, vec3 b, vec3 c)
   return triangle;
 }
 
-/* The nearest hit in triangles of cVERT. The keys of the triangles break ties at the same distance. */
+/* The nearest hit in cVERT triangles. Keys break ties at the same distance. */
 struct CbvhVertNearest
 {
   bool isSet;
@@ -70,8 +70,8 @@ struct CbvhVertHit
   vec3 Ng;
 };
 
-/* Returns true and sets `nearest` if the ray hits the triangle nearer than tfar, or at the same distance as `nearest`
- * and before it in the order of keys. tfar: distance of the nearest hit of any kind. */
+/* Returns true and sets `nearest` if the ray hits the triangle nearer than tfar, or at the distance of `nearest` and
+ * before it in the order of keys. tfar: distance of the nearest hit of any kind. */
 bool cbvhHitsTriangle (CbvhPreparedRay ray, CbvhShear shear, vec3 a, vec3 b, vec3 c, TriangleKey name, float tfar,
                         inout CbvhVertNearest nearest, out CbvhVertHit at)
 {

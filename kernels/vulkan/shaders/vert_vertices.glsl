@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Decodes the vertices of a block of cVERT at a time step with the codec's own decoder, kernels/cvert/decoder. A static
- * block has one step. */
+/* Decodes vertices of a cVERT block at a time step with the codec's decoder, kernels/cvert/decoder. A static block has
+ * one step. */
 
 #ifndef CBVH_VERT_VERTICES_GLSL
 #define CBVH_VERT_VERTICES_GLSL
@@ -16,8 +16,8 @@ struct CbvhVertBlock
   uint geomID;
   uint region, boxForm;
   uint groupsX, groupsY, groups, quadsX, quadsY;
-  StepView first;                       // step 0
-  bool hasRaw;                          // whether a step at the ray's time is raw
+  StepView first;                       // view of step 0
+  bool hasRaw;                          // a step at the ray's time is raw
 };
 
 CbvhVertBlock cbvhReadVertBlock (CbvhPointer at)
@@ -50,7 +50,7 @@ CodedCell cbvhNoCell ()
   return cell;
 }
 
-/* first: cell of the corners of all groups */
+/* first: with the corners of all groups */
 CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
 {
   int i = int(gx), j = int(gy);
@@ -59,7 +59,7 @@ CodedCell cbvhGroupCell (CbvhVertBlock block, CodedCell first, uint gx, uint gy)
                      vertexOfCell(block.at, first, i, j + 1), vertexOfCell(block.at, first, i + 1, j + 1));
 }
 
-/* Vertex i, j of group gx, gy in the world, for a step that is not raw. */
+/* In the world, for a step that is not raw. */
 vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j, ivec3 coordinates)
 {
   vec3 at = vec3(latticeVertex(step_, 0, coordinates.x), latticeVertex(step_, 1, coordinates.y),
@@ -70,7 +70,7 @@ vec3 cbvhWorldVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int
   return at;
 }
 
-/* Same for a raw step. */
+/* Vertex of a raw step. */
 vec3 cbvhRawVertex (CbvhVertBlock block, StepView step_, uint gx, uint gy, int i, int j)
 {
   uint vertex = vertexOfGroup(block.region, gx, gy, uint(i), uint(j));

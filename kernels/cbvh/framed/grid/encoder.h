@@ -26,7 +26,7 @@ namespace embree
         const uint32_t count = geometry.width*geometry.width;
         for (int k=0; k<3; k++)
           for (uint32_t i=0; i<count; i++)
-            // rays never hit triangles with NaN, but they may hit triangles with infinities
+            // rays never hit triangles with NaN, but could hit triangles with infinities
             *out++ = geometry.isFinite(i) ? geometry.vertices[i][k] : NAN;
         for (uint32_t i=0; i<kindFormats[kindGrid].padding/sizeof(float); i++) *out++ = 0.0f;
       }

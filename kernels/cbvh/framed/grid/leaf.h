@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID: 2 x 2 quads with full-precision vertices, and the triangles of Embree's GRID. */
+/* Leaves of cGRID: 2 x 2 quads of full-precision vertices, with the triangles of Embree's GRID. */
 
 #include "../block.h"
 #include "../../embree/traversal.h"
@@ -16,14 +16,14 @@ namespace embree
     {
       using namespace embree::cbvh;
 
-      /*! Maps barycentric coordinates to parameters of the face. GridSOA::MapUV uses stored parameters instead. Lanes
-       *  are in the order of GridSOA's loaders. */
+      /*! Maps barycentric coordinates to face parameters, which GridSOA::MapUV loads instead. Lanes are in the order of
+       *  GridSOA's loaders. */
       template<typename Loader>
       struct GridMapUV
       {
         typedef typename Loader::vfloat vfloat;
         const Block* block;
-        vfloat x0, y0, x1, y1, x2, y2; //!< in quads of the block
+        vfloat x0, y0, x1, y1, x2, y2; //!< positions in quads of the block
 
         __forceinline GridMapUV (const Block* block, float x, float y) : block(block)
         {

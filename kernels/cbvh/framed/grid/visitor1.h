@@ -35,7 +35,7 @@ namespace embree
           return IsAnyHit<RayType>::value;
         }
 
-        /*! Required by GridLeaf. */
+        /*! For GridLeaf. */
         template<int M, typename MapUV>
         __forceinline bool quads (const Vec3vf<M>& v0, const Vec3vf<M>& v1, const Vec3vf<M>& v2,
                                   const MapUV& mapUV) const {

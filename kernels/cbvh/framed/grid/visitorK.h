@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cGRID, for packets. Tests the rays one by one. */
+/* Intersects leaves of cGRID ray by ray. */
 
 #include "../block_visitorK.h"
 #include "leaf.h"
@@ -48,7 +48,7 @@ namespace embree
         }
 
       private:
-        /*! Required by GridLeaf. */
+        /*! For GridLeaf. */
         struct Test
         {
           Rays& rays;

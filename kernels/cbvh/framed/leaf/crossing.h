@@ -1,8 +1,8 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* How a ray crosses a leaf of cLEAF: the facts that hit_rule.h decides by, and positions of hits. Over a bilinear
- * patch, the height of the ray above the patch is a parabola in s. */
+/* How a ray crosses a cLEAF leaf: input of hit_rule.h, and positions of hits. Over a bilinear patch, the ray's height
+ * above the patch is a parabola in s. */
 
 #ifndef CBVH_CROSSING_H
 #define CBVH_CROSSING_H
@@ -12,8 +12,6 @@
 #include "hit_rule.h"
 
 CBVH_BEGIN
-
-/* --- height of a ray over a bilinear patch ------------------------------------------- */
 
 /*! f(k) = f0 + k (f1-f0) + saddle k (1-k), where k is 0 at the entry and 1 at the exit. */
 CVERT_REAL struct Parabola
@@ -25,23 +23,23 @@ CVERT_REAL CBVH_FUNCTION Real parabolaAt (CVERT_OF(Parabola) f, Real k) {
   return f.f0 + k*(f.f1-f.f0) + f.saddle*k*(Real(1)-k);
 }
 
-/*! Returns the k at which f changes sign, or the end nearer to the patch if f does not. */
+/*! Returns the k at which f changes sign, otherwise the end nearer to the patch. */
 CVERT_REAL CBVH_FUNCTION Real parabolaRoot (CVERT_OF(Parabola) f)
 {
   if ((f.f0 < Real(0)) == (f.f1 < Real(0))) return magnitude(f.f0) < magnitude(f.f1) ? Real(0) : Real(1);
-  /* saddle k^2 - b k - f0 = 0. q does not cancel, and exactly one root is between 0 and 1. */
+  /* Solves saddle k^2 - b k - f0 = 0. q does not cancel, and exactly one root is between 0 and 1. */
   Real b = f.f1-f.f0+f.saddle;
   Real d = squareRoot(greater(b*b + Real(4)*f.saddle*f.f0,Real(0)));
   Real q = Real(0.5f)*(b + (b < Real(0) ? -d : d));
-  if (q == Real(0)) return Real(0); // b and d are 0, and so is f0
+  if (q == Real(0)) return Real(0); // b, d and f0 are 0
   Real k = -f.f0/q, kept = k > Real(0) ? lesser(k,Real(1)) : Real(0); // not NaN, even if k is
   if (k == kept || f.saddle == Real(0)) return kept;
-  /* Rounding can move either root out of [0,1]. */
+  /* rounding can move either root out of [0,1] */
   Real other = q/f.saddle, otherKept = clampToUnit(other);
   return magnitude(k-kept) <= magnitude(other-otherKept) ? kept : otherKept;
 }
 
-/*! The lip of a side of a block, see hit_rule.h. It extends up to `reach` below the patch, within `width` of the side.
+/*! The lip of a block's side, see hit_rule.h. It extends up to `reach` below the patch, within `width` of the side.
  *  epsilon: of z. */
 CVERT_REAL struct Lip
 {
@@ -51,11 +49,11 @@ CVERT_REAL struct Lip
 CVERT_REAL struct LipIntersection
 {
   bool met;
-  Real k;  //!< a position in the lip; if !met, the first one near the side
+  Real k;  //!< position in the lip; if !met, the first one near the side
 };
 
-/*! p0, p1: distance of the ray from the side at entry and exit, 1 at the opposite side. In the part near the side, f
- *  has its extremes at the ends of this part or at its vertex. */
+/*! p0, p1: distance of the ray from the side at entry and exit; 1 is the opposite side. Near the side, f has its
+ *  extremes at the ends of this part or at its vertex. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLip (CVERT_OF(Parabola) f, Real p0, Real p1,
   CVERT_OF(Lip) lip)
 {
@@ -105,7 +103,7 @@ CVERT_REAL CBVH_FUNCTION Real patchSlope (LeafPatch leaf, int axis, Real across)
   return ((axis == 0 ? z1 : z2)-z0 + across*(z0-z1-z2+z3))/Real(leaf.box.extent[axis]);
 }
 
-/*! Position in a box along an axis, 0 to 1. */
+/*! Position of s in a box, 0 to 1. */
 CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox box, int axis, Real s) {
   return clampToUnit((segmentAt(segment,axis,s)-Real(box.lower[axis]))/Real(box.extent[axis]));
 }
@@ -113,7 +111,7 @@ CVERT_REAL CBVH_FUNCTION Real positionInBox (CVERT_OF(Segment) segment, NodeBox 
 CVERT_REAL struct Crossing
 {
   Real s0, s1;                //!< s at entry and exit
-  Real u0, v0, u1, v1;        //!< position at entry and exit, in the box
+  Real u0, v0, u1, v1;        //!< in the box at entry and exit
   CVERT_OF(Parabola) f;
   LeafEvent event;
 };
@@ -140,7 +138,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segmen
   bool up = segment.P1[2] >= segment.P0[2];
   bool above0 = x.f.f0 >= Real(0), above1 = x.f.f1 >= Real(0);
   event.changes = above0 != above1;
-  /* Sides of the upper and lower face, if the ray enters or leaves through them. */
+  /* the sides of the upper and lower face, if the ray passes through them */
   if (inBox.lower > inColumn.lower && !event.started) above0 = !up;
   if (inBox.upper < inColumn.upper && !event.ended) above1 = up;
   event.enter = above0 ? sideAbove : sideBelow;
@@ -153,8 +151,8 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Crossing) crossPatch (CVERT_OF(Segment) segmen
   return x;
 }
 
-/*! Returns the first position at which a ray intersects a lip of leaf (leafX,leafY). last: number of the last leaf of a
- *  side of the block. */
+/*! Returns the first position in a lip of leaf (leafX,leafY). last: number of the last leaf along a side of the
+ *  block. */
 CVERT_REAL CBVH_FUNCTION CVERT_OF(LipIntersection) intersectLipsOfLeaf (CVERT_OF(Crossing) x, uint32_t leafX,
   uint32_t leafY,
   uint32_t last, CVERT_OF(Lip) lip)

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* As crossing.h, for a single ray and a decoded leaf. Uses the results of the box test. */
+/* crossing.h for a single ray and a decoded leaf. Uses the results of the box test. */
 
 #include "../block_visitor1.h"
 #include "crossing.h"
@@ -14,7 +14,7 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! u and v of two positions s, in the box of a leaf. */
+      /*! (u,v) of two s, in a leaf's box. */
       __forceinline vfloat4 positionInLeaf (const FrameRay& ray, const LeafSurfaces& surfaces, uint32_t leaf,
                                             const vfloat4& s)
       {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of the leaves of cLEAF: groups of 2 x 2 cells. */
+/* Encodes leaves of cLEAF: groups of 2 x 2 cells. */
 
 #include "../block_geometry.h"
 #include "group_encoder.h"
@@ -28,7 +28,7 @@ namespace embree
         return add(m,quads,encodeGroup(box,quads),box);
       }
 
-      /*! As group(), for groups m to m+3, the children of one node. */
+      /*! For the children of a node, groups m to m+3. */
       void fourGroups(uint32_t m, const NodeBoxes& boxes, uint32_t words[4])
       {
         if (!geometry.isWhole()) {
@@ -81,7 +81,7 @@ namespace embree
       }
 
     private:
-      /*! Stores an encoded group and measures its leaves. Returns its word. */
+      /*! Stores a group and measures its leaves. Returns its word. */
       uint32_t add(uint32_t m, const QuadGroup& quads, const EncodedGroup& encoded, const NodeBox& box)
       {
         groups[m] = encoded.heights;
@@ -132,7 +132,7 @@ namespace embree
           statistics.fit.addQuad(geometry,0,0,leaf.box,slope,loose,thickness);
       }
 
-      /*! Measures how far a leaf extends past the edges of its quad on sharp sides. */
+      /*! Measures how far a leaf extends past its quad's edges on sharp sides. */
       void addSharpEdges(const QuadGroup& group, int quad, const NodeBox& box)
       {
         static const uint32_t sides[2][2] = { { 3,1 },{ 0,2 } }; // [axis][upper]
@@ -155,7 +155,7 @@ namespace embree
       Heights* groups;
       uint32_t sharpSides;
       BlockStatistics& statistics;
-      double borderWidth = 0;  //!< largest border width of all groups
+      double borderWidth = 0;  //!< maximum of all groups
     };
   }}
 }

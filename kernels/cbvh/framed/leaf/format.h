@@ -1,11 +1,10 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Leaves of cLEAF: groups of 2 x 2 leaves. A group has one word, in place of a node of the last level, and 64 bits of
- * heights.
+/* cLEAF stores groups of 2 x 2 leaves: a word, in place of a node of the last level, and 64 bits of heights.
  *
- * Lattice. Nine heights over three planes of x and three of y: one bilinear patch per leaf, and adjacent patches share
- * their edges.
+ * Lattice: nine heights over three planes of x and three of y. Each leaf is a bilinear patch, which shares edges with
+ * adjacent patches.
  *
  *    y2 +-------+--------+   x0, x2, y0, y2 bound the group's quads; x1 and y1 run
  *       |   2   |    3   |   along its middle column and row of vertices. The surface
@@ -14,10 +13,10 @@
  *    y0 +-------+--------+   between them.
  *       x0     x1       x2
  *
- * Loose. Used if quads fold over each other or have holes: a word like any other node's, and in each child's box a
- * plane of its own, the entire box (solid), or nothing (empty).
+ * Loose: for quads that fold over each other or have holes. The word is a node's. Each child's box contains its own
+ * plane, is solid, or is empty.
  *
- * In both forms, a leaf's surface, widened by half a thickness up and down in z, contains the edges of its quad.
+ * In both forms, a leaf's surface, widened by half a thickness up and down in z, contains its quad's edges.
  *
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4.1, which stores each corner of each quad in 4 bits. */
@@ -29,9 +28,8 @@
 
 CBVH_BEGIN
 
-/*! The 64 bits of a group. Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the
- *  middle one. The upper bits of bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for
- *  loose groups. */
+/*! Lattice: the lower 7 bits of byte i are the height of vertex i, row by row without the middle one. The upper bits of
+ *  bytes 0 to 6 are the height of the middle vertex. The upper bit of byte 7 is set for loose groups. */
 struct Heights
 {
   uint32_t low;   //!< bytes 0 to 3
@@ -43,7 +41,7 @@ CBVH_FUNCTION bool isLoose (Heights heights) { return (heights.high >> 31) != 0u
 /* --- lattices ------------------------------------------------------------------------ */
 
 CVERT_CONSTANT int latticeBins = 128;
-/*! Range of the bins, in heights of the parent's box. Exceeds 1, because patches are extrapolated to the corners. */
+/*! In heights of the parent's box. Exceeds 1, because patches are extrapolated to the corners. */
 CVERT_CONSTANT float latticeRange = 1.5f;
 
 CBVH_FUNCTION int latticeByte (int vertex) { return vertex < 4 ? vertex : vertex-1; }
@@ -60,21 +58,20 @@ CBVH_FUNCTION int latticeHeight (Heights heights, int vertex)
   return int(h);
 }
 
-/* Word of a lattice: 15 bits per axis, 5 bits each for the lower outer, upper outer and middle plane. Then the
- * thickness. */
+/* Word: per axis 5 bits each for the lower outer, upper outer and middle plane; then the thickness. */
 CVERT_CONSTANT uint32_t latticePlaneMask = 31u;
 CVERT_CONSTANT int latticeThicknessShift = 30;
 CBVH_FUNCTION int latticeShift (int axis) { return 15*axis; }
 
-/*! Distance of an outer plane from the parent's plane, in parent extents. Fine steps compensate for the rounding of the
- *  parent; codes extend to a third, for quads that do not fill their parent. */
+/*! Distance of an outer plane from the parent's, in parent extents. Fine steps compensate for rounding of the parent.
+ *  Codes extend to a third, for quads that do not fill their parent. */
 CBVH_FUNCTION float latticeOuter (uint32_t code) { return float(4u*code + code*code/4u)*(1.0f/1024.0f); }
 
-/*! The middle plane bounds nothing, so it is rounded to the nearest code. */
+/*! The middle plane bounds nothing, so it is rounded to nearest. */
 CBVH_FUNCTION float latticeMiddle (uint32_t code) { return float(33u + 2u*code)*(1.0f/128.0f); }
 
-/*! Thickness in bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight
- *  edges from the lattice. */
+/*! In bins: 1, 2, 5 or 16. Heights are rounded by up to half a bin; the rest is the distance of straight edges from the
+ *  lattice. */
 CBVH_FUNCTION float latticeThickness (uint32_t code) { return float((0x10050201u >> (8u*code)) & 255u); }
 
 /*! Plane 0, 1 or 2 along an axis. */
@@ -89,8 +86,7 @@ CBVH_FUNCTION float latticePlane (uint32_t word, int axis, int plane, NodeBox pa
 
 /* --- loose leaves -------------------------------------------------------------------- */
 
-/* Heights: 15 bits per child, 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness begins at bit
- * 60. */
+/* Heights: per child 5 bits each for corners (0,0), (1,0) and (0,1) of its box. The thickness begins at bit 60. */
 CVERT_CONSTANT int looseBits = 15;
 CVERT_CONSTANT uint32_t looseMask = 0x7FFFu;
 CVERT_CONSTANT uint32_t solidLeaf = 0x7FFFu;
@@ -98,12 +94,12 @@ CVERT_CONSTANT uint32_t emptyLeaf = 0x7FFEu;
 CVERT_CONSTANT int looseBins = 32;
 CVERT_CONSTANT float looseRange = 2.0f; //!< in heights of the leaf's box
 CVERT_CONSTANT int looseThicknessShift = 60;
-/*! Thickness in bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
+/*! In bins: 1, 1.5, 2, 3, 4, 6, 8 or 12. */
 CBVH_FUNCTION float looseThickness (uint32_t code) { return 0.5f*float(packedByte(0x06040302u,0x18100C08u,code)); }
 
 CBVH_FUNCTION uint32_t looseLeaf (Heights heights, int child)
 {
-  int shift = looseBits*child; // 0, 15, 30, 45: the field at 30 crosses both halves
+  int shift = looseBits*child; // 0, 15, 30 or 45; the field at 30 is in both halves
   if (shift >= 32) return (heights.high >> (shift-32)) & looseMask;
   uint32_t bits = heights.low >> shift;
   if (shift != 0) bits |= heights.high << (32-shift);
@@ -117,7 +113,7 @@ CBVH_FUNCTION float looseThicknessOf (Heights heights) {
 
 /* --- surfaces ------------------------------------------------------------------------ */
 
-/*! The range is centered on the box. Height q is at lower + (q+1/2) size. */
+/*! Centered on the box. Height q is at lower + (q+1/2) size. */
 struct HeightBins { float lower, size; };
 
 CBVH_FUNCTION HeightBins heightBins (NodeBox box, float range, int count)
@@ -133,7 +129,7 @@ CBVH_FUNCTION float heightInBins (HeightBins bins, float height) { return bins.l
 struct LeafPatch
 {
   NodeBox box;
-  float z[4];       //!< z at the corners of the box: column + 2 row
+  float z[4];       //!< at the box's corners: column + 2 row
   float thickness;
   bool solid;       //!< the box is the surface
   bool empty;
@@ -172,7 +168,7 @@ CBVH_FUNCTION LeafPatch decodeLatticeLeaf (uint32_t word, Heights heights, int c
     lowest = lesser(lowest,leaf.z[c]);
     highest = greater(highest,leaf.z[c]);
   }
-  /* A bilinear patch stays between its corners. */
+  /* a bilinear patch stays between its corners */
   float lower = greater(lowest-0.5f*leaf.thickness,parent.lower[2]);
   float upper = lesser(highest+0.5f*leaf.thickness,upperOf(parent,2));
   leaf.box.lower[2] = lower;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of cLEAF groups: a lattice, or loose leaves if no lattice is accurate enough. */
+/* Encodes a cLEAF group: a lattice, or loose leaves if no lattice is accurate enough. */
 
 #include "lattice_encoder.h"
 #include "loose_encoder.h"
@@ -12,7 +12,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! How far the edges on the border extend into their leaves' boxes, see borderWidthOf(). */
+    /*! How far border edges extend into their leaves' boxes, see borderWidthOf(). */
     inline double borderWidth(const QuadGroup& group, const EncodedGroup& encoded, const NodeBox& parent)
     {
       double width = 0;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Four QuadGroups, the children of one node, one per lane. */
+/* Four QuadGroups, the children of a node, one per lane. */
 
 #include "../block_geometry.h"
 #include "quad_group.h"
@@ -15,13 +15,13 @@ namespace embree
     struct GroupLanes
     {
       Double4 vertices[9][3];
-      Double4 lower[2], upper[2]; //!< bounds of the quads, see QuadGroup::boxes
+      Double4 lower[2], upper[2]; //!< see QuadGroup::boxes
       double rounding[3];     //!< see QuadGroup
       uint32_t border[2][2];  //!< [axis][upper]: mask of lanes
 
       GroupLanes() {}
 
-      /*! m: Morton index of the first group. All vertices of the groups must be finite. */
+      /*! m: Morton index of the first group. All its vertices must be finite. */
       GroupLanes(const BlockGeometry& geometry, uint32_t m)
       {
         const uint32_t side = (1u << geometry.cellLevels)+1, x = 2*mortonX(m), y = 2*mortonY(m);

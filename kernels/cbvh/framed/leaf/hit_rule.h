@@ -1,27 +1,25 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The rule that decides where a ray hits the surface of a cLEAF block. crossing.h and crossing1.h compute how the ray
- * crosses a leaf. docs/formats/framed_hits.md has the rule as tables, which a test compares with this code.
+/* The rule that decides where a ray hits a cLEAF block. crossing.h and crossing1.h compute how the ray crosses a leaf.
+ * docs/formats/framed_hits.md has the rule as tables, which a test compares with this code.
  *
  * Along a ray,
  *
  *   f(s) = z of the ray - z of the leaf's patch
  *
  * is evaluated where the ray enters and leaves the leaf's box (the paper's line test, but with the root of the patch
- * instead of the line's). The ray is above where f >= 0. Because a box contains its quads entirely, the ray is also
- * above where it passes through the upper face, and below where it passes through the lower face. It hits where f
- * changes sign, or if it enters and leaves on different sides.
+ * instead of the line's). The ray is above where f >= 0. A box contains its quads entirely, so the ray is also above
+ * where it passes through the upper face, and below where it passes through the lower face. It hits where f changes
+ * sign, or if it enters and leaves on different sides.
  *
- * Patches of adjacent groups do not meet exactly. Each deviates from their shared edge by up to half a thickness, so
- * there is a step between them, through which a ray could pass. A ray therefore remembers on which side it left the
- * last leaf, or passed the last box. It hits
+ * Patches of adjacent groups each deviate from their shared edge by up to half a thickness. A ray could pass through
+ * the step between them. It therefore remembers on which side it left the last leaf, or passed the last box. It hits
  *
  * - at the entry of a leaf, if it enters on a side other than the remembered one;
- * - where it left a leaf, if it was within half a thickness of that leaf, and then passes over (under) the next boxes,
- *   although it was under (over) that leaf;
- * - in a lip at the border of the block. The neighbor there is in another block, to which the remembered side is not
- *   passed on.
+ * - where it left a leaf, within half a thickness of it, if it then passes over (under) the next boxes, although it was
+ *   under (over) that leaf;
+ * - in a lip at the block's border. The neighbor there is in another block, which does not know the remembered side.
  *
  *      surface of A  ____           The encoder keeps both surfaces above their shared
  *      ---------.....|   ....---    edge by less than half a thickness. Lips extend down
@@ -29,26 +27,25 @@
  *                     edge          edge, so together they close the gap.
  *
  * Proof that no ray passes through. Inside a block, the leaves and passed boxes cover the ray's path in x and y without
- * a gap, and every change of the remembered side is a hit. A ray could only pass through if the first or the last side
- * that it remembers were wrong. At its first position in the block there are two cases. In the first, the ray is
- * outside of the box of the quads there, and its side is the side on which it passes the box, or the side of the face
- * through which it enters. In the second, it crosses an edge on the border. Assume that it is above that edge (the case
- * below is the same, mirrored, but the patch is above the edge in both). At this position, the patch is at most half a
- * thickness above the edge. If the ray is below the patch, it is in the lip. If it is above, f >= 0 there, and one of
- * three things happens: the ray leaves the leaf on the upper side; or f changes sign after this position; or f changes
- * sign before, which is in the lip unless the ray entered through the lower face. For this reason, a change of sign is
- * a hit even if the ray enters and leaves on the same side, as it can where the box ends but its patch does not.
+ * a gap, and every change of the remembered side is a hit. A ray could only pass through if the first or last side that
+ * it remembers were wrong. At its first position in the block there are two cases. First, the ray is outside of the box
+ * of the quads there; its side is where it passes the box, or the face through which it enters. Second, it crosses an
+ * edge on the border. Assume that it is above that edge (below is the same, mirrored, but the patch is above the edge
+ * in both). At this position, the patch is at most half a thickness above the edge. If the ray is below the patch, it
+ * is in the lip. If it is above, f >= 0 there, and one of three things happens: the ray leaves the leaf on the upper
+ * side; or f changes sign after this position; or f changes sign before, which is in the lip unless the ray entered
+ * through the lower face. For this reason, a change of sign is a hit even if the ray enters and leaves on the same
+ * side, as it can where the box ends but its patch does not.
  *
- * A ray that starts within half a thickness of the surface of a leaf does not hit a step if it leaves the leaf of the
- * step on the side that it remembers. Otherwise the surface would shadow its own points. A segment that starts (ends)
- * in a leaf, at tnear (tfar), hits the leaf only if f changes sign.
+ * A ray that starts within half a thickness of a leaf's surface does not hit a step if it leaves the step's leaf on the
+ * side that it remembers. Otherwise the surface would shadow its own points. A segment that starts (ends) in a leaf, at
+ * tnear (tfar), hits the leaf only if f changes sign.
  *
- * In the paper, every ray that intersects an interval hits its near side. This closes the steps too, but thickens the
- * surface: rays along a crest hit what they should pass, hits are early by half a bin, and rays that start on the
- * surface hit it again.
+ * In the paper, rays hit the near side of intervals. This also closes the steps, but thickens the surface: rays along a
+ * crest hit what they should pass, hits are early by half a bin, and rays that start on the surface hit it again.
  *
- * If a surface folds over, leaves overlap and the order of the walk is not the order along the ray. A walk for the
- * closest hit therefore continues after a hit, and accepts nearer changes of sign.
+ * If a surface folds over, leaves overlap and are not visited in their order along the ray. A walk for the closest hit
+ * therefore continues after a hit, and accepts nearer changes of sign.
  *
  * Based on: Lier et al., "A High-Resolution Compression Scheme for Ray Tracing Subdivision Surfaces with Displacement",
  * 2018, section 4. */
@@ -60,14 +57,14 @@
 
 CBVH_BEGIN
 
-/* Sides of the surface, in the frame. */
+/* Sides of a leaf's surface, in the frame. */
 CVERT_CONSTANT uint32_t sideUnknown = 0u, sideBelow = 1u, sideAbove = 2u;
 
 /*! State of a ray in a block. */
 struct WalkState
 {
-  uint32_t side;    //!< side on which it left the last leaf, or passed the last box
-  bool pending;     //!< it was near the patch of the last leaf that it left, and has not changed its side since
+  uint32_t side;    //!< where it left the last leaf, or passed the last box
+  bool pending;     //!< it was near the patch of the last leaf, and has not changed its side since
   bool fromSurface; //!< it starts in a leaf, within half a thickness
   bool found;       //!< a hit was accepted
 };
@@ -82,14 +79,14 @@ CBVH_FUNCTION WalkState startOfWalk ()
 
 struct LeafEvent
 {
-  uint32_t enter;   //!< side at the entry
-  uint32_t leave;   //!< side at the exit
-  bool changes;     //!< the signs of f at entry and exit differ
+  uint32_t enter;
+  uint32_t leave;
+  bool changes;     //!< f has different signs at entry and exit
   bool nearEntry;   //!< within half a thickness of the patch at the entry
-  bool near;        //!< possibly within half a thickness anywhere between entry and exit
+  bool near;        //!< possibly within half a thickness between entry and exit
   bool started;     //!< the segment starts inside the box
   bool ended;       //!< the segment ends inside the box
-  bool solid;       //!< the box is the surface
+  bool solid;       //!< the leaf's box is its surface
   bool empty;       //!< the leaf has no surface
 };
 
@@ -98,14 +95,14 @@ CVERT_CONSTANT uint32_t hitNone = 0u;
 CVERT_CONSTANT uint32_t hitBox  = 1u; //!< at the entry: the box is the surface
 CVERT_CONSTANT uint32_t hitStep = 2u; //!< at the entry, after a step
 CVERT_CONSTANT uint32_t hitRoot = 3u; //!< where f changes sign
-CVERT_CONSTANT uint32_t hitLip  = 4u; //!< in a lip, if the ray intersects one
+CVERT_CONSTANT uint32_t hitLip  = 4u; //!< if the ray intersects a lip
 CVERT_CONSTANT uint32_t hitExit = 5u; //!< where the ray left the previous leaf
 
 struct Verdict
 {
   uint32_t hit;
-  uint32_t from;    //!< side that the ray remembered, if the hit follows from it, otherwise sideUnknown
-  WalkState next;   //!< state if there is no hit, or if it is not accepted
+  uint32_t from;    //!< remembered side, if the hit follows from it, otherwise sideUnknown
+  WalkState next;   //!< for no hit, or one that is not accepted
 };
 
 CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
@@ -117,7 +114,7 @@ CBVH_FUNCTION Verdict verdict (uint32_t hit, uint32_t from, WalkState next)
   return v;
 }
 
-/*! The walk continues after an accepted hit, because a nearer hit can follow. */
+/*! A nearer hit can follow. */
 CBVH_FUNCTION WalkState afterHit (WalkState state)
 {
   state.found = true;
@@ -158,8 +155,7 @@ CBVH_FUNCTION bool needsPassedBoxes (WalkState state) {
   return state.pending || (state.side == sideUnknown && !state.found);
 }
 
-/*! Call only if needsPassedBoxes(). A ray passes over (under) a box if it overlaps the box in x and y, but misses
- *  it. */
+/*! Requires needsPassedBoxes(). A ray passes over (under) a box that it overlaps in x and y, but misses. */
 CBVH_FUNCTION Verdict passBox (WalkState state, bool above)
 {
   WalkState next = state;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Encoder of lattices (format.h): fits nine heights whose surface passes through the vertices, and bounds the distance
- * of the quads' edges from this surface. */
+/* Encodes lattices (format.h): fits nine heights whose surface passes through the vertices, and bounds the distance of
+ * the quads' edges from it. */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -14,20 +14,20 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Narrower cells, relative to the group, would extrapolate their patches too far. */
+    /*! Relative to the group. Patches of narrower cells would be extrapolated too far. */
     static constexpr double minCellWidth = 1.0/16;
 
-    /*! In bins. Rounding to bins moves the surface by up to half a bin. */
+    /*! In bins, whose rounding moves the surface by up to half a bin. */
     static constexpr double fitTolerance = 0.0625;
     static constexpr int maxFitTurns = 16;
 
-    /*! Piecewise bilinear surface over 3 x 3 heights. */
+    /*! Piecewise bilinear over 3 x 3 heights. */
     struct Lattice
     {
       double planes[2][3];
       double z[9];
 
-      struct Position { int corner; double u, v; }; //!< lower vertex of the cell, and position in it
+      struct Position { int corner; double u, v; }; //!< cell's lower vertex, and position in the cell
 
       Position find(double x, double y) const {
         return in(x >= planes[0][1],y >= planes[1][1],x,y);
@@ -59,9 +59,8 @@ namespace embree
         double largest() const { return std::max(-lower,upper); }
       };
 
-      /*! Range of the height of the surface above the straight edge from a to b. Between the planes that the edge
-       *  crosses, the surface over it is a parabola, which differs from its chord by at most a quarter of its quadratic
-       *  term. */
+      /*! Range of the surface's height above the straight edge from a to b. Between the planes that the edge crosses,
+       *  the surface over it is a parabola, which differs from its chord by at most a quarter of its quadratic term. */
       Range distance(const double a[3], const double b[3]) const
       {
         double cut[4] = { 0,1,1,1 };
@@ -88,7 +87,7 @@ namespace embree
       }
     };
 
-    /*! The two edges of a row or column of the group. Lines 0 and 2 are its sides, 1 is the middle. */
+    /*! Two edges of a row or column: lines 0 and 2 are sides, 1 is the middle. */
     struct GroupLine
     {
       int vertex[3];
@@ -102,9 +101,9 @@ namespace embree
       }
     };
 
-    /*! Returns false if a vertex of an outer side on the block's border is not in the cells on that side, because the
-     *  intersector searches for the border there. Outer planes keep the slack to all vertices; middle planes are
-     *  nearest to the mean of the vertices on them. */
+    /*! Outer planes keep the slack to all vertices; middle planes are nearest to the mean of their vertices. Returns
+     *  false if a vertex on the block's border is not in the cells of that side, where the intersector searches for the
+     *  border. */
     inline bool encodeLatticePlanes(const NodeBox& parent, const QuadGroup& group, int axis, uint32_t& word,
       double planes[3])
     {
@@ -139,9 +138,8 @@ namespace embree
       return true;
     }
 
-    /*! In each turn, each vertex moves the height of its own node by the distance of the surface from the vertex. This
-     *  converges if each vertex's own node has the largest weight there. If it does not converge, the measured
-     *  deviation is large. */
+    /*! In each turn, each vertex moves its own height by the distance of the surface from it. This converges if that
+     *  height has the largest weight at the vertex; otherwise the measured deviation is large. */
     inline void fitLattice(const QuadGroup& group, Lattice& lattice, double tolerance)
     {
       Lattice::Position at[9];
@@ -176,8 +174,8 @@ namespace embree
       }
     };
 
-    /*! Raises the heights of one side of a group, in two steps, until the surface is above the edges there by a slack.
-     *  First step: raises each height at its vertex. */
+    /*! Raises the heights of a side until the surface is above its edges by a slack, in two steps. First step: raises
+     *  each height at its vertex. */
     inline void raiseToVertices(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       for (int v : side.vertex) {
@@ -186,7 +184,7 @@ namespace embree
       }
     }
 
-    /*! Second step: raises all heights together. Returns false if they would be raised too far. */
+    /*! Second step: raises all heights together. False if that is too far. */
     inline bool raiseToEdges(CodedLattice& lattice, const QuadGroup& group, const GroupLine& side, double slack)
     {
       /* Raising a height also raises the surface next to it. Edges that bulge over their vertices by more than a few
@@ -201,7 +199,7 @@ namespace embree
       }
     }
 
-    /*! Smallest code that bounds all edges of a group, or 4 if none does. */
+    /*! Smallest code that bounds all edges, or 4 for none. */
     inline uint32_t encodeLatticeThickness(const CodedLattice& lattice, const QuadGroup& group, double slack)
     {
       Lattice::Range range = { 0,0 };
@@ -219,13 +217,13 @@ namespace embree
       uint64_t bits = 0;
       for (int v=0; v<9; v++)
         if (v != 4) bits |= uint64_t(heights[v]) << (8*latticeByte(v));
-      /* The copies are 7 bits apart and do not overlap, and bit i of copy i is bit 8i+7. */
+      /* Copies are 7 bits apart and do not overlap; bit i of copy i is bit 8i+7. */
       const uint64_t copies = 0x0002040810204081u << 7;
       bits |= uint64_t(heights[4])*copies & 0x0080808080808080u;
       return { uint32_t(bits), uint32_t(bits >> 32) };
     }
 
-    /*! Returns false if no lattice is close enough to the group's quads. */
+    /*! False if no lattice is close enough to the quads. */
     inline bool encodeLattice(const NodeBox& parent, const QuadGroup& group, EncodedGroup& out)
     {
       for (const ExactBox& box : group.boxes)
@@ -239,7 +237,7 @@ namespace embree
       fitLattice(group,lattice.surface,fitTolerance*lattice.bins.size);
       for (int v=0; v<9; v++) lattice.set(v,std::floor((lattice.surface.z[v]-lattice.bins.lower)/lattice.bins.size));
 
-      /* On the border, the surface must not be below the edge. */
+      /* on the border, the surface must not be below the edge */
       const double slopes[2] = { lattice.surface.steepest(0),lattice.surface.steepest(1) }, slack = group.slack(slopes);
       for (int axis=0; axis<2; axis++)
         for (int upper=0; upper<2; upper++)

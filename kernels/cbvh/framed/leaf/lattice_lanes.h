@@ -3,9 +3,8 @@
 
 #pragma once
 
-/* lattice_encoder.h for four groups at a time. Uses the same operations in the same order, and therefore computes the
- * same bits. Supports regular groups: vertices outside of the middle column and row are in the cell on their own side
- * of the middle planes.
+/* lattice_encoder.h for four groups at a time, with the same operations in the same order, and therefore the same bits.
+ * Supports regular groups: vertices outside of the middle column and row are on their own side of the middle planes.
  *
  *    6 .   7   . 8      6 is in cell 2, 7 in 2 or 3, 4 in any.
  *      .       .        All positions in cells are then from 0 to 1.
@@ -13,8 +12,8 @@
  *      .       .
  *    0 .   1   . 2
  *
- * The distance of the edges from the surface is not computed exactly, but between two bounds. If these lead to
- * different results, and for irregular groups, lattice_encoder.h is used. */
+ * Distances of edges from the surface are computed as two bounds. lattice_encoder.h encodes groups for which these lead
+ * to different results, and irregular groups. */
 
 #include "group_lanes.h"
 #include "lattice_encoder.h"
@@ -26,8 +25,8 @@ namespace embree
     class LatticeLanes
     {
     public:
-      uint32_t encoded = 15;   //!< mask of lanes that have a lattice
-      uint32_t undecided = 0;  //!< mask of lanes that lattice_encoder.h must encode
+      uint32_t encoded = 15;   //!< lanes with a lattice
+      uint32_t undecided = 0;  //!< lanes that lattice_encoder.h must encode
 
       LatticeLanes(const NodeBoxes& parents, const GroupLanes& groups)
         : parents(parents), groups(groups),
@@ -72,8 +71,7 @@ namespace embree
       Double4 thickness() const { return thick; }
 
     private:
-      /*! Highest code, up to 31, for which closure(latticeOuter) is true, or 0. The closure must be true for all lower
-       *  codes. */
+      /*! Highest code, up to 31, for which closure(latticeOuter) is true, or 0. It must be true for all lower codes. */
       template<typename Closure>
       static Int4 highest(const Closure& closure)
       {
@@ -123,7 +121,7 @@ namespace embree
         for (int axis=0; axis<2; axis++)
           for (int v=0; v<9; v++)
           {
-            const int step = axis == 0 ? v%3 : v/3; // along the axis
+            const int step = axis == 0 ? v%3 : v/3;
             const Double4 x = groups.vertices[v][axis];
             const Mask4 isUpper = planes[axis][1] <= x;
             if (step == 1) upper[axis][axis == 0 ? v/3 : v%3] = isUpper;
@@ -137,7 +135,7 @@ namespace embree
         encoded &= ~irregular;
       }
 
-      /*! Height at corner (dx,dy) of the cell of vertex v. */
+      /*! At corner (dx,dy) of the cell of vertex v. */
       template<int v, int dx, int dy>
       Double4 corner() const
       {
@@ -178,20 +176,20 @@ namespace embree
         }
       }
 
-      /*! Sets the height of vertex v. q: height in bins; rounded down. */
+      /*! q: in bins; rounded down. */
       void set(int v, Double4 q)
       {
         heights[v] = toInt(min(max(q,0.0),double(latticeBins-1)));
         z[v] = lower + (toFloat(heights[v])+0.5f)*size;
       }
 
-      /*! As QuadGroup::slack(), with the slopes of the coded heights. */
+      /*! QuadGroup::slack() with the slopes of the coded heights. */
       Double4 slackOf() const
       {
         Double4 slope[2];
         for (int axis=0; axis<2; axis++)
         {
-          Double4 rise[2] = { 0.0,0.0 }; // maximum over both cells
+          Double4 rise[2] = { 0.0,0.0 }; // largest differences of heights in both cells
           for (int line=0; line<3; line++)
             for (int i=0; i<2; i++) {
               const int v = axis == 0 ? i+3*line : line+3*i;
@@ -203,10 +201,10 @@ namespace embree
           + slope[1]*groups.rounding[1];
       }
 
-      /*! Where the edge from vertex a to b crosses the middle plane of an axis. */
+      /*! Where the edge from a to b crosses the middle plane of an axis. */
       struct LineCrossing
       {
-        Double4 t, across, z; //!< fraction of the edge, position along the other axis
+        Double4 t, across, z; //!< fraction of the edge, position on the other axis
 
         LineCrossing(const LatticeLanes& l, int axis, const Double4 a[3], const Double4 b[3])
         {
@@ -217,18 +215,18 @@ namespace embree
       };
 
       /*! Height of the surface above a point on the middle plane of an axis. isUpper: the point is in the upper cells
-       *  along the other axis. */
+       *  of the other axis. */
       Double4 distance(const LineCrossing& p, int axis, Mask4 isUpper) const
       {
-        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // heights over the plane
+        const int other = 1-axis, step = axis == 0 ? 3 : 1, first = axis == 0 ? 1 : 3; // indices of heights
         const Double4 from = select(isUpper,z[first+step],z[first]), to = select(isUpper,z[first+2*step],z[first+step]);
         const Double4 u = (p.across-select(isUpper,planes[other][1],planes[other][0]))*select(isUpper,
           reciprocal[other][1],reciprocal[other][0]);
         return from + u*(to-from) - p.z;
       }
 
-      /*! Bounds of the height of the surface above the two edges of a row or column. The exact range contains lowest[0]
-       *  to highest[0], and lies within lowest[1] to highest[1]. These differ only in the middle rows and columns. */
+      /*! Bounds of the surface's height above the two edges of a row or column. The exact range contains lowest[0] to
+       *  highest[0], and lies within lowest[1] to highest[1]. These differ only in middle rows and columns. */
     struct Range4
       {
         Double4 lowest[2] = { 1e300,1e300 }, highest[2] = { -1e300,-1e300 };
@@ -239,8 +237,8 @@ namespace embree
         }
       };
 
-      /*! Bounds of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane at one point x, before
-       *  or after vertex b, which results in three pieces. A piece differs from its chord by its sag.
+      /*! Bounds of a row (axis 1) or column (axis 0), 0 to 2. Its edges cross the middle plane at x, before or after
+       *  vertex b, which results in three pieces. Each differs from its chord by its sag.
        *
        *    a-----x--b--------c    the plane is at x */
       template<int axis, int line>
@@ -252,14 +250,14 @@ namespace embree
         const Double4 da = off[v], db = off[v+step], dc = off[v+2*step];
         Range4 range;
 
-        const Mask4 first = upper[along][line]; // x is before b
+        const Mask4 first = upper[along][line]; // the edge crosses the plane before b
         Double4 from[3], to[3];
         for (int k=0; k<3; k++) { from[k] = select(first,a[k],b[k]); to[k] = select(first,b[k],c[k]); }
         const LineCrossing x(*this,along,from,to);
         const Double4 dx = distance(x,along,
           line == 0 ? maskOf(0) : line == 2 ? maskOf(15) : planes[axis][1] <= x.across);
 
-        /* Products of the extents of the pieces along both axes. */
+        /* products of the pieces' extents on both axes */
         const Double4 t2 = x.t*x.t, rest2 = (1.0-x.t)*(1.0-x.t);
         const Double4 ab = (b[0]-a[0])*(b[1]-a[1]), bc = (c[0]-b[0])*(c[1]-b[1]);
         const Double4 piece[3] = { ab*select(first,t2,1.0),select(first,ab*rest2,bc*t2),bc*select(first,1.0,rest2) };
@@ -282,7 +280,7 @@ namespace embree
             largest = max(largest,sag);
           }
         }
-        /* These edges may also cross the other plane. Parts of pieces have less sag. */
+        /* These edges may also cross the other plane. Parts of pieces sag less. */
         if (line == 1)
           for (int i=0; i<2; i++) {
             const LineCrossing y(*this,axis,i == 0 ? a : b,i == 0 ? b : c);
@@ -294,7 +292,6 @@ namespace embree
         return range;
       }
 
-      /*! Sets the height of the surface above vertex v. */
       template<int v>
       void measure() { off[v] = surface<v>()-groups.vertices[v][2]; }
 
@@ -306,8 +303,8 @@ namespace embree
         }
       }
 
-      /*! Least difference at which a comparison of bounds is certain. Positions in cells, which are at least
-       *  2^-23 wide, have errors below 2^-25, and heights have errors below this fraction of 128 bins. */
+      /*! Least difference for a certain comparison of bounds. Positions in cells, which are at least 2^-23 wide, have
+       *  errors below 2^-25; heights have errors below this fraction of 128 bins. */
       Double4 margin() const { return Double4(size)*(1.0/8192); }
 
       template<int v>
@@ -386,11 +383,11 @@ namespace embree
           latticeThickness(codes[3]&3))*size;
       }
 
-      /*! One lane, for lattice_encoder.h. */
+      /*! One lane as input of lattice_encoder.h. */
       struct Exact
       {
         CodedLattice lattice;
-        QuadGroup group; //!< only the vertices are set
+        QuadGroup group; //!< only the vertices
 
         Exact(const LatticeLanes& l, int lane)
         {
@@ -429,15 +426,15 @@ namespace embree
     private:
       const NodeBoxes& parents;
       const GroupLanes& groups;
-      Float4 lower, size;      //!< lower bound and size of the bins
+      Float4 lower, size;      //!< lower bounds and sizes of the bins
       Int4 word;
       Double4 planes[2][3], width[2][2], reciprocal[2][2];
-      Mask4 upper[2][3];       //!< [axis][line]: middle vertices that are in the upper of both cells
+      Mask4 upper[2][3];       //!< [axis][line]: middle vertices in the upper cell
       Double4 at[9][2];        //!< position of each vertex in its cell
       Int4 heights[9];
       Double4 z[9];
-      Double4 off[9];          //!< height of the surface above each vertex; set by measure()
-      Double4 bend[4];         //!< per cell: sag of a straight line through it that advances by 1 along both axes
+      Double4 off[9];          //!< height of the surface above vertices; set by measure()
+      Double4 bend[4];         //!< per cell: sag of a straight line that advances by 1 on both axes
       Double4 thick;
     };
   }}

@@ -3,10 +3,10 @@
 
 #pragma once
 
-/* Measures how well leaves represent their quads. A leaf is a height field over a box of its frame, and represents
- * anything else badly. A wall that is vertical in the frame has a wrong normal. A fold becomes a thick plane or an
- * entire box. Where the surface ends or bends, the box extends past the edges. Patches with many such quads should be
- * stored as cVERT. docs/paper.md contains the measurements from which the limits follow. */
+/* Measures how well leaves represent their quads. A leaf is a height field over a box. Walls that are vertical in the
+ * frame get wrong normals, folds become thick planes or entire boxes, and where the surface ends or bends, boxes extend
+ * past the edges. Patches with many such quads should be stored as cVERT. docs/paper.md has the measurements behind the
+ * limits. */
 
 #include "../block_geometry.h"
 #include "../normal.h"
@@ -15,7 +15,7 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Cosine of the angle between the normals of a leaf and its quad. */
+    /*! Between the normals of a leaf and its quad. */
     static constexpr double minNormalCosine = 0.7;
 
     /*! Relative to the side of a square with the quad's area. */
@@ -27,14 +27,14 @@ namespace embree
     /*! Fractions of a patch's quads, and of its edges where the surface ends or bends. */
     static constexpr double maxPoorQuads = 1.0/64, maxPoorEdges = 1.0/16;
 
-    /*! A sufficient sample of the quads of a patch. */
+    /*! Quads that are a sufficient sample of a patch. */
     static constexpr size_t minQuadsSeen = 1024;
 
     struct LeafFit
     {
-      uint32_t quads = 0, poorQuads = 0; //!< poor: with a wrong normal, thick, loose or solid
+      uint32_t quads = 0, poorQuads = 0; //!< poor: wrong normal, thick, loose or solid
       uint32_t edges = 0, poorEdges = 0; //!< where the surface ends or bends
-      uint32_t flippedQuads = 0;         //!< normal differs by more than 90 degrees
+      uint32_t flippedQuads = 0;         //!< normal is off by over 90 degrees
 
       void merge(const LeafFit& other)
       {
@@ -45,8 +45,8 @@ namespace embree
 
       bool isPoor() const { return poorQuads > maxPoorQuads*quads || poorEdges > maxPoorEdges*edges; }
 
-      /*! As isPoor(), before all quads and edges of the patch were measured. The first quarter is a sample of the
-       *  remaining quads, if it is large enough and distributed over the patch. All edges are counted. */
+      /*! isPoor() before all quads and edges of the patch were measured. The first quarter is a sample of the remaining
+       *  quads, if it is large enough and distributed over the patch. All edges are counted. */
       bool isClearlyPoor(size_t allQuads, size_t allEdges) const
       {
         const size_t enough = std::min(allQuads,std::max(allQuads/4,minQuadsSeen));
@@ -59,14 +59,14 @@ namespace embree
         bool isRough, double thickness)
       {
         const QuadNormal quad(geometry,x,y);
-        if (!(quad.length > 0)) return; // no area, or not finite
+        if (!(quad.length > 0)) return; // the quad has no area, or is not finite
         const double cosine = quad.cosine(geometry.frame,box,slope);
         quads++;
         flippedQuads += cosine < 0;
         poorQuads += isRough || cosine < minNormalCosine || thickness > maxLeafThickness*std::sqrt(0.5*quad.length);
       }
 
-      /*! A quad whose leaf's normal is the z axis of the frame. */
+      /*! For a leaf whose normal is the frame's z axis. */
       void addFlatQuad(const BlockGeometry& geometry, uint32_t x, uint32_t y, const NodeBox& box)
       {
         const double flat[2] = { 0,0 };
@@ -76,7 +76,6 @@ namespace embree
         flippedQuads += quad.cosine(geometry.frame,box,flat) < 0;
       }
 
-      /*! overhang: see maxOverhang. */
       void addEdge(double overhang)
       {
         edges++;
@@ -103,7 +102,7 @@ namespace embree
           length = std::sqrt(n[0]*n[0] + n[1]*n[1] + n[2]*n[2]);
         }
 
-        /*! Cosine of the angle to the plane with these slopes through the middle of a box. */
+        /*! Cosine of the angle to the plane with these slopes. */
         double cosine(const Frame& frame, const NodeBox& box, const double slope[2]) const
         {
           const double c[3] =

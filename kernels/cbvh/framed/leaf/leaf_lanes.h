@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Measures the leaves of four lattices at a time. Most leaves are good, and thinner than the thickest leaf of their
- * block: this is tested without divisions and roots, with a margin for rounding. LeafFit and BlockStatistics measure
- * the others. */
+/* Measures the leaves of four lattices at a time. Most leaves are good, and thinner than their block's thickest leaf,
+ * which is tested without divisions and roots, with a margin for rounding. LeafFit and BlockStatistics measure the
+ * others. */
 
 #include "lattice_lanes.h"
 #include "leaf_thickness.h"
@@ -29,7 +29,7 @@ namespace embree
         }
       }
 
-      /*! Mask of the lanes whose leaf of quad c is good and not thicker than maxThickness. */
+      /*! Lanes whose leaf of quad c is good, and not thicker than maxThickness. */
       uint32_t good(int c, float maxThickness) const
       {
         const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;

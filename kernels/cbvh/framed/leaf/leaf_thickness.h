@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Statistics of a block, in particular the world-space thickness of its leaves. */
+/* Statistics of a block, in particular the thickness of its leaves. */
 
 #include "leaf_fit.h"
 
@@ -16,13 +16,13 @@ namespace embree
       uint32_t invalidQuads = 0;
       uint32_t solidLeaves = 0;
       bool affine = false;
-      float maxThickness = 0;      //!< world units
+      float maxThickness = 0;      //!< largest thickness, in world space
       LeafFit fit;
 
       /*! Adds and returns the world-space distance between the plane z = slope (x,y) through the middle of a box and
        *  the same plane moved up by `thickness`. A plane a.(x,y,z) = k of the frame is the world-space plane (a_x Rx +
-       *  a_y Ry + a_z Rz - k Rw).p = const, where R are the rows of the map. The length of its normal divided by W is
-       *  the distance in the frame per unit of world space. */
+       *  a_y Ry + a_z Rz - k Rw).p = const, with the rows R of the map. The length of its normal divided by W is the
+       *  distance in the frame per world-space unit. */
       float addThickness(const BlockGeometry& geometry, const NodeBox& box, const double slope[2], double thickness)
       {
         const double c[3] =

@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Encoder of loose groups (format.h). */
+/* Encodes loose groups (format.h). */
 
 #include "quad_group.h"
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! Fits a plane to the vertices of a quad. z: heights at corners (0,0), (1,0), (0,1). Damped, so that the slope is
-     *  0 in directions without extent. */
+    /*! Fits a plane to a quad. z: heights at corners (0,0), (1,0), (0,1). Damped, so that slopes are 0 in directions
+     *  without extent. */
     inline void fitLeafPlane(const NodeBox& box, const QuadGroup& group, int quad, double z[3])
     {
       double u[4], v[4], mu = 0, mv = 0, mz = 0, suu = 1e-9, suv = 0, svv = 1e-9, suz = 0, svz = 0;
@@ -36,8 +36,8 @@ namespace embree
       z[2] = z[0] + b;
     }
 
-    /*! thickness: smallest code that bounds the quad. A plane that is close to the vertices is close to the edges. The
-     *  leaf is solid if no code is large enough. */
+    /*! thickness: smallest code that bounds the quad. A plane close to the vertices is close to the edges. The leaf is
+     *  solid if no code is large enough. */
     inline uint32_t encodeLooseLeaf(const NodeBox& box, const QuadGroup& group, int quad, uint32_t& thickness)
     {
       thickness = 0;
@@ -54,7 +54,7 @@ namespace embree
       }
       const double slopes[2] = { std::fabs(z[1]-z[0])/box.extent[0],std::fabs(z[2]-z[0])/box.extent[1] },
         slack = group.slack(slopes);
-      double lowest = 0, highest = 0; // range of the plane's height above the vertices
+      double lowest = 0, highest = 0; // of the plane's height above the vertices
       double lowestBorder = 1e300;
       for (int c=0; c<4; c++) {
         const double* p = group.vertexOf(quad,c);
@@ -64,7 +64,7 @@ namespace embree
         highest = std::max(highest,d);
         if (group.isOnBorder(quad,c)) lowestBorder = std::min(lowestBorder,d);
       }
-      /* On the border, the surface must not be below the edge. */
+      /* on the border, the surface must not be below the edge */
       if (lowestBorder < slack)
       {
         const double up = std::ceil((slack-lowestBorder)/bins.size);

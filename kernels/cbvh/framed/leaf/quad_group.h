@@ -10,13 +10,13 @@ namespace embree
 {
   namespace cbvh { inline namespace CBVH_ISA
   {
-    /*! 2 x 2 quads in the frame of their block. */
+    /*! 2 x 2 quads in their block's frame. */
     struct QuadGroup
     {
       double vertices[9][3];
-      ExactBox boxes[4];     //!< bounds of the quads, with rounding; empty if a vertex is not finite
-      double rounding[3];    //!< largest distance between a vertex and the same vertex of a neighboring face
-      bool border[2][2];     //!< [axis][upper]: that side is on the border of the block
+      ExactBox boxes[4];     //!< of the quads, with rounding; empty if a vertex is not finite
+      double rounding[3];    //!< largest distance between evaluations of a vertex by two faces
+      bool border[2][2];     //!< [axis][upper]: the side is on the block's border
 
       bool isOnBorder(int quad, int corner) const {
         for (int axis=0; axis<2; axis++) {
@@ -40,7 +40,7 @@ namespace embree
     {
       uint32_t word;
       Heights heights;
-      double borderWidth; //!< see borderWidthOf(); 0 without a side on the border
+      double borderWidth; //!< see borderWidthOf(); 0 away from the border
     };
   }}
 }

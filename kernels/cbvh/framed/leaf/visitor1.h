@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Leaves of cLEAF, for a single ray. hit_rule.h decides where it hits. */
+/* Leaves of cLEAF for a single ray. hit_rule.h decides where it hits. */
 
 #include "crossing1.h"
 
@@ -19,8 +19,7 @@ namespace embree
         typedef NodeEntries::LeafTile LeafTile;
         static const uint32_t kind = kindLeaf;
 
-        /*! Hits in other blocks do not shorten the walk: the boxes that a ray passes after them affect hits before
-         *  them. */
+        /*! Hits in other blocks do not shorten the walk: boxes that a ray passes after them affect hits before them. */
         template<typename... Args>
         __forceinline LeafVisitor1 (Args&&... args) : BlockVisitor1<RayType>(args...) { this->sBest = 1.0f; }
 
@@ -55,7 +54,7 @@ namespace embree
         }
 
       private:
-        /* Where the ray left the last leaf. */
+        /* where the ray left the last leaf */
         uint32_t exitM, exitChild;
         float exitS;
 
@@ -72,14 +71,14 @@ namespace embree
           passedMask = needsPassedBoxes(state) ? ~0u : 0u;
         }
 
-        /*! Returns true if the walk may end. */
+        /*! True if the walk may end. */
         __forceinline bool accept (bool accepted)
         {
           if (accepted) setState(afterHit(state));
           return accepted && IsAnyHit<RayType>::value;
         }
 
-        /*! Returns true if the ray hits the leaf in the way that `hit` selects (hit_rule.h), and sets s. */
+        /*! True if the ray hits the leaf in the way that `hit` selects (hit_rule.h); sets s. */
         __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
         {
           if (hit == hitNone) return false;
@@ -97,7 +96,6 @@ namespace embree
           return at.met;
         }
 
-        /*! k: position between entry and exit. */
         static __forceinline float between (const Crossing<float>& x, float k) { return fused(k,x.s1-x.s0,x.s0); }
 
         __forceinline LeafHit1 leafHit (const LeafSurfaces& surfaces, uint32_t child, float s, uint32_t from) const

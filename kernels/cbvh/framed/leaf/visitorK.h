@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* As visitor1.h, crossing1.h and hit_rule.h, with one ray per lane. */
+/* visitor1.h, crossing1.h and hit_rule.h with a ray per lane. */
 
 #include "../block_visitorK.h"
 #include "crossing.h"
@@ -14,11 +14,10 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! WalkState, one per ray. */
       template<int K>
       struct WalkStates
       {
-        vbool<K> known, above; //!< known: the side is known; above: the side is above
+        vbool<K> known, above; //!< the side is known; it is above
         vbool<K> pending, fromSurface, found;
 
         __forceinline WalkStates () : known(false), above(false), pending(false), fromSurface(false), found(false) {}
@@ -32,7 +31,6 @@ namespace embree
         }
       };
 
-      /*! Crossing<float> of each ray with one leaf. */
       template<int K>
       struct Crossings
       {
@@ -61,7 +59,7 @@ namespace embree
           near = changes | (min(abs(f0),abs(f1)) <= madd(vfloat<K>(0.25f),abs(saddle),reach));
         }
 
-        /*! u (axis 0) or v (axis 1) in the box of a leaf. */
+        /*! (axis 0: u, axis 1: v) in a leaf's box. */
         static __forceinline vfloat<K> position (const FrameRays<K>& rays, int axis, const float footprint[4],
                                                  const vfloat<K>& s)
         {
@@ -94,7 +92,7 @@ namespace embree
       {
         WalkStates<K> state;
 
-        /* Where rays left their last leaf. */
+        /* where rays left their last leaf */
         vint<K> exitLeaf;
         vfloat<K> exitS;
 
@@ -109,7 +107,6 @@ namespace embree
 
         __forceinline LeafTile& leafTile (uint32_t m) { return this->tiles.leafTile(m); }
 
-        /*! As needsPassedBoxes() of framed/leaf/hit_rule.h. */
         __forceinline vbool<K> needsPassedBoxes () const { return state.pending | !(state.known | state.found); }
 
         /*! As passBox(). */
@@ -181,7 +178,7 @@ namespace embree
           state.pending = andn(state.pending,accepted);
         }
 
-        /*! See leafHit in visitor1.h. */
+        /*! As leafHit in visitor1.h. */
         __forceinline void setSurface (LeafHits<K>& hits, const LeafSurfaces& surfaces, uint32_t child) const
         {
           const float* h = surfaces.height[child];
@@ -194,7 +191,7 @@ namespace embree
           hits.slopeY = madd(hits.u,vfloat<K>(h[3]),vfloat<K>(h[2]))*vfloat<K>(footprint[3]);
         }
 
-        /*! Reports hits where rays left their last leaf. above: their side there. */
+        /*! Reports hits where rays left their last leaf. above: side there. */
         __noinline void reportExits (const vbool<K>& lanes, const vbool<K>& above)
         {
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
@@ -217,7 +214,7 @@ namespace embree
           return x == 0 || y == 0 || x == last || y == last;
         }
 
-        /*! Sets s. Returns the rays that intersect no lip. */
+        /*! Sets s, and returns the rays that intersect no lip. */
         __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
                                       vfloat<K>& s) const
         {

@@ -11,8 +11,8 @@ namespace embree
   {
     namespace cbvh
     {
-      /*! A leaf is hit where the ray enters its box. A ray that starts inside a box does not hit it: the ray comes
-       *  from, or is already past, the surface in it. */
+      /*! Rays hit a leaf where they enter its box. A ray that starts inside a box does not hit it: it comes from the
+       *  surface in the box, or is past it. */
       template<typename RayType>
       struct VoxelVisitor1 : public BlockVisitor1<RayType>
       {
@@ -23,7 +23,7 @@ namespace embree
         {
           if (this->startsInside(ranges,child)) return false;
           const float s = max(ranges.sNear[child],0.0f);
-          // if hits are at the same distance, the first along the ray is accepted
+          // of hits at the same distance, the first along the ray is accepted
           if (this->isHit ? !(s < this->sBest) : s > this->sBest) return false;
           const float u = position(tile.grandchildren,0,child,s), v = position(tile.grandchildren,1,child,s);
           return this->reportHit(16*m+child,LeafHit1{ s,u,v,0.0f,0.0f,false,false }) && IsAnyHit<RayType>::value;

@@ -24,7 +24,7 @@ namespace embree
         {
           LeafHits<K> hits;
           hits.s = max(box.sNear,vfloat<K>(zero));
-          // if hits are at the same distance, the first along the ray is accepted
+          // of hits at the same distance, the first along the ray is accepted
           const vbool<K> nearer = (hits.s < this->sBest) | andn(hits.s <= this->sBest,this->isHit);
           const vbool<K> hit = andn(lanes & nearer,this->startInside(box));
           if (none(hit)) return;
