@@ -64,7 +64,7 @@ RTCCompressionArguments compressionArguments(const BuildSettings& settings);
 /* Fraction of quads that cLEAF stores as cVERT, in [0,1]. */
 inline double exactQuadShare(const RTCCompressionStatistics& s)
 {
-  return s.numQuads ? double(s.numExactQuads) / double(s.numQuads) : 0.0;
+  return s.numQuads ? double(s.numFallbackQuads) / double(s.numQuads) : 0.0;
 }
 
 struct BuildReport

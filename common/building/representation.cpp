@@ -41,8 +41,8 @@ std::vector<Names> makeNames()
     only.kind = RepresentationKind::CLeafOnly;
     only.word += "-only";
     only.label += "-only";
-    only.config += ",cbvh_exact_faces=0";
-    names.back().config += ",cbvh_exact_faces=1";
+    only.config += ",cbvh_fallback_faces=0";
+    names.back().config += ",cbvh_fallback_faces=1";
     names.push_back(only);
   }
   return names;

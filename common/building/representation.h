@@ -22,7 +22,7 @@ enum class RepresentationKind
   CVoxel = RTC_COMPRESSION_VOXEL,
   CLeaf = RTC_COMPRESSION_LEAF,
   CVert = RTC_COMPRESSION_VERT,
-  /* cLEAF as in the paper: no faces stored exactly (cbvh_exact_faces=0). */
+  /* cLEAF as in the paper: no faces stored exactly (cbvh_fallback_faces=0). */
   CLeafOnly = 1000,
   NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT
 };
@@ -61,7 +61,7 @@ struct Representation
   bool hasFrames() const;
 
   /* Faces that leaves approximate badly are stored as cVERT. */
-  bool hasExactFaces() const { return kind == RepresentationKind::CLeaf; }
+  bool hasFallbackFaces() const { return kind == RepresentationKind::CLeaf; }
 
   /* "cLEAF", "cLEAF^2" with a frame level, "cLEAF-only^2" */
   std::string label() const;

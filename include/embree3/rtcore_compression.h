@@ -32,8 +32,8 @@
  * buffers that are not finite are not an error, as in Embree. cVOXEL stores patches with left-out quads as cLEAF.
  *
  * Surfaces are watertight: one of the faces that share an edge or a corner owns it, and all of them use the vertices
- * that the owner evaluates. cLEAF requires exactFaces for this. Grids of one geometry are watertight where they share
- * border vertices, by index or by equal floats.
+ * that the owner evaluates. cLEAF requires fallbackFaces for this. Grids of one geometry are watertight where they
+ * share border vertices, by index or by equal floats.
  *
  * Structs that may grow in later versions begin with structSize, which the application sets to the sizeof of the
  * struct. In C++ a default member initializer does so. In C the application writes {.structSize = sizeof(args)}, or
@@ -155,7 +155,7 @@ struct RTCCompressionArguments
 
   /* cLEAF: 1 stores faces that leaves cannot represent (curved open borders and creases, walls, folds) as cVERT. 0
    * stores all faces as cLEAF. Negative inherits the setting of the device, which is 1 by default. */
-  int exactFaces;
+  int fallbackFaces;
 
   unsigned int flags; /* bits of RTCCompressionFlags */
 
@@ -176,7 +176,7 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
   args->maxPixelError = 0.0f;
   args->cameraPosition[0] = args->cameraPosition[1] = args->cameraPosition[2] = 0.0f;
   args->pixelSize = 0.0f;
-  args->exactFaces = -1;
+  args->fallbackFaces = -1;
   args->flags = RTC_COMPRESSION_FLAG_NONE;
   args->progress = NULL;
   args->progressUserPtr = NULL;
@@ -186,16 +186,16 @@ RTC_FORCEINLINE void rtcInitCompressionArguments(struct RTCCompressionArguments*
  *
  * The geometry owns its blocks. All scenes that it is attached to share them. A commit builds them again if the surface
  * changed, but not for changes of the mask, the filters and the enabled state. Geometry with motion blur is always
- * stored as cVERT. If exactFaces is 0 and another representation is selected, such geometry is left to Embree.
+ * stored as cVERT. If fallbackFaces is 0 and another representation is selected, such geometry is left to Embree.
  *
  * geometry: of type RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_GRID, RTC_GEOMETRY_TYPE_QUAD or
  *           RTC_GEOMETRY_TYPE_TRIANGLE.
  * args:     read during the call, not NULL.
  *
  * Errors: RTC_ERROR_INVALID_ARGUMENT for NULL, a wrong structSize, an unknown compression, a frame level outside of
- * -2 to 8, a maxError that is not finite, a maxPixelError that is negative or not finite, an invalid camera, an
- * exactFaces above 1, or unknown flags. RTC_ERROR_INVALID_OPERATION for a geometry of another type. After an error the
- * geometry keeps its settings. Thread safety: as rtcSetGeometryTessellationRate. */
+ * -2 to 8, a maxError that is not finite, a maxPixelError that is negative or not finite, an invalid camera, a
+ * fallbackFaces above 1, or unknown flags. RTC_ERROR_INVALID_OPERATION for a geometry of another type. After an error
+ * the geometry keeps its settings. Thread safety: as rtcSetGeometryTessellationRate. */
 RTC_API void rtcSetGeometryCompression(RTCGeometry geometry, const struct RTCCompressionArguments* args);
 
 /* Compression statistics of a committed scene, or of a geometry in a file. Sizes are in bytes. */
@@ -220,7 +220,7 @@ struct RTCCompressionStatistics
                                 // evaluated, or on shared borders the face that owns it. cLEAF: on borders only
   float  maxBorderMismatch;     // cVERT, cLEAF, world units: largest distance between the vertices that two faces
                                 // evaluate at the same place; the stored surface has no such gap
-  size_t numExactQuads;         // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::exactFaces
+  size_t numFallbackQuads;         // cLEAF: quads of faces stored as cVERT, see RTCCompressionArguments::fallbackFaces
   size_t numFlippedQuads;       // quads whose stored normal differs from their vertices' normal by more than 90 degrees
   size_t numMeshQuads;          // quads of quad meshes in blocks, plus pairs of triangles of triangle meshes
   size_t numIrregularQuads;     // those of numMeshQuads that are in no grid of at least 4 x 4 quads

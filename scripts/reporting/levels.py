@@ -20,7 +20,7 @@ CHARTS = {  # unit, column, whether its axis is logarithmic
 
 def exact_share(row):
     """Share of cLEAF's quads that are stored exactly, as in cVERT; None for other representations."""
-    return row.memory_compression_exact_quads / max(1, row.memory_compression_quads) if row.kind == "cLEAF" else None
+    return row.memory_compression_fallback_quads / max(1, row.memory_compression_quads) if row.kind == "cLEAF" else None
 
 
 def speed(rays):

@@ -19,7 +19,7 @@ TEST(KindsWithoutPaper, OnlyCvertIsAvailable)
   EXPECT_EQ(kindDescriptions[0].kind, Kind::VERT);
 }
 
-// A record may name cLEAF although all blocks are cVERT, because of exactFaces. Reports must name the traced
+// A record may name cLEAF although all blocks are cVERT, because of fallbackFaces. Reports must name the traced
 // representation, not GRID.
 TEST(KindsWithoutPaper, LoadedGeometriesReportTheirBlocks)
 {

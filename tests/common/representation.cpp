@@ -21,7 +21,7 @@ TEST(Representation, ListsAcceptFrameLevelsPerEntry)
   EXPECT_EQ(list[3].deviceConfig(), "subdiv_accel=cbvh.voxel,cbvh_frame_level=3");
   EXPECT_EQ(list[3].label(), "cVOXEL^3");
   EXPECT_EQ(list[4].fileStem(), "cleaf0");
-  EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=1,cbvh_frame_level=auto");
+  EXPECT_EQ(list[5].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_fallback_faces=1,cbvh_frame_level=auto");
 }
 
 // The one stores faces exactly if leaves represent them badly; the other never does. They must not share a name.
@@ -29,14 +29,14 @@ TEST(Representation, LeavesOnlyHasAName)
 {
   const auto list = parseRepresentations("cleaf^2,cleaf-only^2,cLEAF-only", autoFrameLevel);
   ASSERT_EQ(list.size(), 3u);
-  EXPECT_EQ(list[0].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=1,cbvh_frame_level=2");
-  EXPECT_EQ(list[1].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_exact_faces=0,cbvh_frame_level=2");
+  EXPECT_EQ(list[0].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_fallback_faces=1,cbvh_frame_level=2");
+  EXPECT_EQ(list[1].deviceConfig(), "subdiv_accel=cbvh.leaf,cbvh_fallback_faces=0,cbvh_frame_level=2");
   EXPECT_EQ(list[1].label(), "cLEAF-only^2");
   EXPECT_EQ(list[1].fileStem(), "cleaf-only2");
   EXPECT_EQ(list[2].label(), "cLEAF-only");
   EXPECT_EQ(list[1].compression(), RTC_COMPRESSION_LEAF);
-  EXPECT_TRUE(list[0].hasExactFaces());
-  EXPECT_FALSE(list[1].hasExactFaces());
+  EXPECT_TRUE(list[0].hasFallbackFaces());
+  EXPECT_FALSE(list[1].hasFallbackFaces());
 }
 
 TEST(Representation, NamesOfTheLibraryAreAccepted)

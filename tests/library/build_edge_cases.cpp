@@ -40,7 +40,7 @@ TEST(BuildEdgeCases, FaceWithoutValidVerticesDoesNotAffectNeighbors)
 // Frame levels for an error bound are chosen once. Other values later must not overflow buffers.
 TEST(BuildEdgeCases, DisplacementMayReturnDifferentValuesLater)
 {
-  Device device("threads=1,subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0005,cbvh_exact_faces=0");
+  Device device("threads=1,subdiv_accel=cbvh.leaf,cbvh_frame_level=auto,cbvh_max_error=0.0005,cbvh_fallback_faces=0");
   Scene scene(device);
   size_t calls = 0;
   DisplaceFunction rougher = [&](unsigned, float u, float v, Vec& p) {

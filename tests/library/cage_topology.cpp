@@ -31,7 +31,7 @@ SurfaceSettings sharing(RTCCompression compression, float rate)
 {
   SurfaceSettings settings;
   settings.compression = compression;
-  settings.exactFaces = true;
+  settings.fallbackFaces = true;
   settings.rate = rate;
   return settings;
 }

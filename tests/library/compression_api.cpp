@@ -38,7 +38,7 @@ std::string representationOf(RTCScene scene)
 std::string representation(const std::string& config, const RTCCompressionArguments* args = nullptr, float rate = 32)
 {
   const bool says = !config.empty() || getenv("EMBREE_CBVH");
-  Device device(says ? "cbvh_exact_faces=0," + config : config); // the number of blocks reveals the form
+  Device device(says ? "cbvh_fallback_faces=0," + config : config); // the number of blocks reveals the form
   if (!device) return "no device";
   Displacement displacement;
   SurfaceSettings settings;
@@ -63,7 +63,7 @@ RTCCompressionArguments arguments(RTCCompression compression, int frameLevel = R
   args.compression = compression;
   args.frameLevel = frameLevel;
   args.maxError = maxError;
-  args.exactFaces = 0; // the number of blocks reveals the form
+  args.fallbackFaces = 0; // the number of blocks reveals the form
   return args;
 }
 
@@ -227,7 +227,7 @@ TEST(Settings, UnknownKeysAreRejectedWithSuggestion)
 {
   expectNoDevice("subdiv_accel=cbvh,cbvh_maxerror=0.001", "did you mean cbvh_max_error?", "cbvh_maxerror");
   expectNoDevice("cbvh_framelevel=2", "did you mean cbvh_frame_level?", "cbvh_framelevel");
-  expectNoDevice("cbvh_exact=1", "did you mean cbvh_exact_faces?", "cbvh_exact");
+  expectNoDevice("cbvh_fallback=1", "did you mean cbvh_fallback_faces?", "cbvh_fallback");
   expectNoDevice("cbvh=vert", "the device string", "cbvh");
   Environment environment("vert,maxerror=0.001");
   expectNoDevice("", "did you mean max_error?", "maxerror=0.001");

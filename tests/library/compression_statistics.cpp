@@ -178,7 +178,7 @@ TEST(CompressionStatistics, CountMovingGeometry)
     SurfaceSettings settings;
     Scene scene(device);
     settings.compression = compression;
-    settings.exactFaces = true;
+    settings.fallbackFaces = true;
     addSurface(device, scene, quadCage(), settings);
     settings.timeSteps = 3;
     addSurface(device, scene, cubeCage(), settings);

@@ -391,7 +391,7 @@ TEST(ReleasedInput, IsNotReadAgain)
       RTCGeometry geometry = newReleased(device, displacement, hasAttribute ? attribute.data() : nullptr);
       SurfaceSettings settings;
       settings.rate = 20;
-      settings.exactFaces = true;
+      settings.fallbackFaces = true;
       settings.displacement = &displacement;
       const SurfaceScene kept(device, cubeCage(), settings);
       Scene scene(device), other(device, RTC_SCENE_FLAG_DYNAMIC);

@@ -136,7 +136,7 @@ private:
     RTCCompressionArguments args;
     rtcInitCompressionArguments(&args);
     args.compression = settings.compression;
-    args.exactFaces = settings.exactFaces;
+    args.fallbackFaces = settings.fallbackFaces;
     if (releases) args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
     rtcSetGeometryCompression(geometry, &args);
   }

@@ -46,7 +46,7 @@ TEST_P(HighRates, DisplacedPlaneIsHitAtTheRightPlace)
     SCOPED_TRACE(testing::Message() << "rates " << rates[0] << ", " << rates[1] << ", " << rates[2] << ", "
                                     << rates[3]);
     SurfaceSettings settings = settingsOf(GetParam(), nullptr);
-    settings.exactFaces = true;
+    settings.fallbackFaces = true;
     settings.edgeRates = rates;
     const Scene scene(device);
     RTCGeometry geometry = newSurface(device, quadCage(), settings);

@@ -75,7 +75,7 @@ TEST(RandomCages, AreTracedWithoutCrash)
     spoil(random, cage);
     SurfaceSettings settings;
     settings.compression = kinds[random.below(6)];
-    settings.exactFaces = random.chance(0.5);
+    settings.fallbackFaces = random.chance(0.5);
     settings.rate = random.chance(0.05) ? oddNumber(random) : float(random.uniform(0, 9));
     if (settings.rate > 100) settings.rate = 100;
     if (random.chance(0.3))

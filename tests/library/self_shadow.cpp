@@ -108,7 +108,7 @@ double share(const ShadowComparison& c) { return double(c.all.sum())/double(c.ra
 class SelfShadow : public testing::Test
 {
 protected:
-  // exact_faces is off because the tests are about leaves.
+  // fallback_faces is off because the tests are about leaves.
   static void expectAtMost(double bound, const Fixture& f)
   {
     const ShadowComparison grid = f.compare(*f.built("cgrid")), leaf = f.compare(*f.built("cleaf-only"));

@@ -20,7 +20,7 @@ void compareUncompressed(float rate, const std::vector<float>& edgeRates, bool c
   for (const char* kind : {"grid", "voxel", "leaf"}) {
     SCOPED_TRACE(testing::Message() << kind << ", rate " << rate << ", " << edgeRates.size() << " edge rates");
     testing::internal::CaptureStderr();
-    Device device(std::string("verbose=1,cbvh_exact_faces=0,subdiv_accel=cbvh.") + kind);
+    Device device(std::string("verbose=1,cbvh_fallback_faces=0,subdiv_accel=cbvh.") + kind);
     SurfaceSettings settings;
     settings.displacement = &displacement;
     settings.rate = rate;
@@ -57,7 +57,7 @@ TEST(UncompressedSurfaces, RatesAbove256MatchStock)
 
 TEST(UncompressedSurfaces, MotionBlurMatchesStock)
 {
-  compareUncompressed(8, {}, false, "not compressed: 6 faces that have motion blur, because exact_faces is 0", 2);
+  compareUncompressed(8, {}, false, "not compressed: 6 faces that have motion blur, because fallback_faces is 0", 2);
 }
 
 TEST(UncompressedSurfaces, FacesWithHighRatesCoexistWithCompressedOnes)

@@ -189,5 +189,5 @@ FUNCTIONS = (
     # settings
     Entry("setMaxError", 2, SETTINGS),
     Entry("::verify", 2, SETTINGS),
-    Entry("resolve", 2, SETTINGS + ("exact_faces ExactFaces.Geometry*",)),
+    Entry("resolve", 2, SETTINGS + ("fallback_faces FallbackFaces.Geometry*",)),
 )

@@ -271,7 +271,7 @@ class Report(unittest.TestCase):
         self.assertIn(f"{pages.escape(formats.pixels(errors_of_view['p99_pixels']))} pixels of error", first)
         self.assertIn(f"median is {pages.escape(formats.pixels(errors_of_view['median_pixels']))} pixels", first)
         self.assertNotIn("RMSE", first)
-        exact = ours["memory"]["compression"]["exact_quads_share"]
+        exact = ours["memory"]["compression"]["fallback_quads_share"]
         self.assertIn(f"cLEAF<sup>2</sup> stores {100 * exact:.1f}% of its quads exactly", first)
 
     def test_first_screen_covers_all_scenes(self):
@@ -324,13 +324,13 @@ class Report(unittest.TestCase):
                 for key in ("median_pixels", "p99_pixels"):
                     self.assertIn(formats.pixels(view[kind][key]), shown)
 
-    def test_share_of_exact_quads_is_next_to_memory_of_cleaf(self):
+    def test_share_of_fallback_quads_is_next_to_memory_of_cleaf(self):
         results = {r["representation"]: r for r in self.record()["groups"][1]["results"]}
         exact, only = (results[label]["memory"]["compression"] for label in ("cLEAF^2", "cLEAF-only^2"))
-        self.assertEqual(only["exact_quads"], 0)
-        self.assertGreater(exact["exact_quads"], 0)
-        percent = f"{100 * exact['exact_quads'] / exact['quads']:.1f}"
-        self.assertAlmostEqual(exact["exact_quads_share"], exact["exact_quads"] / exact["quads"])
+        self.assertEqual(only["fallback_quads"], 0)
+        self.assertGreater(exact["fallback_quads"], 0)
+        percent = f"{100 * exact['fallback_quads'] / exact['quads']:.1f}"
+        self.assertAlmostEqual(exact["fallback_quads_share"], exact["fallback_quads"] / exact["quads"])
         parts, _ = levels.section(self.data())
         (table,) = [part for part in parts if part.title == f"cube: {levels.EXACT}"]
         self.assertIn(("cLEAF^2", percent + "%"), [(row[0], row[2]) for row in table.rows])

@@ -236,13 +236,13 @@ class Building(unittest.TestCase):
                   for n in (0, 1, 2)]
         self.assertEqual(blocks, [25, 100, 400])
 
-    def test_exact_faces_are_selected_by_name(self):
+    def test_fallback_faces_are_selected_by_name(self):
         exact = lambda name: cbvh.build(cbvh.Model.scene("cube"), name,
-                                        3).statistics()["compression"]["exact_quads_share"]
+                                        3).statistics()["compression"]["fallback_quads_share"]
         self.assertGreater(exact("cleaf"), 0)
         self.assertEqual(exact("cleaf-only"), 0)
         with self.assertRaises(TypeError):
-            cbvh.build(sheet(), "cleaf", 3, exact_faces=False)
+            cbvh.build(sheet(), "cleaf", 3, fallback_faces=False)
 
     def test_error_bounds_hold(self):
         model = bumpy_model()

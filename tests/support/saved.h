@@ -77,13 +77,13 @@ struct Saveable
 };
 
 inline RTCGeometry releasing(RTCGeometry geometry, RTCCompression compression,
-                             int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, int exactFaces = -1)
+                             int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT, int fallbackFaces = -1)
 {
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
   args.compression = compression;
   args.frameLevel = frameLevel;
-  args.exactFaces = exactFaces;
+  args.fallbackFaces = fallbackFaces;
   args.flags = RTC_COMPRESSION_FLAG_RELEASE_INPUT;
   rtcSetGeometryCompression(geometry, &args);
   rtcCommitGeometry(geometry);
@@ -95,7 +95,7 @@ inline std::vector<Saveable> allSaveable()
   static Displacement displacement;
   std::vector<Saveable> all;
   const auto cage = [&](const std::string& name, RTCCompression compression, float rate, unsigned timeSteps,
-                        int exactFaces, const Cage& cage) {
+                        int fallbackFaces, const Cage& cage) {
     all.push_back({name, [=](RTCDevice device) {
       SurfaceSettings settings;
       settings.rate = rate;
@@ -103,7 +103,7 @@ inline std::vector<Saveable> allSaveable()
       settings.timeSteps = timeSteps;
       if (timeSteps > 1) { settings.begin = 0.125f; settings.end = 0.75f; }
       return releasing(newSurface(device, cage, settings), compression, RTC_COMPRESSION_FRAME_LEVEL_INHERIT,
-                       exactFaces);
+                       fallbackFaces);
     }, timeSteps > 1, compression == RTC_COMPRESSION_VERT || compression == RTC_COMPRESSION_GRID});
   };
   for (RTCCompression compression :

@@ -211,7 +211,7 @@ struct SurfaceSettings
   RTCCompression compression = RTC_COMPRESSION_INHERIT;
   int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
   float maxError = 0;                   // for automatic frame levels; 0: the device's value
-  bool exactFaces = false;              // cLEAF: tests are about approximate leaves
+  bool fallbackFaces = false;              // cLEAF: tests are about approximate leaves
   unsigned timeSteps = 1;
   // of the cage's vertices, before scale and offset; by default 0.1 along x per step
   std::function<Vec(const Vec& position, unsigned step)> motion;
@@ -255,7 +255,7 @@ inline RTCGeometry newSurface(RTCDevice device, const Cage& cage, const SurfaceS
     args.compression = settings.compression;
     args.frameLevel = settings.frameLevel;
     if (settings.maxError > 0) args.maxError = settings.maxError;
-    args.exactFaces = settings.exactFaces;
+    args.fallbackFaces = settings.fallbackFaces;
     rtcSetGeometryCompression(geometry, &args);
   }
   rtcCommitGeometry(geometry);

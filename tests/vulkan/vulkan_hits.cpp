@@ -230,7 +230,7 @@ TEST_F(VulkanHits, InstancesMatchCpu)
 {
   Scene leaves(embree), triangles(embree), scene(embree);
   SurfaceSettings s = settings(RTC_COMPRESSION_LEAF);
-  s.exactFaces = true;
+  s.fallbackFaces = true;
   addSurface(embree, leaves, cubeCage(), s);
   addSurface(embree, leaves, sheetCage(3), settings(RTC_COMPRESSION_VERT));
   rtcCommitScene(leaves);

@@ -66,7 +66,7 @@ struct ClosedScene
   }
   static Representation representation(RTCCompression compression)
   {
-    // exact_faces is off: leaves are tested
+    // fallback_faces is off: leaves are tested
     for (const Representation& r : parseRepresentations("cvoxel,cleaf-only,cvert", frameLevel))
       if (r.compression() == compression) return r;
     throw std::logic_error("no such representation");

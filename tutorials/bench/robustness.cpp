@@ -93,7 +93,7 @@ std::optional<SheetCrossings> Robustness::sheets(const BuiltScene& scene) const
   settings.seed = seed;
   settings.device = this->settings.device;
   settings.packets = checks.packets;
-  const EmbreeDevice device(scene.representation().deviceConfig()); // sets cbvh_exact_faces
+  const EmbreeDevice device(scene.representation().deviceConfig()); // sets cbvh_fallback_faces
   return crossSheets(device.handle(), scene.representation().compression(), settings, threads);
 }
 

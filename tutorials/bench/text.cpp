@@ -116,7 +116,7 @@ std::string resultLines(const VariantResult& r)
   std::snprintf(head, sizeof(head), "%9.1f MiB %7.2f B/quad, build %6.2f s", double(r.build.liveBytes) / (1 << 20),
                 r.build.bytesPerQuad(), r.build.seconds);
   out += head;
-  if (r.variant.representation.hasExactFaces())
+  if (r.variant.representation.hasFallbackFaces())
     out += number(", %.1f%% of the quads stored exactly", 100.0 * r.build.exactShare());
   for (const ViewResult& v : r.views)
     out += ", " + v.view + " error median " + number("%.4f", v.errors.median) + number(" p99 %.4f px", v.errors.p99);

@@ -88,7 +88,7 @@ void exactRow(Table& table, const Comparison& c)
 {
   if (contains(c, RepresentationKind::CLeaf))
     table.row("quads stored exactly, %", [](const Result& r) {
-      return r.representation.hasExactFaces() ? number(100.0 * r.build.exactShare(), 1) : none;
+      return r.representation.hasFallbackFaces() ? number(100.0 * r.build.exactShare(), 1) : none;
     });
 }
 

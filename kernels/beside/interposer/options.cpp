@@ -59,7 +59,7 @@ static bool isOfFrames(const std::string& item)
     if (item.compare(0, length, prefix) == 0 && names.count(item.substr(length)) != 0) return true;
   }
   const std::string key = item.substr(0, item.find('='));
-  return key != item && (key == "frame_level" || key == "level" || key == "exact_faces");
+  return key != item && (key == "frame_level" || key == "level" || key == "fallback_faces" || key == "exact_faces");
 }
 
 /* False for unknown items. */

@@ -197,7 +197,7 @@ namespace embree
     else if (std::any_of(mesh->topology.begin(),mesh->topology.end(),
                          [](const SubdivMesh::Topology& t) { return bool(t.vertexIndices); })) checkSizes(mesh);
     choose(mesh,asks && moves,
-           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, because exact_faces is 0",
+           isa::CompressionPlan::compressesMotion(mesh) ? nullptr : "have motion blur, because fallback_faces is 0",
            "faces");
     return true;
   }

@@ -23,7 +23,7 @@ namespace
     settings.maxPixelError = args.maxPixelError;
     std::copy_n(args.cameraPosition,3,settings.cameraPosition);
     settings.pixelSize = args.pixelSize;
-    settings.exactFaces = args.exactFaces;
+    settings.fallbackFaces = args.fallbackFaces;
     settings.releasesInput = (args.flags & RTC_COMPRESSION_FLAG_RELEASE_INPUT) != 0;
     settings.progress = args.progress;
     settings.progressUserPtr = args.progressUserPtr;

@@ -57,7 +57,8 @@ namespace embree
   }
 
   static const char* const keys[] = {
-    "frame_level","max_error","exact_faces","grids","quads","triangles","release_input" };
+    "frame_level","max_error","fallback_faces","grids","quads","triangles","release_input",
+    "exact_faces" }; // former name of fallback_faces
 
   static bool isKey (const std::string& word) {
     return std::find(std::begin(keys),std::end(keys),word) != std::end(keys);
@@ -113,7 +114,8 @@ namespace embree
   {
     if (key == "frame_level")      setFrameLevel(name,value);
     else if (key == "max_error")   setMaxError(name,value);
-    else if (key == "exact_faces") exactFaces = parseSwitch(name,value);
+    else if (key == "fallback_faces" || key == "exact_faces")
+      fallbackFaces = parseSwitch(name,value);
     else if (key == "grids")       compressesGrids = parseSwitch(name,value);
     else if (key == "quads")       compressesQuads = parseSwitch(name,value);
     else if (key == "triangles")   compressesTriangles = parseSwitch(name,value);
@@ -212,8 +214,8 @@ namespace embree
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = device.frameLevel;
     if (r.frameLevel == RTC_COMPRESSION_FRAME_LEVEL_INHERIT) r.frameLevel = RTC_COMPRESSION_FRAME_LEVEL_AUTO;
     if (r.maxError < 0.0f) r.maxError = device.maxError;
-    if (r.exactFaces < 0) r.exactFaces = device.exactFaces;
-    if (r.exactFaces < 0) r.exactFaces = 1;
+    if (r.fallbackFaces < 0) r.fallbackFaces = device.fallbackFaces;
+    if (r.fallbackFaces < 0) r.fallbackFaces = 1;
     r.releasesInput |= device.releasesInput;
     return r;
   }

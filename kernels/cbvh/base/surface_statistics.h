@@ -28,7 +28,7 @@ namespace embree
       size_t numAffineBlocks = 0;      //!< blocks whose projective frame became affine
       size_t numSolidLeaves = 0;       //!< cLEAF: leaves whose box is the surface
       size_t numRawBlocks = 0;         //!< cVERT: blocks that store floats
-      size_t numExactQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
+      size_t numFallbackQuads = 0;        //!< cLEAF: quads of faces stored as cVERT
       size_t numFlippedQuads = 0;      //!< traced normal more than 90 degrees from the vertices' normal
       size_t numMeshQuads = 0;         //!< in blocks: quads of quad meshes, pairs of triangles
       size_t numIrregularQuads = 0;    //!< part of numMeshQuads in no grid of 4 x 4 quads or more
@@ -61,7 +61,7 @@ namespace embree
       sum(a.numAffineBlocks,b.numAffineBlocks);
       sum(a.numSolidLeaves,b.numSolidLeaves);
       sum(a.numRawBlocks,b.numRawBlocks);
-      sum(a.numExactQuads,b.numExactQuads);
+      sum(a.numFallbackQuads,b.numFallbackQuads);
       sum(a.numFlippedQuads,b.numFlippedQuads);
       sum(a.numMeshQuads,b.numMeshQuads);
       sum(a.numIrregularQuads,b.numIrregularQuads);

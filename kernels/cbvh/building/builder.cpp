@@ -178,7 +178,7 @@ namespace embree
           if (sums.numBlocks == 0) continue;
           if (moves) caches |= sums.numIrregularQuads ? cbvh::meshMotionCache : cbvh::motionCache;
           else if (!cbvh::describe(surface.plan.kind()).hasFrame()) caches |= cbvh::vertCache;
-          else caches |= cbvh::nodeCache | (sums.numExactQuads ? cbvh::vertCache : 0u);
+          else caches |= cbvh::nodeCache | (sums.numFallbackQuads ? cbvh::vertCache : 0u);
           if (!moves && sums.numIrregularQuads) caches |= cbvh::meshCache;
         }
         return caches;
@@ -277,8 +277,8 @@ namespace embree
           std::cerr << geometry << total.refusedQuads
                     << " quads of blocks without a good frame (lines, outliers) are stored in full precision"
                     << std::endl;
-        if (total.sums.numExactQuads)
-          std::cerr << geometry << total.sums.numExactQuads
+        if (total.sums.numFallbackQuads)
+          std::cerr << geometry << total.sums.numFallbackQuads
                     << " quads of faces that leaves represent badly (borders, creases, walls, folds) "
                        "are stored as cVERT" << std::endl;
         if (total.sums.numRawBlocks)

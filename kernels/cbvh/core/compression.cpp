@@ -49,7 +49,8 @@ namespace embree
             "the width of a pixel at distance 1");
         for (float x : settings.cameraPosition) require(std::isfinite(x),"cameraPosition",x,"a position in the world");
       }
-      require(settings.exactFaces <= 1,"exactFaces",settings.exactFaces,"0, 1, or a negative number to inherit");
+      require(settings.fallbackFaces <= 1,"fallbackFaces",settings.fallbackFaces,
+        "0, 1, or a negative number to inherit");
     }
 
     void setCompression (Geometry* geometry, const CompressionSettings& settings)

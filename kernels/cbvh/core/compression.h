@@ -17,7 +17,7 @@ namespace embree
   {
     /*! Throws RTC_ERROR_INVALID_ARGUMENT, naming the member and its value, for: a compression that is unknown or not in
      *  this library, a frameLevel outside of -2 to 8, a maxError that is not finite, a maxPixelError that is negative
-     *  or not finite, an invalid camera if maxPixelError is not 0, and an exactFaces above 1. */
+     *  or not finite, an invalid camera if maxPixelError is not 0, and an fallbackFaces above 1. */
     void validate (const CompressionSettings& settings);
 
     /*! As rtcSetGeometryCompression. Errors: as validate(); RTC_ERROR_INVALID_OPERATION for other types of geometry,

@@ -50,7 +50,8 @@ namespace embree
       { "tessellation_cache_size",Value::Number },{ "cache_size",Value::Number },
       { "alloc_main_block_size",Value::Number },{ "alloc_num_main_slots",Value::Number },
       { "alloc_thread_block_size",Value::Number },{ "alloc_single_thread_alloc",Value::Number },
-      { "cbvh_frame_level",Value::Any },{ "cbvh_max_error",Value::Any },{ "cbvh_exact_faces",Value::Any },
+      { "cbvh_frame_level",Value::Any },{ "cbvh_max_error",Value::Any },{ "cbvh_fallback_faces",Value::Any },
+      { "cbvh_exact_faces",Value::Any }, // former name of cbvh_fallback_faces
       { "cbvh_grids",Value::Any },{ "cbvh_quads",Value::Any },{ "cbvh_triangles",Value::Any },
       { "cbvh_release_input",Value::Any }
     };

@@ -21,7 +21,7 @@ namespace embree
       closure(s.sums.uncompressedBytes); closure(s.sums.numBlocks); closure(s.sums.numQuads);
         closure(s.sums.numUncompressedQuads);
       closure(s.sums.numInvalidQuads); closure(s.sums.numAffineBlocks); closure(s.sums.numSolidLeaves);
-      closure(s.sums.numRawBlocks); closure(s.sums.numExactQuads); closure(s.sums.numFlippedQuads);
+      closure(s.sums.numRawBlocks); closure(s.sums.numFallbackQuads); closure(s.sums.numFlippedQuads);
       closure(s.sums.numMeshQuads); closure(s.sums.numIrregularQuads); closure(s.sums.numMovingQuads);
       closure(s.sums.motionBytes); closure(s.highRateQuads); closure(s.refusedQuads); closure(s.refusedInGrid);
       closure(s.quadsForHoles); closure(s.bytesInEmbree);

@@ -20,14 +20,14 @@ namespace embree
     int frameLevel = RTC_COMPRESSION_FRAME_LEVEL_INHERIT;
     float maxError = -1.0f; //!< world units; 0: lossless cVERT; negative: inherited, or the default
     float maxPixelError = 0.0f, cameraPosition[3] = { 0.0f,0.0f,0.0f }, pixelSize = 0.0f; //!< set for geometries only
-    int exactFaces = -1;    //!< 0 or 1; negative: inherited
+    int fallbackFaces = -1;    //!< 0 or 1; negative: inherited
     bool releasesInput = false; //!< the geometry or its device requests it
     /*! set for devices only: types that inherit compression */
     bool compressesGrids = true, compressesQuads = true, compressesTriangles = true;
     RTCProgressMonitorFunction progress = nullptr; //!< set for geometries only
     void* progressUserPtr = nullptr;
 
-    /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_exact_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
+    /*! Parses cbvh_frame_level, cbvh_max_error, cbvh_fallback_faces, cbvh_grids, cbvh_quads, cbvh_triangles and
      *  cbvh_release_input in a device string. Returns false for Embree's keys. Throws rtcore_error with key and
      *  value. */
     bool parse (const Token& key, TokenStream& stream);

@@ -32,7 +32,7 @@ namespace embree
       static bool compressesMotion (const CompressibleGeometry* geometry)
       {
         const CompressionSettings settings = geometry->compression.resolve(geometry->device->compression);
-        return settings.compression == RTC_COMPRESSION_VERT || settings.exactFaces != 0;
+        return settings.compression == RTC_COMPRESSION_VERT || settings.fallbackFaces != 0;
       }
 
       bool moves () const { return numTimeSteps != 1; }
@@ -42,11 +42,13 @@ namespace embree
       /*! Undefined unless compresses(). */
       cbvh::Kind kind () const { return blockKind; }
 
-      /*! exact_faces: patches that frames represent badly become cVERT. */
-      bool hasExactFaces () const { return compresses() && kind() == cbvh::Kind::LEAF && settings.exactFaces != 0; }
+      /*! fallback_faces: patches that frames represent badly become cVERT. */
+      bool hasFallbackFaces () const {
+        return compresses() && kind() == cbvh::Kind::LEAF && settings.fallbackFaces != 0;
+      }
 
       /*! True if faces use their owners' border vertices. */
-      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasExactFaces()); }
+      bool sharesBorders () const { return compresses() && (kind() == cbvh::Kind::VERT || hasFallbackFaces()); }
 
       bool compresses () const { return isCompressed; }
 
@@ -66,7 +68,7 @@ namespace embree
         if (!compresses()) return GRID;
         if (kind() == cbvh::Kind::VERT) return highest <= float(cbvh::maxVertRate) ? VERT : GRID;
         if (highest <= float(1u << cbvh::maxLevel)) return FRAMED;
-        return hasExactFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
+        return hasFallbackFaces() && highest <= float(cbvh::maxVertRate) ? VERT : GRID;
       }
 
       /*! Without max_error. Blocks of 16 x 16 quads minimize the product of bytes and time, or nearly so, in all

@@ -208,7 +208,7 @@ namespace embree
         sums.numRawBlocks += block.raw;
         sums.numQuads += quads;
         sums.numInvalidQuads += block.invalidQuads;
-        if (plan.kind() != cbvh::Kind::VERT) sums.numExactQuads += quads;
+        if (plan.kind() != cbvh::Kind::VERT) sums.numFallbackQuads += quads;
       }
 
       /*! For vertices that the patch does not share. */

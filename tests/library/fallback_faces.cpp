@@ -16,11 +16,11 @@
 namespace cbvh::test {
 namespace {
 
-SurfaceSettings leaf(float rate, bool exactFaces)
+SurfaceSettings leaf(float rate, bool fallbackFaces)
 {
   SurfaceSettings settings;
   settings.compression = RTC_COMPRESSION_LEAF;
-  settings.exactFaces = exactFaces;
+  settings.fallbackFaces = fallbackFaces;
   settings.rate = rate;
   return settings;
 }
@@ -53,14 +53,14 @@ Cage openSheet()
   return cage;
 }
 
-TEST(ExactFaces, CurvedBordersMatchGrid)
+TEST(FallbackFaces, CurvedBordersMatchGrid)
 {
   Device device;
   for (float rate : {4.0f, 16.0f, 64.0f}) {
     SCOPED_TRACE(rate);
     const Twins leaves(device, openSheet(), leaf(rate, false)), mixed(device, openSheet(), leaf(rate, true));
-    EXPECT_EQ(statisticsOf(leaves.scene).numExactQuads, 0u);
-    EXPECT_EQ(statisticsOf(mixed.scene).numExactQuads, size_t(rate*rate));
+    EXPECT_EQ(statisticsOf(leaves.scene).numFallbackQuads, 0u);
+    EXPECT_EQ(statisticsOf(mixed.scene).numFallbackQuads, size_t(rate*rate));
     const Hits before(leaves.grid, leaves.scene, 40000), after(mixed.grid, mixed.scene, 40000);
     ASSERT_GT(after.grid, 10000u);
     EXPECT_LE(after.wrong, after.grid/1000 + 2);
@@ -68,7 +68,7 @@ TEST(ExactFaces, CurvedBordersMatchGrid)
   }
 }
 
-TEST(ExactFaces, WallsFaceTheRightWay)
+TEST(FallbackFaces, WallsFaceTheRightWay)
 {
   // a cliff: half of its quads are parallel to the sheet's normal
   struct Cliff : public Displacement
@@ -99,12 +99,12 @@ TEST(ExactFaces, WallsFaceTheRightWay)
   const RTCCompressionStatistics before = statisticsOf(leaves), after = statisticsOf(mixed);
   EXPECT_GT(before.numFlippedQuads, 10u);
   EXPECT_LT(after.numFlippedQuads, before.numFlippedQuads/10);
-  EXPECT_GT(after.numExactQuads, 0u);
+  EXPECT_GT(after.numFallbackQuads, 0u);
   const Hits leafHits(grid, leaves, 40000), mixedHits(grid, mixed, 40000);
   EXPECT_GT(leafHits.flipped, 10*mixedHits.flipped + 10);
 }
 
-TEST(ExactFaces, SmoothFacesStayLeaves)
+TEST(FallbackFaces, SmoothFacesStayLeaves)
 {
   Device device;
   Displacement displacement;
@@ -112,7 +112,7 @@ TEST(ExactFaces, SmoothFacesStayLeaves)
   SurfaceSettings settings = leaf(64, true);
   settings.displacement = &displacement;
   const SurfaceScene scene(device, cubeCage(), settings);
-  EXPECT_EQ(statisticsOf(scene).numExactQuads, 0u);
+  EXPECT_EQ(statisticsOf(scene).numFallbackQuads, 0u);
 }
 
 // One face of 4 x 4 blocks with folds at two vertices of four blocks, of the quarter that is encoded first or of
@@ -137,7 +137,7 @@ struct FewFolds : public Displacement
 };
 
 // Four quads at each of eight vertices are less than 1/64 of 4096 quads, but more than 1/64 of a quarter.
-TEST(ExactFaces, FirstQuarterOfPatchDoesNotDecideAlone)
+TEST(FallbackFaces, FirstQuarterOfPatchDoesNotDecideAlone)
 {
   Device device;
   FewFolds displacement;
@@ -151,7 +151,7 @@ TEST(ExactFaces, FirstQuarterOfPatchDoesNotDecideAlone)
     rtcSetGeometryDisplacementFunction(geometry, FewFolds::apply);
     attach(scene, geometry);
     rtcCommitScene(scene);
-    EXPECT_EQ(statisticsOf(scene).numExactQuads, inFirstQuarter ? 4096u : 0u);
+    EXPECT_EQ(statisticsOf(scene).numFallbackQuads, inFirstQuarter ? 4096u : 0u);
   }
 }
 
@@ -170,7 +170,7 @@ struct PartlyRough : public Displacement
 };
 
 // Rays from inside a closed surface at the vertices that exact faces store on their borders, and at random.
-TEST(ExactFaces, NoGapsBetweenBothForms)
+TEST(FallbackFaces, NoGapsBetweenBothForms)
 {
   Device device;
   for (const auto& cage : closedCages)
@@ -193,9 +193,9 @@ TEST(ExactFaces, NoGapsBetweenBothForms)
       settings.compression = RTC_COMPRESSION_NONE;
       build(grid);
       const RTCCompressionStatistics stats = statisticsOf(scene);
-      EXPECT_GT(stats.numExactQuads, 0u);
+      EXPECT_GT(stats.numFallbackQuads, 0u);
       if (!mixedRates) {
-        EXPECT_LT(stats.numExactQuads, stats.numQuads);
+        EXPECT_LT(stats.numFallbackQuads, stats.numQuads);
       }
       std::vector<Vec> targets;
       for (const VertTriangle& t : vertTriangles(scene))
@@ -226,46 +226,46 @@ TEST(ExactFaces, NoGapsBetweenBothForms)
     }
 }
 
-size_t exactQuads(const std::string& config)
+size_t fallbackQuads(const std::string& config)
 {
   Device device(config);
   if (!device) return ~size_t(0);
   SurfaceSettings settings;
   settings.rate = 16;
   const SurfaceScene scene(device, openSheet(), settings);
-  return statisticsOf(scene).numExactQuads;
+  return statisticsOf(scene).numFallbackQuads;
 }
 
-TEST(ExactFaces, GeometryOverridesDeviceOverridesEnvironment)
+TEST(FallbackFaces, GeometryOverridesDeviceOverridesEnvironment)
 {
-  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf"), 256u);
-  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf,cbvh_exact_faces=0"), 0u);
-  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.leaf,cbvh_exact_faces=1"), 256u);
-  EXPECT_EQ(exactQuads("subdiv_accel=cbvh.voxel,cbvh_exact_faces=1"), 0u);
-  setenv("EMBREE_CBVH", "leaf,exact_faces=0", 1);
-  EXPECT_EQ(exactQuads(""), 0u);
-  EXPECT_EQ(exactQuads("cbvh_exact_faces=1"), 256u);
+  EXPECT_EQ(fallbackQuads("subdiv_accel=cbvh.leaf"), 256u);
+  EXPECT_EQ(fallbackQuads("subdiv_accel=cbvh.leaf,cbvh_fallback_faces=0"), 0u);
+  EXPECT_EQ(fallbackQuads("subdiv_accel=cbvh.leaf,cbvh_fallback_faces=1"), 256u);
+  EXPECT_EQ(fallbackQuads("subdiv_accel=cbvh.voxel,cbvh_fallback_faces=1"), 0u);
+  setenv("EMBREE_CBVH", "leaf,fallback_faces=0", 1);
+  EXPECT_EQ(fallbackQuads(""), 0u);
+  EXPECT_EQ(fallbackQuads("cbvh_fallback_faces=1"), 256u);
   unsetenv("EMBREE_CBVH");
-  Device device("subdiv_accel=cbvh.leaf,cbvh_exact_faces=0");
+  Device device("subdiv_accel=cbvh.leaf,cbvh_fallback_faces=0");
   const SurfaceScene scene(device, openSheet(), leaf(16, true));
-  EXPECT_EQ(statisticsOf(scene).numExactQuads, 256u);
-  Device other("subdiv_accel=cbvh.leaf,cbvh_exact_faces=1");
+  EXPECT_EQ(statisticsOf(scene).numFallbackQuads, 256u);
+  Device other("subdiv_accel=cbvh.leaf,cbvh_fallback_faces=1");
   const SurfaceScene leaves(other, openSheet(), leaf(16, false));
-  EXPECT_EQ(statisticsOf(leaves).numExactQuads, 0u);
+  EXPECT_EQ(statisticsOf(leaves).numFallbackQuads, 0u);
 }
 
-TEST(ExactFaces, OtherValuesAreErrors)
+TEST(FallbackFaces, OtherValuesAreErrors)
 {
-  for (const char* config : {"cbvh_exact_faces=2", "cbvh_exact_faces=yes", "cbvh_exact_faces"})
-    EXPECT_EQ(exactQuads(config), ~size_t(0)) << config;
+  for (const char* config : {"cbvh_fallback_faces=2", "cbvh_fallback_faces=yes", "cbvh_fallback_faces"})
+    EXPECT_EQ(fallbackQuads(config), ~size_t(0)) << config;
   Device device;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
   RTCCompressionArguments args;
   rtcInitCompressionArguments(&args);
-  args.exactFaces = 2;
+  args.fallbackFaces = 2;
   rtcSetGeometryCompression(geometry, &args);
   EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(device.message.find("exactFaces 2"), std::string::npos) << device.message;
+  EXPECT_NE(device.message.find("fallbackFaces 2"), std::string::npos) << device.message;
   rtcReleaseGeometry(geometry);
 }
 
