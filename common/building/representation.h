@@ -22,7 +22,7 @@ enum class RepresentationKind
   CVoxel = RTC_COMPRESSION_VOXEL,
   CLeaf = RTC_COMPRESSION_LEAF,
   CVert = RTC_COMPRESSION_VERT,
-  /* cLEAF as in the paper: no faces stored exactly (cbvh_fallback_faces=0). */
+  /* cLEAF as in the paper: no faces stored as cVERT (cbvh_fallback_faces=0). */
   CLeafOnly = 1000,
   NaiveCompact, // NAIVE's triangles with RTC_SCENE_FLAG_COMPACT
 };

@@ -9,7 +9,7 @@ from . import figures as f
 from .data import ISAS, RAY_SETS
 from .formats import percent, pivoted
 
-EXACT = "quads stored exactly"
+EXACT = "quads stored as cVERT"
 GROWING = ("NAIVE", "NAIVE-compact", "GRID", "cGRID^2", "cVOXEL^2", "cLEAF^2", "cLEAF-only^2", "cVERT")
 STYLES = {"solid": "-", "dashed": "--", "dotted": ":", "dash-dot": "-."}
 CHARTS = {  # unit, column, whether its axis is logarithmic
@@ -19,7 +19,7 @@ CHARTS = {  # unit, column, whether its axis is logarithmic
 
 
 def exact_share(row):
-    """Share of cLEAF's quads that are stored exactly, as in cVERT; None for other representations."""
+    """Share of cLEAF's quads that are stored as cVERT; None for other representations."""
     return row.memory_compression_fallback_quads / max(1, row.memory_compression_quads) if row.kind == "cLEAF" else None
 
 
@@ -34,7 +34,7 @@ TABLES |= {f"speed, {rays} rays": (speed(rays), "{:.2f}") for rays in RAY_SETS}
 
 def section(data):
     """Tables of scenes with several levels, or with several frame levels of one kind. Only cLEAF has a table of quads
-    that are stored exactly."""
+    that are stored as cVERT."""
     parts, commands = [], []
     for scene in data.scenes():
         rows = data.full[data.full.scene == scene]

@@ -10,7 +10,7 @@ from .levels import exact_share
 WHERE = [("level", "level", str), ("", "representation", str)]
 BUILDS = [
     *WHERE, ("MiB", "mib", "{:.2f}"), ("bytes per quad", "memory_bytes_per_quad", "{:.2f}"),
-    ("stored exactly", exact_share, percent), ("of GRID", "part_of_grid", percent),
+    ("stored as cVERT", exact_share, percent), ("of GRID", "part_of_grid", percent),
     ("peak, MiB", lambda row: row.memory_peak_bytes / 2**20, "{:.1f}"), ("build, s", "build_seconds", "{:.3f}"),
 ]  # fmt: skip
 for rays in RAY_SETS:

@@ -65,8 +65,8 @@ refuses "$folder/quad.obj/pictures: .*output folder" --scene cube --pictures "$f
 for word in commit isa thread; do
   grep -q "$word" "$folder/stdout" || complain "no message about $word on stdout"
 done
-grep -q "^  cLEAF^1 .*% of the quads stored exactly.* error median 0.* p99 " "$folder/stdout" ||
-  complain "no message about quads stored exactly"
+grep -q "^  cLEAF^1 .*% of the quads stored as cVERT.* error median 0.* p99 " "$folder/stdout" ||
+  complain "no message about quads stored as cVERT"
 grep -q "RMSE" "$folder/stdout" && complain "an RMSE outside of the paper's section"
 [ -z "$(find "$folder" -name '*cbvh-part*')" ] || complain "temporary files are left"
 /usr/bin/python3 -B - "$folder" <<'PYTHON' || complain "the record is wrong"

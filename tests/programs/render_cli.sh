@@ -132,7 +132,7 @@ for representation in ${representations//,/ }; do
   [ "$stem" = grid ] || [ -s "$out/cube_${stem}_error.png" ] || complain "no error map of $stem"
 done
 [ -z "$(find "$out" -name '*cbvh-part*')" ] || complain "temporary files are left"
-expect_rows good "bytes per quad" "quads stored exactly, %.* [0-9.]* |     *- |$" "peak of the build" \
+expect_rows good "bytes per quad" "quads stored as cVERT, %.* [0-9.]* |     *- |$" "peak of the build" \
   "build, s" "coherent rays" "incoherent rays" "error against the mesh" \
   "error against the true surface, pixels: median, p99" "false hits + misses" "flipped normals"
 [ "$(rows good)" -le 11 ] || complain "$(rows good) rows"
@@ -213,11 +213,11 @@ cmp -s "$folder/names.out/cube_cleaf.png" "$folder/alone.out/cube_cleaf.png" || 
 run compare --scene cube --compare --true-surface 0
 head -9 "$folder/compare" | grep -q "^| *| *NAIVE | *NAIVE-compact | *GRID | *cGRID | *cVOXEL | *cLEAF | *cVERT |" ||
   complain "--compare has different columns: $(cat "$folder/compare")"
-expect_rows compare "quads stored exactly, %"
+expect_rows compare "quads stored as cVERT, %"
 run only --scene cube --representation grid,leaf-only^2 --true-surface 0
 grep -q "cLEAF-only^2" "$folder/only" || complain "no cLEAF-only^2: $(cat "$folder/only")"
 [ -s "$folder/only.out/cube_cleaf-only2.png" ] || complain "no file of cleaf-only2"
-grep -q "stored exactly" "$folder/only" && complain "a row on exact quads without cLEAF"
+grep -q "stored as cVERT" "$folder/only" && complain "a row on quads stored as cVERT without cLEAF"
 
 # Files suffice: a cage, and optionally a map. The picture is rendered in cVERT and equals the one with explicit
 # options.

@@ -87,7 +87,7 @@ bool contains(const Comparison& c, RepresentationKind kind)
 void exactRow(Table& table, const Comparison& c)
 {
   if (contains(c, RepresentationKind::CLeaf))
-    table.row("quads stored exactly, %", [](const Result& r) {
+    table.row("quads stored as cVERT, %", [](const Result& r) {
       return r.representation.hasFallbackFaces() ? number(100.0 * r.build.exactShare(), 1) : none;
     });
 }
