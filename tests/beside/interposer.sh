@@ -9,7 +9,8 @@
 #
 # With a folder for the root file system, the script has the requirements of debian13.sh, and takes two and a half
 # minutes, or one if the root file system already exists. Without the folder, the script tests the interposer of the
-# build on this machine. It exits with 77 if the programs are missing, and leaves OSPRay out if libospray-dev is missing.
+# build on this machine. It then exits with 77 if the programs are missing, and leaves OSPRay out if libospray-dev is
+# missing.
 set -eu
 build=$(cd "$1" && pwd) roots=${2:-}
 here=$(cd -- "$(dirname -- "$0")" && pwd)
@@ -58,7 +59,8 @@ inside "g++ -std=c++17 $flags tests/interposer/calls.cpp -o calls -lembree4" &&
 ospray=
 if [ -e "$system/usr/include/ospray/ospray.h" ]; then
   ospray=yes
-  inside "g++ $flags -x c tests/interposer/ospray.c -o picture -lospray" || fail "the program for OSPRay does not compile"
+  inside "g++ $flags -x c tests/interposer/ospray.c -o picture -lospray" ||
+    fail "the program for OSPRay does not compile"
 fi
 
 # --- calls: hits stored without the interposer must match those with it ------------------------
