@@ -5,10 +5,12 @@
 """Measures Blender's Cycles with Debian's Embree and with ours, and writes the result into README.md.
 
     scripts/measure_blender.py [--rounds N]     requires Debian 12's `blender` and a release build; takes some minutes
+    scripts/measure_blender.py --interposer LIBRARY    for a Blender on Embree 4, as Debian 13's; README.md stays as is
 
-Renders scripts/blender/suzanne.py alternately with both libraries. scripts/blender/commit_probe.c reports Embree's
-memory and times. Memory excludes the geometry buffers that Blender fills; build is the time of all commits of
-geometries and scenes. The pictures stay in output/blender and are compared.
+Renders scripts/blender/suzanne.py alternately with both libraries, or without and with the interposer.
+scripts/blender/commit_probe.c reports Embree's memory and times. Memory excludes the geometry buffers that Blender
+fills; build is the time of all commits of geometries and scenes. Embree 4 does not see the memory of libembree_cbvh,
+which is therefore added as the library prints it. The pictures stay in output/blender and are compared.
 """
 
 import argparse
@@ -31,10 +33,10 @@ ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- begin: scripts/measure_blender.py -->\n", "<!-- end -->\n"
 
 
-def render(probe, picture, settings):
+def render(preloaded, picture, settings):
     """Renders once. Returns MiB of acceleration structures and of geometry buffers, and seconds of all commits and of
-    the rendering."""
-    environment = {**os.environ, "LD_PRELOAD": str(probe), **settings}
+    the rendering. MiB of libembree_cbvh are counted if `settings` make it print them."""
+    environment = {**os.environ, "LD_PRELOAD": ":".join(map(str, preloaded)), **settings}
     words = ["blender", "-b", "--python-exit-code", "1", "--python", ROOT / "scripts/blender/suzanne.py", "--", picture]
     done = subprocess.run(list(map(str, words)), env=environment, capture_output=True, text=True)
     commits = re.findall(r"commit: ([\d.]+) s, (\d+) bytes, (\d+) of them buffers", done.stderr)
@@ -42,8 +44,9 @@ def render(probe, picture, settings):
     if done.returncode or not commits or not took:
         sys.exit(f"blender failed, or its Cycles does not use Embree:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
     seconds, everything, buffers = commits[-1]
+    compressed = sum(map(float, re.findall(r"^compression: .* quads in ([\d.]+) MiB", done.stderr, re.MULTILINE)))
     return {
-        "MiB": (int(everything) - int(buffers)) / 2**20,
+        "MiB": (int(everything) - int(buffers)) / 2**20 + compressed,
         "buffers": int(buffers) / 2**20,
         "build": float(seconds),
         "render": 60 * int(took[1]) + float(took[2]),
@@ -62,10 +65,18 @@ def main():
     parser.add_argument(
         "--library", type=Path, default=ROOT / "build/release/embree", help="folder of our libembree3.so.3"
     )
+    parser.add_argument("--interposer", type=Path, help="libembree_cbvh_interposer.so, for a Blender on Embree 4")
     options = parser.parse_args()
-    if not (options.library / "libembree3.so.3").exists():
-        sys.exit(f"{options.library}: no libembree3.so.3 in this folder; build it first, or set --library")
-    ours = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}
+    preloaded = []
+    if options.interposer:
+        if not options.interposer.exists():
+            sys.exit(f"{options.interposer}: this file does not exist; --interposer names libembree_cbvh_interposer.so")
+        ours = {"EMBREE_CBVH": "1,triangles=1,verbose"}
+        preloaded = [options.interposer.resolve()]
+    else:
+        if not (options.library / "libembree3.so.3").exists():
+            sys.exit(f"{options.library}: no libembree3.so.3 in this folder; build it first, or set --library")
+        ours = {"LD_LIBRARY_PATH": str(options.library.resolve()), "EMBREE_CBVH": "1"}
     folder = ROOT / "output/blender"
     folder.mkdir(parents=True, exist_ok=True)
     measured = {"stock": [], "ours": []}
@@ -75,14 +86,24 @@ def main():
             ["cc", "-shared", "-fPIC", "-O2", ROOT / "scripts/blender/commit_probe.c", "-o", probe, "-ldl"], check=True
         )
         for _ in range(options.rounds):
-            for name, settings in (("stock", {}), ("ours", ours)):
-                measured[name].append(render(probe, folder / f"{name}.png", settings))
+            for name, settings, more in (("stock", {}, []), ("ours", ours, preloaded)):
+                measured[name].append(render([probe, *more], folder / f"{name}.png", settings))
                 print(name, measured[name][-1], flush=True)
     before, after = (
         {key: statistics.median(run[key] for run in runs) for key in runs[0]} for runs in measured.values()
     )
     version = subprocess.run(["blender", "--version"], capture_output=True, text=True).stdout.split()[1]
     cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())[1]
+    rendering = (
+        f"render {after['render']:.1f} s instead of {before['render']:.1f}; "
+        f"{different_pixels(folder / 'stock.png', folder / 'ours.png')} of 614400 pixels differ by more than 5%"
+    )
+    if options.interposer:
+        print(
+            f"Blender {version}, {cpu}: {after['MiB']:.1f} MiB instead of {before['MiB']:.1f}, "
+            f"built in {after['build']:.2f} s instead of {before['build']:.2f}; {rendering}"
+        )
+        return
     commit = subprocess.run(
         ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True
     ).stdout.strip()
@@ -93,10 +114,7 @@ def main():
         f" (`scripts/measure_blender.py`, {cpu}, {os.cpu_count()} cores, commit {commit})"
     )
     text = "\n".join(textwrap.wrap(text, 116, break_long_words=False, break_on_hyphens=False)) + "\n"
-    print(
-        f"{text}render {after['render']:.1f} s instead of {before['render']:.1f}; "
-        f"{different_pixels(folder / 'stock.png', folder / 'ours.png')} of 614400 pixels differ by more than 5%"
-    )
+    print(f"{text}{rendering}")
     page = ROOT / "README.md"
     head, rest = page.read_text().split(BEGIN)
     page.write_text(f"{head}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}")

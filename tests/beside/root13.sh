@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Functions for scripts that run programs on Debian 13. Source it with $roots set to a folder; $root is then the root
-# file system in it.
+# file system in it. If $roots is empty, programs run on this machine, and only fail() is defined.
 
 export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
 fail() { echo "FAILED: $*" >&2; exit 1; }
+[ -n "$roots" ] || return 0
 
 mkdir -p "$roots"
 root=$(cd "$roots" && pwd)/trixie

@@ -4,12 +4,12 @@
 
 """A compressed mesh casts few shadows on itself in Blender, and none if it is lossless.
 
-    blender_shadows.py BLENDER LIBRARY [--samples N] [--edge LENGTH] [--keep FOLDER]
+    blender_shadows.py BLENDER LIBRARY [--interposer FILE] [--samples N] [--edge LENGTH] [--keep FOLDER]
 
-LIBRARY is the folder of our libembree3.so.3. Cycles shades points of the triangles that Blender keeps, but its shadow
-rays hit the triangles that Embree stores. If compression moves them, a shadow ray that starts next to an edge may hit
-the neighbor of its triangle ("shadow acne", dark dashes along edges). The share of such rays is proportional to the
-spacing of the lattice.
+LIBRARY is the folder of our libembree3.so.3. If Blender loads Embree 4, the test runs with the interposer instead.
+Cycles shades points of the triangles that Blender keeps, but its shadow rays hit the triangles that Embree stores. If
+compression moves them, a shadow ray that starts next to an edge may hit the neighbor of its triangle ("shadow acne",
+dark dashes along edges). The share of such rays is proportional to the spacing of the lattice.
 
 The test renders bumpy_sheet.py with several spacings and compares each picture with one that is not compressed. It
 requires:
@@ -21,7 +21,7 @@ requires:
 
 The limits hold for the default options. With fewer samples each shadowed ray darkens its pixel by more.
 
-Exits with 77 if Blender is missing or its Cycles does not load Embree 3.
+Exits with 77 if Blender is missing or its Cycles does not load Embree 3, or Embree 4 without an interposer.
 """
 
 import argparse
@@ -72,31 +72,42 @@ class Picture:
         return dark, bright, max(sizes), sum(sizes) / len(sizes)
 
 
-def render(options, folder, library, compressions):
-    """A picture for each compression, and the path of the library that Blender loaded. `library` is the folder of ours;
-    None selects the system's."""
+def render(options, folder, settings, compressions):
+    """A picture for each compression, and the paths of the Embree libraries and the interposer that Blender loaded."""
     environment = {name: value for name, value in os.environ.items() if name not in ("EMBREE_CBVH", "LD_LIBRARY_PATH")}
-    if library:
-        environment["LD_LIBRARY_PATH"] = str(library)
     folder.mkdir(parents=True, exist_ok=True)
     words = [options.blender, "-b", "--python-exit-code", "1", "--python", SCENE, "--",
              folder, options.samples, options.edge, *compressions]
     words = [str(word) for word in words]
-    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
-    loaded = re.search(r"^library: *(.*)", done.stderr, re.MULTILINE)
+    done = subprocess.run(words, env={**environment, **settings}, capture_output=True, text=True, check=False)
+    loaded = re.search(r"^libraries: *(.*)", done.stderr, re.MULTILINE)
     if done.returncode or not loaded:
         raise SystemExit(f"FAILED: blender exits with {done.returncode}:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
-    if not loaded[1]:
-        skip("Blender's Cycles does not load libembree3.so.3")
     logs = done.stderr.split("begin: ")[1:]
-    return [Picture(folder / f"{name}.floats", log) for name, log in zip(compressions, logs)], Path(loaded[1]).resolve()
+    pictures = [Picture(folder / f"{name}.floats", log) for name, log in zip(compressions, logs)]
+    return pictures, [Path(path).resolve() for path in loaded[1].split()]
 
 
 def check(options, folder):
-    (plain, *pictures), loaded = render(options, folder / "ours", options.library, ["plain", *COMPRESSIONS])
-    if loaded.parent != options.library:
-        raise SystemExit(f"FAILED: Blender loads {loaded}, not the library in {options.library}")
-    (system,), system_library = render(options, folder / "system", None, ["plain"])
+    (system,), libraries = render(options, folder / "system", {}, ["plain"])
+    if not libraries:
+        skip("Blender's Cycles does not load Embree")
+    system_library = libraries[0]
+    if system_library.name.startswith("libembree3."):
+        ours, settings = options.library, {"LD_LIBRARY_PATH": str(options.library)}
+        runs = [["plain", *COMPRESSIONS]]
+    elif options.interposer:
+        ours, settings = options.interposer.parent, {"LD_PRELOAD": str(options.interposer)}
+        runs = [[compression] for compression in ["plain", *COMPRESSIONS]]
+    else:
+        skip(f"Blender's Cycles loads {system_library}, and there is no interposer")
+    pictures = []
+    for compressions in runs:
+        more, loaded = render(options, folder / "ours", settings, compressions)
+        pictures += more
+        if ours not in [path.parent for path in loaded]:
+            raise SystemExit(f"FAILED: Blender loads {', '.join(map(str, loaded))}, none of them in {ours}")
+    plain, *pictures = pictures
     if plain.line or system.line:
         complain("the picture to compare with is compressed")
     print(f"{options.samples} samples per pixel, {len(plain.pixels)} pixels")
@@ -131,6 +142,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("blender")
     parser.add_argument("library", type=lambda text: Path(text).resolve(), help="folder of our libembree3.so.3")
+    parser.add_argument("--interposer", type=lambda text: Path(text).resolve(), help="for a Blender on Embree 4")
     parser.add_argument("--samples", type=int, default=32, help="samples per pixel (default: %(default)s)")
     # Spacings are rounded down to a power of two: 1/36 of this edge is hardly rounded, 1/2048 becomes 1/2312.
     parser.add_argument("--edge", type=float, default=0.0088, help="edge length of the quads (default: %(default)s)")

@@ -8,8 +8,8 @@
 EDGE is the length of the quads' edges in the plane of the sheet. Renders a picture for each COMPRESSION: "plain" for
 none, "default", "lossless", or a number N for a spacing of 1/N of the median edge. Writes each as
 FOLDER/COMPRESSION.exr, and as FOLDER/COMPRESSION.floats: one 32-bit float per pixel, in rows from the bottom to the
-top. The scene is gray, so one channel suffices. Cycles creates an Embree device for each picture, which then reads
-EMBREE_CBVH.
+top. The scene is gray, so one channel suffices. Cycles creates an Embree device for each picture, and our libembree3
+then reads EMBREE_CBVH. The interposer reads it once, so it must get only one COMPRESSION.
 """
 
 import os
@@ -83,9 +83,9 @@ for compression in compressions:
     if compression == "plain":
         os.environ["EMBREE_CBVH"] = "0"
     elif compression in spacing:
-        os.environ["EMBREE_CBVH"] = "1,verbose" + spacing[compression]
+        os.environ["EMBREE_CBVH"] = "1,verbose,triangles=1" + spacing[compression]
     else:
-        os.environ["EMBREE_CBVH"] = f"1,verbose,max_error={np.median(edges) / int(compression):.9g}"
+        os.environ["EMBREE_CBVH"] = f"1,verbose,triangles=1,max_error={np.median(edges) / int(compression):.9g}"
     picture = os.path.join(folder, compression)
     scene.render.filepath = picture + ".exr"
     print("begin:", compression, file=sys.stderr, flush=True)
@@ -98,5 +98,7 @@ for compression in compressions:
     channels[::4].tofile(picture + ".floats")
     bpy.data.images.remove(image)
 
+NAMES = ("libembree3.so", "libembree4.so", "libembree_cbvh_interposer.so")
 with open("/proc/self/maps") as maps:
-    print("library:", *{line.split()[-1] for line in maps if "libembree3.so" in line}, file=sys.stderr)
+    print("libraries:", *sorted({line.split()[-1] for line in maps if any(name in line for name in NAMES)}),
+          file=sys.stderr)

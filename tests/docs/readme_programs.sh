@@ -3,11 +3,14 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Extracts the code of README.md, compiles it and runs it with an installation, as described on the page: the C program
-# with the page's compile line and with its CMake lines, and the lines for a scene of Embree.
+# with the page's compile line and with its CMake lines, and the lines for a scene of Embree. Then compiles and runs the
+# program of docs/renderers.md for a scene of Embree.
 #
-#   readme_programs.sh CMAKE BUILD-DIRECTORY README DIRECTORY-OF-STOCK-LIBRARY
+#   readme_programs.sh CMAKE BUILD-DIRECTORY SOURCE-DIRECTORY LIBRARY    LIBRARY is the machine's own Embree, 3.13 or 4
 set -eu
-cmake=$1 build=$2 page=$3 stock=$4
+cmake=$1 build=$2 source=$3 host=$4
+page=$source/README.md
+case $host in */libembree4.*) version=4 ;; *) version=3 ;; esac
 fail() { echo "FAILED: $*" >&2; exit 1; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -45,7 +48,7 @@ echo "$said" | grep -qE '^face 1, distance 3\.[0-9]+$' || fail "the program prin
 # --- in a scene of Embree ----------------------------------------------------------------------------
 
 # Completes the lines with the device, scene and group of the first program.
-block c 2 | sed 's|embree4/rtcore.h|embree3/rtcore.h|' > lines
+block c 2 | sed "s|embree4/rtcore.h|embree$version/rtcore.h|" > lines
 grep '^#include' lines > in_scene.c
 sed '/^#include <cbvh/d; s/^int main(void)/static CbvhGroup groupOfTheFirstProgram(void)/
      s/return fprintf\(.*\), 1;/return fprintf\1, NULL;/
@@ -59,18 +62,39 @@ EOF
 grep -v '^#include' lines >> in_scene.c
 cat >> in_scene.c <<'EOF'
   rtcCommitScene(scene);
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   struct RTCRayHit ray = {.ray = {.org_x = 0.1f, .org_z = 4, .dir_z = -1, .tfar = INFINITY, .mask = ~0u},
                           .hit = {.geomID = ~0u}};
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect1(scene, &ray, NULL);
+#else
+  struct RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
   rtcIntersect1(scene, &context, &ray);
+#endif
   if (ray.hit.geomID == 0) printf("face %u, distance %g\n", ray.hit.primID, ray.ray.tfar);
 }
 EOF
 export PKG_CONFIG_PATH="$work/opt/lib/pkgconfig" LD_LIBRARY_PATH="$work/opt/lib/embree_cbvh"
 # shellcheck disable=SC2046
-cc -std=c99 in_scene.c $(pkg-config --cflags --libs embree_cbvh) "$stock/libembree3.so.3" -lm -o in_scene
+cc -std=c99 in_scene.c $(pkg-config --cflags --libs embree_cbvh) "$host" -lm -o in_scene
 [ "$(./in_scene)" = "$said" ] || fail "the hit in a scene of Embree differs"
-ldd ./in_scene | sed -n 's/.*libembree3.so.3 => \([^ ]*\).*/\1/p' > library
-[ "$(realpath "$(cat library)")" = "$(realpath "$stock/libembree3.so.3")" ] ||
-  fail "it runs on $(cat library), not on the machine's Embree"
+# on_host PROGRAM: fails if the program does not load the machine's Embree
+on_host() {
+  ldd "$1" | sed -n 's/.*libembree[34].so.[34] => \([^ ]*\).*/\1/p' > library
+  [ "$(realpath "$(cat library)")" = "$(realpath "$host")" ] ||
+    fail "$1 runs on $(cat library), not on the machine's Embree"
+}
+on_host ./in_scene
+
+# --- the program of docs/renderers.md -----------------------------------------------------------------
+
+page=$source/docs/renderers.md
+block c 1 | sed "s|embree4/rtcore.h|embree$version/rtcore.h|" > whole.c
+distance=$(sed -n 's/.*prints `\(face [^`]*\)`.*/\1/p' "$page")
+[ -n "$distance" ] || fail "docs/renderers.md does not say what its program prints"
+# shellcheck disable=SC2046
+cc -std=c99 -Wall -Wextra -Werror whole.c $(pkg-config --cflags --libs embree_cbvh) "$host" -lm -o whole ||
+  fail "the program of docs/renderers.md does not compile"
+said=$(./whole)
+[ "$said" = "$distance" ] || fail "the program of docs/renderers.md prints \"$said\", the page says \"$distance\""
+on_host ./whole
