@@ -11,6 +11,11 @@
 # The names differ from Debian's so that updates do not replace our packages. Each package provides the replaced
 # package in Embree's version, so that packages that depend on it stay installed, and conflicts with it.
 
+if(CMAKE_CROSSCOMPILING)
+  message(FATAL_ERROR "  CBVH_PACKAGES is on in a cross build: CPack would name this machine's architecture, and look "
+    "for dependencies among its packages. Build packages on a machine with the architecture they are for.")
+endif()
+
 include("${CMAKE_SOURCE_DIR}/kernels/upstream/pin.cmake")
 
 set(CPACK_GENERATOR DEB)

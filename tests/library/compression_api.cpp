@@ -352,8 +352,12 @@ TEST(SetGeometryCompression, RejectsOtherGeometryTypes)
 {
   Device device;
   const RTCCompressionArguments args = arguments(RTC_COMPRESSION_LEAF);
-  for (RTCGeometryType type : {RTC_GEOMETRY_TYPE_SPHERE_POINT, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE,
-                               RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER}) {
+  std::vector<RTCGeometryType> types{RTC_GEOMETRY_TYPE_INSTANCE, RTC_GEOMETRY_TYPE_USER};
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED))
+    types.push_back(RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED))
+    types.push_back(RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE);
+  for (RTCGeometryType type : types) {
     RTCGeometry geometry = rtcNewGeometry(device, type);
     rtcSetGeometryCompression(geometry, &args);
     EXPECT_EQ(device.takeError(), RTC_ERROR_INVALID_OPERATION) << type;

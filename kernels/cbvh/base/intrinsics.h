@@ -38,4 +38,30 @@ namespace embree
     return _mm_shuffle_ps(a,_mm_shuffle_ps(a,b,_MM_SHUFFLE(i,i,3,3)),_MM_SHUFFLE(2,0,2,1));
 #endif
   }
+
+  /*! Bits of the lanes of several masks, in their order. */
+  template<typename Mask, int n>
+  __forceinline uint32_t lanesOf (const Mask (&masks)[n])
+  {
+    uint32_t lanes = 0;
+    for (int j=0; j<n; j++) lanes |= uint32_t(movemask(masks[j])) << (Mask::size*j);
+    return lanes;
+  }
+
+  /*! As above. Packs the masks first, because NEON collects bits by several instructions per vector. */
+  __forceinline uint32_t lanesOf (const vboolf4 (&masks)[4])
+  {
+#if defined(__ARM_NEON)
+    auto halves = [&](int j) { return vreinterpretq_u16_u32(vreinterpretq_u32_f32(masks[j])); };
+    const uint8x16_t bytes = vuzp1q_u8(vreinterpretq_u8_u16(vuzp1q_u16(halves(0),halves(1))),
+      vreinterpretq_u8_u16(vuzp1q_u16(halves(2),halves(3))));
+    static const uint8x16_t bits = { 1,2,4,8,16,32,64,128, 1,2,4,8,16,32,64,128 };
+    uint8x16_t sums = vandq_u8(bytes,bits);
+    for (int i=0; i<3; i++) sums = vpaddq_u8(sums,sums);
+    return vgetq_lane_u16(vreinterpretq_u16_u8(sums),0);
+#else
+    auto pack = [&](int j) { return _mm_packs_epi32(_mm_castps_si128(masks[j]),_mm_castps_si128(masks[j+1])); };
+    return uint32_t(_mm_movemask_epi8(_mm_packs_epi16(pack(0),pack(2))));
+#endif
+  }
 }

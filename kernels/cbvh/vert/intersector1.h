@@ -35,7 +35,9 @@ namespace embree
                                                   const GroupBoxes& boxes, float enter[16])
       {
         const int vectors = QuadCornersV::vectors;
+        // GCC keeps arrays of four vectors in registers only if all loops over them are unrolled early.
         vfloatV tNear[vectors], tFar[vectors];
+#pragma GCC unroll 4
         for (int j=0; j<vectors; j++) { tNear[j] = vfloatV(tnear); tFar[j] = vfloatV(tfar); }
         // an index, because a branch would be mispredicted
         auto clip = [&](const GroupPlanes& planes, float from, float reciprocal, float slackOfPlanes,
@@ -43,6 +45,7 @@ namespace embree
           const float* near = planes.at[descends];
           const float* far  = planes.at[1-descends];
           const vfloatV org(from), rcp(reciprocal), slack(slackOfPlanes);
+#pragma GCC unroll 4
           for (int j=0; j<vectors; j++) {
             tNear[j] = max(tNear[j],msub(vfloatV::load(near+vectorWidth*j) - org,rcp,slack));
             tFar [j] = min(tFar [j],madd(vfloatV::load(far +vectorWidth*j) - org,rcp,slack));
@@ -56,12 +59,13 @@ namespace embree
           const ShearedRay<float> sheared = at.sheared(vertRay);
           clip(boxes.planes[m],sheared.org,sheared.rcp,sheared.error*std::fabs(sheared.rcp),sheared.rcp < 0.0f);
         }
-        uint32_t open = 0;
+        vboolV open[vectors];
+#pragma GCC unroll 4
         for (int j=0; j<vectors; j++) {
           vfloatV::store(enter+vectorWidth*j,tNear[j]);
-          open |= uint32_t(movemask(tNear[j] <= tFar[j])) << (vectorWidth*j);
+          open[j] = tNear[j] <= tFar[j];
         }
-        return open & boxes.lanes;
+        return lanesOf(open) & boxes.lanes;
       }
 
       /*! Removes and returns the group with the smallest entry distance. */

@@ -106,16 +106,15 @@ namespace embree
       __forceinline uint32_t trianglesOfMeshHitByLine (const VertRay& ray, const MeshTriangles& triangles)
       {
         const ShearedMesh<capacity> mesh(ray,triangles);
-        uint32_t mask = 0;
-        for (uint32_t n=0; n<MeshTriangles::width; n+=vectorWidth)
+        vboolV inside[MeshTriangles::width/vectorWidth];
+        for (uint32_t j=0; j<MeshTriangles::width/vectorWidth; j++)
         {
           vfloatV x[3], y[3];
-          for (int c=0; c<3; c++) mesh.get(n,c,x[c],y[c]);
-          const vboolV inside = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
+          for (int c=0; c<3; c++) mesh.get(vectorWidth*j,c,x[c],y[c]);
+          inside[j] = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
             edgeSide(x[0],y[0],x[1],y[1]));
-          mask |= uint32_t(movemask(inside)) << n;
         }
-        return mask & triangles.lanes;
+        return lanesOf(inside) & triangles.lanes;
       }
 
       /*! Lanes of triangles that the ray's line passes through, or may pass through. */

@@ -113,7 +113,7 @@ namespace embree
           const CellVector z = from(ray,group,ray.kz);
           const QuadCornersV cornersX(sheared(from(ray,group,ray.kx),ray.sx,z));
           const QuadCornersV cornersY(sheared(from(ray,group,ray.ky),ray.sy,z));
-          uint32_t firsts = 0, seconds = 0;
+          vboolV first[QuadCornersV::vectors], second[QuadCornersV::vectors];
           for (int j=0; j<QuadCornersV::vectors; j++)
           {
             vfloatV x[4], y[4];
@@ -126,15 +126,14 @@ namespace embree
             const vfloatV bottom = edgeSide(x[0],y[0],x[1],y[1]);
             const vfloatV right  = edgeSide(x[1],y[1],x[3],y[3]);
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
-            const vboolV first = isInside(diag,left,bottom), second = isInside(right,top,-diag);
-            firsts |= uint32_t(movemask(first)) << (vectorWidth*j);
-            seconds |= uint32_t(movemask(second)) << (vectorWidth*j);
+            first[j] = isInside(diag,left,bottom);
+            second[j] = isInside(right,top,-diag);
           }
-          const uint32_t met = firsts | (seconds << 16);
+          const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), met = firsts | (seconds << 16);
           if (met == 0) return;
-          const uint32_t first = uint32_t(bsf(met));
+          const uint32_t one = uint32_t(bsf(met));
           const bool isOne = (met & (met-1)) == 0;
-          mask = likely(isOne) ? 1u << (2*(first & 15u) + (first >> 4)) : spread(firsts) | (spread(seconds) << 1);
+          mask = likely(isOne) ? 1u << (2*(one & 15u) + (one >> 4)) : spread(firsts) | (spread(seconds) << 1);
         }
 
       private:
