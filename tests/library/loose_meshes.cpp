@@ -107,6 +107,33 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 
+// If most triangles are so thin that the default lattice flips them, all vertices use a finer one.
+TEST(LooseMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
+{
+  const auto spacingOf = [](double width, unsigned thin) {
+    Device device;
+    Random random(156);
+    DicedMesh mesh;
+    for (unsigned i = 0; i < 4000; i++) {
+      const Vec p(random.uniform(0, 100), random.uniform(0, 100), random.uniform(0, 100));
+      const double y = i % 10 < thin ? width : 0.5;
+      mesh.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+      for (const Vec& q : {p, p + Vec(1, 0.3, 0.2), p + Vec(1, 0.3 + y, 0.2 - y)}) mesh.vertices.push_back(q);
+    }
+    Scene scene(device);
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+    rtcCommitScene(scene);
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    EXPECT_EQ(stats.numIrregularQuads, 2000u);
+    EXPECT_LE(stats.maxVertexDeviation, 0.8661*stats.maxVertexSpacing);
+    return stats.maxVertexSpacing;
+  };
+  const double fine = spacingOf(1e-5, 8), coarse = spacingOf(1e-5, 3);
+  EXPECT_GT(fine, 0);
+  EXPECT_LE(fine, coarse/64);
+  EXPECT_EQ(spacingOf(0.5, 8), coarse);
+}
+
 // Blocks of a part of a mesh leave no large remainders of allocations.
 TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
 {
