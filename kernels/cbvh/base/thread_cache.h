@@ -44,17 +44,17 @@ namespace embree
     extern const size_t largeCaches;
 
     /*! A direct-mapped array with `count` entries, or twice as many if largeCaches is 1. Entries that are not used are
-     *  never touched, and so occupy no memory. */
-    template<typename Entry, size_t count>
+     *  never touched, and so occupy no memory. numAfter: each slot is followed by so many entries. */
+    template<typename Entry, size_t count, size_t numAfter = 0>
     struct CacheEntries
     {
       static __forceinline size_t slot (size_t hash) { return hash % count + (hash/count & largeCaches)*count; }
-      static __forceinline size_t size () { return count + largeCaches*count; }
+      static __forceinline size_t size () { return count + largeCaches*count + numAfter; }
 
       __forceinline Entry& operator[] (size_t slot) { return entries[slot]; }
 
     private:
-      Entry entries[2*count];
+      Entry entries[2*count+numAfter];
     };
 
     /*! Entries: plain data with clear(), which invalidates all entries. */
