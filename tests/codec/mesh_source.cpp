@@ -200,6 +200,36 @@ TEST(MeshSource, NoTriangleFlipsOrDegenerates)
   EXPECT_EQ(Stored(torus(random, 60, 0), -12).report.finerVertices, 0u);
 }
 
+// Also for positions with few bits, whose hashes differ in few bits before they are mixed.
+TEST(MeshSource, ExceptionsAreFoundAmongMany)
+{
+  Random random(seed + 8);
+  for (unsigned side : {4u, 100u, 1u << 24}) {
+    std::map<std::array<uint32_t, 3>, uint32_t> expected;
+    MeshExceptions exceptions;
+    const auto position = [&] {
+      const float p[3] = {float(random.below(side)), float(random.below(side)), float(random.below(side)) - 7};
+      return MeshPosition(p);
+    };
+    for (int i = 0; i < 50000; i++) {
+      const MeshPosition p = position();
+      const uint32_t level = 1 + random.below(2);
+      uint32_t& of = expected[{p.words[0], p.words[1], p.words[2]}];
+      of = std::max(of, level);
+      exceptions.raise(p, p.hash(), level);
+      const MeshPosition q = position();
+      const auto found = expected.find({q.words[0], q.words[1], q.words[2]});
+      ASSERT_EQ(exceptions.levelOf(q, q.hash()), found == expected.end() ? 0 : found->second);
+    }
+    EXPECT_EQ(exceptions.size(), expected.size());
+    for (const auto& e : expected) {
+      MeshPosition p;
+      std::copy(e.first.begin(), e.first.end(), p.words);
+      ASSERT_EQ(exceptions.levelOf(p, p.hash()), e.second);
+    }
+  }
+}
+
 TEST(MeshSource, LosslessIsBitExact)
 {
   Random random(seed + 2);

@@ -107,6 +107,37 @@ TEST(LooseMeshesOfFewBytes, MemoryIsSixToSevenBytesPerTriangle)
   EXPECT_LE(bytes, 7.2); // including unused memory of the allocator
 }
 
+// If most triangles are so thin that the default lattice flips them, all vertices use a finer one.
+TEST(LooseMeshesOfFewBytes, TheLatticeIsFinerIfMostTrianglesAreThin)
+{
+  const auto spacingOf = [](float width, unsigned thin) {
+    Device device;
+    Random random(156);
+    DicedMesh mesh;
+    for (unsigned i = 0; i < 4000; i++) {
+      float p[3];
+      for (float& x : p) x = float(random.uniform(0, 100));
+      const float y = i % 10 < thin ? width : 0.5f;
+      mesh.triangles.push_back({3*i, 3*i + 1, 3*i + 2});
+      mesh.vertices.push_back({p[0], p[1], p[2]});
+      mesh.vertices.push_back({p[0] + 1, p[1] + 0.3f, p[2] + 0.2f});
+      mesh.vertices.push_back({p[0] + 1, p[1] + 0.3f + y, p[2] + 0.2f - y});
+    }
+    Scene scene(device);
+    attach(scene, newMesh(device, mesh, RTC_COMPRESSION_VERT));
+    rtcCommitScene(scene);
+    const RTCCompressionStatistics stats = statisticsOf(scene);
+    EXPECT_EQ(stats.numIrregularQuads, 2000u);
+    EXPECT_LE(stats.maxVertexDeviation, 0.8661*stats.maxVertexSpacing);
+    return stats.maxVertexSpacing;
+  };
+  const double fine = spacingOf(5e-5f, 8), coarse = spacingOf(5e-5f, 3);
+  EXPECT_GT(fine, 0);
+  EXPECT_LE(fine, coarse/64);
+  EXPECT_EQ(spacingOf(0.5f, 8), coarse);
+}
+
+// Blocks of a part of a mesh leave no large remainders of allocations.
 TEST(LooseMeshesOfFewBytes, BlocksOfAnyNumberOfTrianglesAreAllocatedExactly)
 {
   for (unsigned side : {150, 180, 205, 230, 255, 290, 520}) {

@@ -43,17 +43,17 @@ namespace embree
     extern const size_t largeCaches;
 
     /*! Direct-mapped array of `count` entries, or 2*count if largeCaches is 1. Unused entries are never touched, and
-     *  occupy no memory. */
-    template<typename Entry, size_t count>
+     *  occupy no memory. numAfter: number of entries after each slot. */
+    template<typename Entry, size_t count, size_t numAfter = 0>
     struct CacheEntries
     {
       static __forceinline size_t slot (size_t hash) { return hash % count + (hash/count & largeCaches)*count; }
-      static __forceinline size_t size () { return count + largeCaches*count; }
+      static __forceinline size_t size () { return count + largeCaches*count + numAfter; }
 
       __forceinline Entry& operator[] (size_t slot) { return entries[slot]; }
 
     private:
-      Entry entries[2*count];
+      Entry entries[2*count+numAfter];
     };
 
     /*! Entries: plain data with clear(), which invalidates all entries. */

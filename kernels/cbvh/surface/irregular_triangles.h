@@ -118,7 +118,9 @@ namespace embree
       void prepare (const StoredBorders* borders, const Progress& progress)
       {
         this->borders = borders;
-        const int exponent = chooseExponent();
+        int exponent = chooseExponent();
+        while (flipsMost(exponent)) exponent = max(exponent-cbvh::MeshLattice::finerBits,cbvh::exactLattice);
+        spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
         for (unsigned step=0; step<plan.numTimeSteps; step++)
           lattices.emplace_back(new cbvh::MeshLattice(exponent));
         if (plan.moves()) welded = mesh.weld();
@@ -246,9 +248,23 @@ namespace embree
           }
         }
         const int exponent = choice.exponent(plan,0.0);
-        spacingOfLattice = cbvh::WorldLattice(exponent).spacing;
-        if (plan.settings.maxError > 0) warnIfCoarse(device,spacingOfLattice,choice.edge());
+        if (plan.settings.maxError > 0) warnIfCoarse(device,cbvh::WorldLattice(exponent).spacing,choice.edge());
         return exponent;
+      }
+
+      /*! True if a lattice flips more than half of a sample. A block has the finest spacing of its vertices, so hardly
+       *  any block is larger on a finer lattice, and finding exceptions takes longer than the rest of the build. */
+      bool flipsMost (int exponent) const
+      {
+        const cbvh::MeshLattice lattice(exponent);
+        const size_t samples = min(numPrimitives(),size_t(1024));
+        size_t flipped = 0;
+        for (size_t i=0; i<samples; i++) {
+          const float* p[3];
+          flipped += mesh.corners(mesh.triangleOf(primitiveAt(i*numPrimitives()/samples),0),p)
+            && lattice.flips(p[0],p[1],p[2]);
+        }
+        return 2*flipped > samples;
       }
 
       void find (size_t task, Found& out)

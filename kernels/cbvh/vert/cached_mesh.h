@@ -37,7 +37,8 @@ namespace embree
       public:
         template<typename VertRay>
         __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
-          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)) {}
+          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)),
+            halves(cache.halves(block)) {}
 
         __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
@@ -55,8 +56,8 @@ namespace embree
         /*! half: 0, or 1 if the group has a second half. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
-          MeshTriangles& at = cache.slot(block,16*half+g);
-          if (at.block != block || at.lane != 16*half+g) decode(g,half,at);
+          MeshTriangles& at = halves[16*half+g];
+          if (at.key != keyOfHalf(block,16*half+g)) decode(g,half,at);
           return at;
         }
 
@@ -75,14 +76,14 @@ namespace embree
         __noinline void decode (uint32_t g, uint32_t half, MeshTriangles& at) const
         {
           const MeshBoxes& boxes = this->boxes();
-          at.block = block;
-          at.lane = uint8_t(16*half+g);
+          at.key = keyOfHalf(block,16*half+g);
           MeshDecoder(block).triangles(boxes,g,half,at);
         }
 
         MeshCache& cache;
         const MeshHeader* block;
         MeshBoxes& slot;
+        MeshTriangles* const halves;
       };
 
       /*! Cached: has triangles(), as CachedMeshBlock. */

@@ -39,8 +39,7 @@ namespace embree
      *  on. */
     struct MeshTriangles
     {
-      const void* block;                //!< block of the group, or null
-      uint8_t lane;                     //!< lane of the group, plus 16 for the second half
+      size_t key;                       //!< keyOfHalf, or 0
       bool isFirstOfTwo;                //!< the group has a second half
       uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
@@ -51,24 +50,27 @@ namespace embree
     };
     static_assert(sizeof(MeshTriangles) == 7*64,"MeshTriangles must occupy exactly 7 cache lines");
 
+    /*! half: number of the group, plus 16 for the second half. Unique because blocks have at least 32 bytes. */
+    __forceinline size_t keyOfHalf (const void* block, uint32_t half) { return size_t(block) + half; }
+
     class MeshEntries
     {
     public:
-      /*! If the slot's `block` (or `lane`) differs, the caller must fill the slot. */
+      /*! If the slot's `block` differs, the caller must fill the slot. */
       __forceinline MeshBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
-      __forceinline MeshTriangles& slot (const void* block, uint32_t lane) {
-        return groups[groups.slot(slotOfBlock(block,64) + lane)];
-      }
+
+      /*! The 32 slots of a block's halves of groups; see keyOfHalf. If a key differs, the caller must fill the slot. */
+      __forceinline MeshTriangles* halves (const void* block) { return &groups[groups.slot(slotOfBlock(block,64))]; }
 
       void clear ()
       {
         for (size_t i=0; i<blocks.size(); i++) blocks[i].block = nullptr;
-        for (size_t i=0; i<groups.size(); i++) groups[i].block = nullptr;
+        for (size_t i=0; i<groups.size(); i++) groups[i].key = 0;
       }
 
     private:
       CacheEntries<MeshBoxes,192> blocks;
-      CacheEntries<MeshTriangles,704> groups;
+      CacheEntries<MeshTriangles,704,31> groups;
     };
 
     /* --- moving blocks --- */
@@ -96,7 +98,7 @@ namespace embree
     /*! Half a group, at the ends of a segment. */
     struct SegmentTriangles
     {
-      SegmentKey key;            //!< key of the half; see MeshTriangles::lane
+      SegmentKey key;            //!< key of the half; lane: as the half of keyOfHalf
       MeshTriangles begin;
       MeshVertices end;
     };

@@ -35,7 +35,7 @@ namespace embree
           findGroups(groups,out);
         }
 
-        /*! Sets all members but out.block and out.lane. */
+        /*! Decodes half of a group, except for out.key. */
         __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),

@@ -24,7 +24,7 @@ namespace embree
           : cache(MeshMotionCache::ofThread()), block((const MeshHeader*)block), segment(at.segment),
             fraction(at.fraction)
         {
-          atTime.lane = 255;
+          atTime.key = ~size_t(0);
         }
 
         /*! Null if not decoded. */
@@ -63,7 +63,7 @@ namespace embree
         /*! half: as in CachedMeshBlock::triangles. Valid until another half is requested. */
         __forceinline const MeshTriangles& triangles (uint32_t g, uint32_t half) const
         {
-          if (atTime.lane != 16*half+g) interpolate(g,half);
+          if (atTime.key != 16*half+g) interpolate(g,half);
           return atTime;
         }
 
@@ -99,7 +99,7 @@ namespace embree
           SegmentTriangles& slot = cache.slot(block,segment,lane);
           const SegmentKey key = { block,segment,lane };
           if (unlikely(!(slot.key == key))) decode(g,half,slot);
-          atTime.lane = uint8_t(lane);
+          atTime.key = lane;
           atTime.isFirstOfTwo = slot.begin.isFirstOfTwo;
           atTime.lanes = slot.begin.lanes;
           atTime.numVertices = slot.begin.numVertices;
@@ -115,7 +115,7 @@ namespace embree
         const float fraction;
         mutable bool isInterpolated = false;
         mutable GroupBoxes now;
-        mutable MeshTriangles atTime; //!< MeshTriangles::block is unused
+        mutable MeshTriangles atTime; //!< the key does not contain the block
       };
 
       __forceinline VertTriangle triangleOf (const MovingMeshBlock& cached, uint32_t g, uint32_t h) {

@@ -11,10 +11,63 @@
 #include "lattice.h"
 #include "mesh_position.h"
 #include <cstring>
-#include <unordered_map>
+#include <vector>
 
 namespace cvert { inline namespace CVERT_ISA
 {
+  /*! Levels above 0 by position. An open hash table, because in a mesh of needles most vertices are exceptions. */
+  class MeshExceptions
+  {
+  public:
+    /*! Returns 0 for other positions. */
+    uint32_t levelOf (const MeshPosition& position, uint32_t hash) const {
+      return entries.empty() ? 0 : entries[find(position,hash)].level;
+    }
+
+    /*! Throws std::bad_alloc. */
+    void raise (const MeshPosition& position, uint32_t hash, uint32_t level)
+    {
+      if (4*(count+1) > 3*entries.size()) grow();
+      Entry& entry = entries[find(position,hash)];
+      count += entry.level == 0;
+      std::memcpy(entry.words,position.words,sizeof(entry.words));
+      entry.level = std::max(entry.level,level);
+    }
+
+    size_t size () const { return count; }
+
+  private:
+    struct Entry
+    {
+      uint32_t words[3]; //!< of the position
+      uint32_t level;    //!< 0: empty
+    };
+
+    /*! Returns the entry of a position, or the empty one that it can use. */
+    size_t find (const MeshPosition& position, uint32_t hash) const
+    {
+      size_t i = size_t(uint64_t(hash)*entries.size() >> 32);
+      while (entries[i].level != 0 && std::memcmp(entries[i].words,position.words,sizeof(position.words)) != 0)
+        if (++i == entries.size()) i = 0;
+      return i;
+    }
+
+    void grow ()
+    {
+      std::vector<Entry> old(std::max(size_t(64),2*entries.size()),Entry());
+      old.swap(entries);
+      for (const Entry& entry : old) {
+        if (entry.level == 0) continue;
+        MeshPosition position;
+        std::memcpy(position.words,entry.words,sizeof(position.words));
+        entries[find(position,position.hash())] = entry;
+      }
+    }
+
+    std::vector<Entry> entries;
+    size_t count = 0;
+  };
+
   class MeshLattice
   {
   public:
@@ -30,11 +83,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::memset(filter,0,sizeof(filter));
     }
 
-    void snap (const float p[3], float out[3]) const
-    {
-      const WorldLattice& lattice = lattices[levelOf(p)];
-      for (int k=0; k<3; k++) out[k] = lattice.snap(p[k]);
-    }
+    void snap (const float p[3], float out[3]) const { snap(levelOf(p),p,out); }
 
     /*! True if a triangle has area and its normal turns by less than 90 degrees wherever its corners snap to.
      *  Conservative: false for some such triangles. */
@@ -63,8 +112,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         float p[3], q[3], r[3];
         snap(a,p); snap(b,q); snap(c,r);
-        const Double3 n = normal(p,q,r);
-        if (dot(n,own) >= 0 && !isZero(n)) return changed;
+        if (isKept(own,p,q,r)) return changed;
         const uint32_t level = std::min(std::min(levelOf(a),levelOf(b)),levelOf(c));
         if (level == 2) return changed;
         raise(a,level+1); raise(b,level+1); raise(c,level+1);
@@ -72,14 +120,22 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! In double precision. */
+    /*! True if check() makes the vertices of a triangle exceptions, if there are none yet. */
+    bool flips (const float a[3], const float b[3], const float c[3]) const
+    {
+      if (isExact || isRobust(a,b,c)) return false;
+      const Double3 own = normal(a,b,c);
+      float p[3], q[3], r[3];
+      snap(0,a,p); snap(0,b,q); snap(0,c,r);
+      return !isZero(own) && !isKept(own,p,q,r);
+    }
+
+    /*! True if the area is 0 in double precision. */
     static bool isDegenerate (const float a[3], const float b[3], const float c[3]) { return isZero(normal(a,b,c)); }
 
     size_t numExceptions () const { return exceptions.size(); }
 
   private:
-    struct Hash { size_t operator() (const MeshPosition& p) const { return p.hash(); } };
-
     static Double3 normal (const float a[3], const float b[3], const float c[3])
     {
       const Double3 e = { double(b[0])-a[0], double(b[1])-a[1], double(b[2])-a[2] },
@@ -87,30 +143,39 @@ namespace cvert { inline namespace CVERT_ISA
       return cross(e,f);
     }
 
+    void snap (uint32_t level, const float p[3], float out[3]) const {
+      for (int k=0; k<3; k++) out[k] = lattices[level].snap(p[k]);
+    }
+
+    /*! own: normal of a triangle whose corners snap to p, q and r */
+    static bool isKept (const Double3& own, const float p[3], const float q[3], const float r[3])
+    {
+      const Double3 n = normal(p,q,r);
+      return dot(n,own) >= 0 && !isZero(n);
+    }
+
     static bool isZero (const Double3& n) { return n.x == 0 && n.y == 0 && n.z == 0; }
 
     uint32_t levelOf (const float p[3]) const
     {
-      if (exceptions.empty()) return 0;
+      if (exceptions.size() == 0) return 0;
       const MeshPosition position(p);
-      const uint32_t hash = position.hash() >> 16;
-      if (((filter[hash >> 5] >> (hash & 31)) & 1) == 0) return 0;
-      const auto found = exceptions.find(position);
-      return found == exceptions.end() ? 0 : found->second;
+      const uint32_t hash = position.hash(), bit = hash >> 16;
+      if (((filter[bit >> 5] >> (bit & 31)) & 1) == 0) return 0;
+      return exceptions.levelOf(position,hash);
     }
 
     void raise (const float p[3], uint32_t level)
     {
       const MeshPosition position(p);
-      const uint32_t hash = position.hash() >> 16;
-      filter[hash >> 5] |= 1u << (hash & 31);
-      uint32_t& stored = exceptions[position];
-      stored = std::max(stored,level);
+      const uint32_t hash = position.hash(), bit = hash >> 16;
+      filter[bit >> 5] |= 1u << (bit & 31);
+      exceptions.raise(position,hash,level);
     }
 
     const WorldLattice lattices[3];
     const bool isExact;
-    std::unordered_map<MeshPosition,uint32_t,Hash> exceptions; //!< exceptions by position
-    uint32_t filter[2048];                                  //!< a bit per hash
+    MeshExceptions exceptions; //!< lattice of a position
+    uint32_t filter[2048];     //!< a bit per hash of an exception
   };
 }}

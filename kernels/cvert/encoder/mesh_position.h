@@ -13,6 +13,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     uint32_t words[3];
 
+    MeshPosition () {} // undefined
     explicit MeshPosition (const float p[3]) {
       for (int k=0; k<3; k++) words[k] = bitsOfFloat(p[k] + 0.0f); // converts -0 to 0
     }
