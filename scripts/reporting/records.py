@@ -25,7 +25,8 @@ COLUMNS = """what origin job scene level representation kind isa device quads re
     memory_compression_leaf_bytes memory_compression_node_bytes memory_compression_header_bytes
     memory_compression_fallback_quads memory_compression_quads on_device_device_bytes on_device_imported_bytes
     leaks_rays sheets_rays bins_of_4_bits_hits bins_of_4_bits_quantiles_pixels run_command run_cpu run_date run_end
-    run_commit run_hardware_threads run_settings_repeat run_settings_true_surface_hits run_settings_reference_level""".split()
+    run_commit run_hardware_threads run_settings_repeat run_settings_true_surface_hits
+    run_settings_reference_level""".split()
 COLUMNS += [f"{kind}_{key}" for kind in KINDS_OF_ERRORS for key in ERRORS]  # columns exist even if no record has them
 
 
