@@ -48,6 +48,7 @@ namespace embree
     return lanes;
   }
 
+#if !defined(__AVX__)
   /*! As above. Packs the masks first, because NEON collects bits by several instructions per vector. */
   __forceinline uint32_t lanesOf (const vboolf4 (&masks)[4])
   {
@@ -64,4 +65,5 @@ namespace embree
     return uint32_t(_mm_movemask_epi8(_mm_packs_epi16(pack(0),pack(2))));
 #endif
   }
+#endif
 }
