@@ -56,10 +56,9 @@ namespace embree
       /*! If the slot's `block` differs, the caller must fill the slot and set it. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
-      /*! If the slot's key differs, the caller must fill the slot and set it. */
-      static __forceinline size_t slot (const void* block, uint32_t lane) {
-        return Groups::slot(slotOfBlock(block,32) + lane);
-      }
+      /*! The first of 16 slots of a block's groups, one per lane. If a slot's key differs, the caller must fill the slot
+       *  and set it. */
+      static __forceinline size_t groupSlots (const void* block) { return Groups::slot(slotOfBlock(block,32)); }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
 
@@ -71,10 +70,10 @@ namespace embree
 
     private:
       static const size_t numGroups = 768;
-      typedef CacheEntries<CellVertices,numGroups> Groups;
+      typedef CacheEntries<CellVertices,numGroups,15> Groups;
 
       CacheEntries<VertBoxes,256> blocks;
-      CacheEntries<size_t,numGroups> keys;
+      CacheEntries<size_t,numGroups,15> keys;
       Groups groups; //!< in world space
     };
 

@@ -21,7 +21,8 @@ namespace embree
       public:
         template<typename RayOrRays>
         __forceinline CachedVertBlock (const RayOrRays& ray, const VertHeader* block)
-          : cache(*ray.cache), block(block), slot(cache.slot(block)) {}
+          : cache(*ray.cache), block(block), slot(cache.slot(block)),
+            groupSlots(VertCache::groupSlots(block)) {}
 
         /*! Null if not decoded. */
         __forceinline const VertBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
@@ -44,7 +45,7 @@ namespace embree
         /*! In world space. */
         __forceinline const CellVertices& vertices (uint32_t lane) const
         {
-          const size_t slot = cache.slot(block,lane);
+          const size_t slot = groupSlots + lane;
           if (unlikely(cache.key(slot) != keyOfGroup(block,lane))) decode(lane,slot);
           return cache.vertices(slot);
         }
@@ -68,6 +69,7 @@ namespace embree
         VertCache& cache;
         const VertHeader* block;
         VertBoxes& slot;
+        const size_t groupSlots;
       };
     }
   }
