@@ -56,8 +56,8 @@ namespace embree
       /*! If the slot's `block` differs, the caller must fill the slot and set it. */
       __forceinline VertBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,512))]; }
 
-      /*! The first of 16 slots of a block's groups, one per lane. If a slot's key differs, the caller must fill the slot
-       *  and set it. */
+      /*! The first of 16 slots of a block's groups, one per lane. If a slot's key differs, the caller must fill the
+       *  slot and set it. */
       static __forceinline size_t groupSlots (const void* block) { return Groups::slot(slotOfBlock(block,32)); }
       __forceinline size_t& key (size_t slot) { return keys[slot]; }
       __forceinline CellVertices& vertices (size_t slot) { return groups[slot]; }
