@@ -1,7 +1,7 @@
 // Copyright 2026 The Embree CBVH authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Sizes, offsets and annotated blocks must be those of the tables of framed_block.md. */
+/* Sizes, offsets and annotated blocks must equal the tables of framed_block.md. */
 
 #include "codec/format_pages.h"
 #include "support/encoded_block.h"

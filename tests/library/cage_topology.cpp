@@ -250,8 +250,8 @@ std::string describe(const Chambers& c, const SurfaceSettings& settings)
          " above, rate " + (settings.edgeRates.empty() ? std::to_string(int(settings.rate)) : "mixed");
 }
 
-/* No edge may belong to only one triangle: faces have the same vertices on common borders, those of the face with the
- * fewest quads. */
+/* No edge may belong to only one triangle. Faces that share a border use the vertices that the face with the fewest
+ * quads has there. */
 TEST_P(CageTopology, FacesOnAnEdgeOfThreeShareVertices)
 {
   Device device;

@@ -148,8 +148,8 @@ namespace embree
         welded.reset();
       }
 
-      /*! Sets the stored corners; on borders of grids, those of the grids. Returns the square of the largest distance
-       *  that a corner moved. */
+      /*! Sets out to the stored corners of a triangle. Corners on the border of a grid are vertices of the grid.
+       *  Returns the square of the largest distance that a corner moved. */
       double store (uint32_t triangle, float out[3][3]) const
       {
         const float* p[3];

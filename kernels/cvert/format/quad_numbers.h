@@ -32,8 +32,8 @@ struct VertNumbers
 };
 CVERT_READABLE(VertNumbers,4)
 
-/*! Section of blocks in which second triangles' numbers are not those of the first plus 1. A table of numbers follows
- *  it. */
+/*! Section of a block in which some quad's second triangle does not have the number of the first plus 1. A table of
+ *  numbers follows the section. */
 struct VertTrianglePairs
 {
   VertNumbers numbers;

@@ -420,7 +420,8 @@ CBVH_FUNCTION bool hasLowerEdge (uint32_t patchQuads, VertEdges edges)
     || vertRate(edges,3) != quadsY;
 }
 
-/*! There, parameters are interpolated from those of the vertices. */
+/*! True if quad (x,y) is next to an edge whose rate is lower than the patch has quads. The parameters of hits in such
+ *  a quad are interpolated from those of its vertices. */
 CBVH_FUNCTION bool isAtLowerEdge (uint32_t patchQuads, VertEdges edges, uint32_t x, uint32_t y)
 {
   uint32_t quadsX = patchQuadsX(patchQuads), quadsY = patchQuadsY(patchQuads);
