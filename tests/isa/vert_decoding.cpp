@@ -149,17 +149,22 @@ TEST(VertTriangles, TrianglesThatContainTheRayAreFound)
     const GroupTriangles triangles(pre, cell);
     for (uint32_t h = 0; h < 32; h++) {
       const VertTriangle triangle(cell, h);
+      const VertTriangle::Sides stored = triangles.sides(h), sides = triangle.sides(pre);
+      if (!hole) {
+        ASSERT_TRUE(stored.w0 == sides.w0 && stored.w1 == sides.w1 && stored.w2 == sides.w2 && stored.sum == sides.sum)
+          << "case " << i << ", triangle " << h;
+      }
       const double t = triangle.distance(pre, triangle.normal(), 0.0f);
       const bool isMet = triangle.containsExactly(pre) && t >= 0;
       if (!isMet) {
-        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(triangle.sides(pre)))
+        ASSERT_FALSE((triangles.mask >> h & 1) && areCertain(sides))
           << "case " << i << ", triangle " << h;
         bad++;
         continue;
       }
       ASSERT_TRUE(triangles.mask >> h & 1) << "case " << i << ", triangle " << h << ", at " << t;
       found++;
-      onLines += !areCertain(triangle.sides(pre));
+      onLines += !areCertain(sides);
     }
   }
   EXPECT_GT(found, 20000u);

@@ -106,8 +106,9 @@ namespace embree
         return triangleOfMesh(cached,g,h);
       }
 
-      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached, uint32_t g) {
-        return meshTrianglesHitByLine(ray,cached,g);
+      __forceinline TriangleMask groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached,
+                                                          uint32_t g) {
+        return { meshTrianglesHitByLine(ray,cached,g) };
       }
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,

@@ -26,10 +26,26 @@ namespace embree
         return VertTriangle(cached.vertices(g),h);
       }
 
-      /*! Triangles of group g that the ray's line passes through, or may pass through: bit h of triangle h. */
+      /*! Triangles of group g that the ray's line passes through, or may pass through: bit h of mask for triangle h. */
       template<typename Cached>
-      __forceinline uint32_t groupTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
-        return GroupTriangles(ray,cached.vertices(g)).mask;
+      __forceinline GroupTriangles groupTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g) {
+        return GroupTriangles(ray,cached.vertices(g));
+      }
+
+      __forceinline VertTriangle::Sides sidesOf (const GroupTriangles& triangles, const VertTriangle&, const VertRay&,
+                                                 uint32_t h) {
+        return triangles.sides(h);
+      }
+
+      /*! GroupTriangles without stored sides. */
+      struct TriangleMask
+      {
+        uint32_t mask;
+      };
+
+      __forceinline VertTriangle::Sides sidesOf (const TriangleMask&, const VertTriangle& triangle, const VertRay& ray,
+                                                 uint32_t) {
+        return triangle.sides(ray);
       }
 
       /*! Target: the ray, with tnear(), tfar(); report(block,primID,hit), true if the hit is accepted; isRead(block),
@@ -45,31 +61,34 @@ namespace embree
 
         /*! Reports hits, nearest first, until one is accepted, and returns true then. triangles: from
          *  groupTrianglesHitByLine. */
-        __forceinline bool report (uint32_t g, uint32_t triangles)
+        template<typename Triangles>
+        __forceinline bool report (uint32_t g, const Triangles& triangles)
         {
+          const uint32_t mask = triangles.mask;
           if (!target.isRead(block)) return reportAny(g,triangles);
-          if (likely((triangles & (triangles-1)) == 0))
+          if (likely((mask & (mask-1)) == 0))
           {
-            const uint32_t h = uint32_t(bsf(triangles));
+            const uint32_t h = uint32_t(bsf(mask));
             const VertTriangle triangle = triangleOf(cached,g,h);
-            const VertTriangle::Sides sides = triangle.sides(vertRay);
+            const VertTriangle::Sides sides = sidesOf(triangles,triangle,vertRay,h);
             const WideNormal<double> normal = triangle.normal();
             float t;
             return triangle.contains(vertRay,sides)
               && isInRange(triangle.distance(vertRay,normal,target.tnear()),32*g+h,t) && reportHit(g,normal,h,t,sides);
           }
-          return reportNearest(g,triangles);
+          return reportNearest(g,mask);
         }
 
       private:
         /*! In any order, without data. Computes no distance if the whole triangle is between tnear and tfar. */
-        __forceinline bool reportAny (uint32_t g, uint32_t triangles)
+        template<typename Triangles>
+        __forceinline bool reportAny (uint32_t g, const Triangles& triangles)
         {
-          for (; triangles; triangles&=triangles-1)
+          for (uint32_t rest=triangles.mask; rest; rest&=rest-1)
           {
-            const uint32_t h = uint32_t(bsf(triangles));
+            const uint32_t h = uint32_t(bsf(rest));
             const VertTriangle triangle = triangleOf(cached,g,h);
-            if (!triangle.contains(vertRay,triangle.sides(vertRay))) continue;
+            if (!triangle.contains(vertRay,sidesOf(triangles,triangle,vertRay,h))) continue;
             const TriangleSpan<double> span = triangle.span(vertRay);
             float t = 0.0f;
             if (!(likely(double(target.tnear()) <= span.nearest && span.farthest < double(target.tfar())))

@@ -51,12 +51,13 @@ namespace embree
             mask &= ~together(one,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
-            if (report(k,g,uint32_t(triangles[k]))) accepted |= 1u << k;
+            if (report(k,g,TriangleMask{ uint32_t(triangles[k]) })) accepted |= 1u << k;
           }
           return accepted;
         }
 
-        __noinline bool report (size_t k, uint32_t g, uint32_t triangles)
+        template<typename Triangles>
+        __noinline bool report (size_t k, uint32_t g, const Triangles& triangles)
         {
           typedef VertTargetK<K,Rays> Target;
           return VertHits<Target,CachedVertBlock>(Target{ rays,context,k },vertRays.at(k),vertRays.nearest(k),block,

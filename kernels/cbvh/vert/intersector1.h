@@ -122,8 +122,8 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<RayType>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > ray.tfar) continue;
-            const uint32_t triangles = groupTrianglesHitByLine(vertRay,cached,g);
-            if (triangles == 0 || !hits.report(g,triangles)) continue;
+            const auto triangles = groupTrianglesHitByLine(vertRay,cached,g);
+            if (triangles.mask == 0 || !hits.report(g,triangles)) continue;
             if (IsAnyHit<RayType>::value) return true;
             found = true;
           }

@@ -51,8 +51,8 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > rays.tfar[k]) continue;
-            const uint32_t triangles = groupTrianglesHitByLine(ray,cached,g);
-            if (triangles == 0 || !hits.report(g,triangles)) continue;
+            const TriangleMask triangles = groupTrianglesHitByLine(ray,cached,g);
+            if (triangles.mask == 0 || !hits.report(g,triangles)) continue;
             if (IsAnyHit<Rays>::value) return true;
             found = true;
           }
