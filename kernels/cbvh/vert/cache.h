@@ -99,11 +99,12 @@ namespace embree
     };
 
     /*! Data of a segment that groups share. Boxes are interpolated between its ends. */
-    struct SegmentBoxes : public GroupBoxes
+    struct SegmentBoxes : public VertAxes
     {
+      uint32_t lanes;            //!< mask of lanes with a group
       SegmentKey key;            //!< key of the block
       float origins[2][3];       //!< origins of the block, at both ends
-      GroupPlanes ends[2][3];    //!< at both ends, by axis; GroupBoxes::planes is unused
+      GroupPlanes ends[2][3];    //!< at both ends, by axis
       StepCells steps[2];        //!< at both ends; unused for a raw step
     };
 
@@ -139,7 +140,7 @@ namespace embree
       CacheEntries<Group,numGroups> groups;
     };
 
-    typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,240> MotionEntries;
+    typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;
   }
