@@ -128,10 +128,10 @@ namespace cvert { inline namespace CVERT_ISA
         boxes.addGroups();
         const uint32_t shiftAt = step == 1 ? 25 : 28;
         uint32_t shift;
-        *reachOfSegment = boxes.reach(0,shift);
+        *reachOfSegment = boxes.encodeReach(0,shift);
         *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
           | shift << shiftAt;
-        header.endReach = boxes.reach(1,shift);
+        header.endReach = boxes.encodeReach(1,shift);
         header.turned |= shift << 19;
       }
       wasRaw = !packed;
