@@ -51,7 +51,7 @@ namespace cvert { inline namespace CVERT_ISA
       isEmpty &= !now.anyFinite();
       if (!now.allFinite) markInvalid(now);
       if (step == 0) packFirst(); else packStep(now);
-      fill(block);
+      padTo4(block);
       step++;
     }
 
@@ -95,7 +95,7 @@ namespace cvert { inline namespace CVERT_ISA
       else packRaw(at,form,block);
       VertHeader& header = *(VertHeader*)block;
       statistics.raw = wasRaw = isFirstRaw = !packed;
-      fill(block);
+      padTo4(block);
       motion.steps = uint32_t(end-block);
       memcpy(block+motionOffset(header.boxForm),&motion,sizeof(motion));
       end += sizeof(uint32_t)*(motion.numSteps-1);
