@@ -3,9 +3,12 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Builds Debian packages in build/package/packages: libembree3-cbvh, libembree-cbvh-dev and embree-cbvh-tools, which
-# replace Debian's libembree3-3, libembree-dev and embree-tools, and python3-embree-cbvh.
+# replace Debian's libembree3-3, libembree-dev and embree-tools; libembree-cbvh0, libembree-cbvh0-dev and
+# python3-embree-cbvh, which replace no package.
 #
 #   scripts/package.sh && apt install ./build/package/packages/*.deb
+#
+# A distributor first sets the maintainer: cmake --preset package "-DCBVH_PACKAGE_MAINTAINER=NAME <ADDRESS>"
 
 . "$(dirname -- "$0")/lib.sh"
 

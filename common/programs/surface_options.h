@@ -27,8 +27,8 @@ inline Vec2f parseRepeat(const std::string& text)
   repeat.y = repeat.x;
   if (x.ec == std::errc() && x.ptr != end && *x.ptr == 'x')
     last = std::from_chars(x.ptr + 1, end, repeat.y);
-  const auto isGood = [](float r) { return std::isfinite(r) && r > 0.0f; };
-  if (last.ec != std::errc() || last.ptr != end || !isGood(repeat.x) || !isGood(repeat.y))
+  const auto isPositive = [](float r) { return std::isfinite(r) && r > 0.0f; };
+  if (last.ec != std::errc() || last.ptr != end || !isPositive(repeat.x) || !isPositive(repeat.y))
     throw Error("invalid --height-repeat '" + text + "': expected one or two positive numbers, as in 3 or 3x2");
   return repeat;
 }

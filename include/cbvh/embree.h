@@ -72,8 +72,8 @@ static inline CbvhWord* cbvhWordOf(void* of, unsigned int N, unsigned int word, 
 /* --- IDs of hits ------------------------------------------------------------------------ */
 
 /* Writes the IDs of the application's scene into hit i. hits: an RTCHitN of N hits. */
-static inline void cbvhNameHit(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID,
-                               const CbvhRTCContext* context)
+static inline void cbvhWriteHitIDs(void* hits, unsigned int N, unsigned int i, CbvhGroup group, unsigned int geomID,
+                                   const CbvhRTCContext* context)
 {
   const unsigned int surface = *cbvhWordOf(hits, N, CBVH_HIT_GEOM_ID, i);
   unsigned int level;
@@ -116,7 +116,7 @@ static inline void cbvhFilterHits(const struct CbvhFilterArguments* args)
       *cbvhWordOf(&ray, 1, word, 0) = *cbvhWordOf(args->rays, args->count, word, i);
     for (word = 0; word < CBVH_HIT_INST_ID; word++)
       *cbvhWordOf(&hit, 1, word, 0) = *cbvhWordOf(args->hits, args->count, word, i);
-    cbvhNameHit(&hit, 1, 0, call->group, call->geomID, call->context);
+    cbvhWriteHitIDs(&hit, 1, 0, call->group, call->geomID, call->context);
     filter.valid = &valid;
     filter.geometryUserPtr = call->group;
     filter.context = call->context;
@@ -195,7 +195,7 @@ static inline void cbvhIntersectGeometry(const struct RTCIntersectFunctionNArgum
   cbvhStartQuery(&query, &call, args, group, args->geomID, args->context, flags, 0);
   if (N == 1) {
     if (args->valid[0] && cbvhIntersect1(group, (struct CbvhRayHit*)rays, &query))
-      cbvhNameHit(hits, 1, 0, group, args->geomID, args->context);
+      cbvhWriteHitIDs(hits, 1, 0, group, args->geomID, args->context);
     return;
   }
   if (N == 4 || N == 8 || N == 16) {
@@ -204,7 +204,7 @@ static inline void cbvhIntersectGeometry(const struct RTCIntersectFunctionNArgum
     else if (N == 8) found = cbvhIntersect8(group, args->valid, rays, &query);
     else found = cbvhIntersect16(group, args->valid, rays, &query);
     for (i = 0; i < N; i++)
-      if (found & (1u << i)) cbvhNameHit(hits, N, i, group, args->geomID, args->context);
+      if (found & (1u << i)) cbvhWriteHitIDs(hits, N, i, group, args->geomID, args->context);
     return;
   }
   for (i = 0; i < N; i++) {
@@ -215,7 +215,7 @@ static inline void cbvhIntersectGeometry(const struct RTCIntersectFunctionNArgum
     if (!cbvhIntersect1(group, &one, &query)) continue;
     *cbvhWordOf(rays, N, CBVH_RAY_TFAR, i) = *cbvhWordOf(&one.ray, 1, CBVH_RAY_TFAR, 0);
     for (word = 0; word < CBVH_HIT_INST_ID; word++) *cbvhWordOf(hits, N, word, i) = *cbvhWordOf(&one.hit, 1, word, 0);
-    cbvhNameHit(hits, N, i, group, args->geomID, args->context);
+    cbvhWriteHitIDs(hits, N, i, group, args->geomID, args->context);
   }
 }
 

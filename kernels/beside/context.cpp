@@ -71,7 +71,7 @@ void CbvhContextTy::check() const
   if (failure) throw failure;
 }
 
-CbvhError CbvhContextTy::report(const Failure& failure) const { return tell(failure, function, userPtr); }
+CbvhError CbvhContextTy::report(const Failure& failure) const { return callErrorFunction(failure, function, userPtr); }
 
 static Failure exceptionAsFailure()
 {
@@ -102,7 +102,7 @@ OwnErrors::~OwnErrors()
   isTaken = wereTaken;
 }
 
-CbvhError embree::beside::tell(const Failure& failure, CbvhErrorFunction function, void* userPtr)
+CbvhError embree::beside::callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr)
 {
   lastText = failure.text;
   if (!function) return failure.code;
@@ -111,7 +111,7 @@ CbvhError embree::beside::tell(const Failure& failure, CbvhErrorFunction functio
   return failure.code;
 }
 
-CbvhError embree::beside::refuse(const char* text)
+CbvhError embree::beside::rejectArgument(const char* text)
 {
   lastText = text;
   return CBVH_ERROR_INVALID_ARGUMENT;
@@ -122,7 +122,7 @@ unsigned int cbvhGetVersion() { return RTC_COMPRESSION_VERSION; }
 
 CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void* userPtr, CbvhContext* context)
 {
-  if (!context) return refuse("context is NULL");
+  if (!context) return rejectArgument("context is NULL");
   Failure failure;
   try {
     const std::string wrong = embree::findDeviceStringError(settings);
@@ -132,7 +132,7 @@ CbvhError cbvhNewContext(const char* settings, CbvhErrorFunction function, void*
     return CBVH_OK;
   }
   catch (...) { failure = caughtFailure(); }
-  return tell(failure, function, userPtr);
+  return callErrorFunction(failure, function, userPtr);
 }
 
 void cbvhRetainContext(CbvhContext context) { if (context) context->retain(); }

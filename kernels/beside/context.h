@@ -115,7 +115,7 @@ private:
 };
 
 /* Stores an error's text for cbvhGetErrorText, and calls an error function, which may be NULL and may cause errors. */
-CbvhError tell(const Failure& failure, CbvhErrorFunction function, void* userPtr);
+CbvhError callErrorFunction(const Failure& failure, CbvhErrorFunction function, void* userPtr);
 
 /* Runs an API function, and converts its errors to a code. */
 template<typename Closure>
@@ -134,7 +134,7 @@ CbvhError guarded(CbvhContextTy* context, const Closure& closure)
 
 inline void require(bool holds, const char* text) { if (!holds) throw Failure{CBVH_ERROR_INVALID_ARGUMENT, text}; }
 
-/* As tell(), for functions without a context. */
-CbvhError refuse(const char* text);
+/* As callErrorFunction(), for functions without a context. */
+CbvhError rejectArgument(const char* text);
 
 }} // namespace embree::beside

@@ -76,7 +76,7 @@ void CbvhGroupTy::keepStatistics()
 
 CbvhError cbvhNewGroup(CbvhContext context, const CbvhSurface* surfaces, size_t count, CbvhGroup* group)
 {
-  if (!context || !group) return refuse("context or group is NULL");
+  if (!context || !group) return rejectArgument("context or group is NULL");
   return guarded(context, [&] {
     require(count > 0 && surfaces, "there are no surfaces: expected at least 1");
     require(count < 0xFFFFFFFFu, "too many surfaces: expected less than 4294967295");
@@ -92,7 +92,7 @@ void cbvhReleaseGroup(CbvhGroup group) { if (group) group->release(); }
 
 CbvhError cbvhCommitGroup(CbvhGroup group)
 {
-  if (!group) return refuse("group is NULL");
+  if (!group) return rejectArgument("group is NULL");
   const Held<CbvhGroupTy> held(group);
   return guarded(group->context.get(), [&] { group->commit(); });
 }
@@ -107,16 +107,16 @@ void* cbvhGetGroupUserPtr(CbvhGroup group) { return group ? group->userPtr : nul
 
 unsigned int cbvhGetGroupFirstPrimitive(CbvhGroup group, size_t index)
 {
-  if (!group) { refuse("group is NULL"); return 0; }
+  if (!group) { rejectArgument("group is NULL"); return 0; }
   if (index >= group->firstPrimitive.size()) {
-    refuse("invalid index: expected 0 to the number of surfaces of the group"); return 0;
+    rejectArgument("invalid index: expected 0 to the number of surfaces of the group"); return 0;
   }
   return unsigned(std::min(group->firstPrimitive[index], maxPrimitive));
 }
 
 int cbvhFindGroupPrimitive(CbvhGroup group, unsigned int number, size_t* index, unsigned int* primID)
 {
-  if (!group || !index || !primID) { refuse("group, index or primID is NULL"); return 0; }
+  if (!group || !index || !primID) { rejectArgument("group, index or primID is NULL"); return 0; }
   const std::vector<size_t>& first = group->firstPrimitive;
   const size_t i = size_t(std::upper_bound(first.begin(), first.end(), number) - first.begin()) - 1;
   if (i >= group->surfaces.size()) return 0;
@@ -140,7 +140,7 @@ void cbvhGetGroupBounds(CbvhGroup group, float lower[3], float upper[3])
 
 CbvhError cbvhGetGroupStatistics(CbvhGroup group, CbvhStatistics* statistics)
 {
-  if (!group || !statistics) return refuse("group or statistics are NULL");
+  if (!group || !statistics) return rejectArgument("group or statistics are NULL");
   return guarded(group->context.get(), [&] {
     embree::core::requireStruct(statistics);
     if (!group->isCommitted)

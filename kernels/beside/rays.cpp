@@ -84,7 +84,7 @@ struct AllRays
 template<unsigned int K>
 unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
-  if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
+  if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
   if (!isKnown(query))
     return asKnown(group, query, [=](const CbvhQuery* known) { return intersect<K>(group, valid, rays, known); });
   typename Kernels<K>::RayHits& packet = *(typename Kernels<K>::RayHits*)rays;
@@ -109,7 +109,7 @@ unsigned int intersect(CbvhGroup group, const int* valid, void* rays, const Cbvh
 template<unsigned int K>
 unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQuery* query)
 {
-  if (!group || !rays) { embree::beside::refuse("group or rays are NULL"); return 0; }
+  if (!group || !rays) { embree::beside::rejectArgument("group or rays are NULL"); return 0; }
   if (!isKnown(query))
     return asKnown(group, query, [=](const CbvhQuery* known) { return occluded<K>(group, valid, rays, known); });
   typename Kernels<K>::Rays& packet = *(typename Kernels<K>::Rays*)rays;
@@ -127,7 +127,7 @@ unsigned int occluded(CbvhGroup group, const int* valid, void* rays, const CbvhQ
 
 int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 {
-  if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
+  if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
   if (!isKnown(query))
     return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhIntersect1(group, ray, known); });
   RTCRayHit* const rayHit = (RTCRayHit*)ray;
@@ -143,7 +143,7 @@ int cbvhIntersect1(CbvhGroup group, CbvhRayHit* ray, const CbvhQuery* query)
 
 int cbvhOccluded1(CbvhGroup group, CbvhRay* ray, const CbvhQuery* query)
 {
-  if (!group || !ray) { embree::beside::refuse("group or ray is NULL"); return 0; }
+  if (!group || !ray) { embree::beside::rejectArgument("group or ray is NULL"); return 0; }
   if (!isKnown(query))
     return asKnown(group, query, [=](const CbvhQuery* known) { return cbvhOccluded1(group, ray, known); });
   if (ray->tfar < 0) return 0;

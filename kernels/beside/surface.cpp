@@ -416,7 +416,7 @@ std::shared_ptr<const Input> CbvhSurfaceTy::interpolated() const { return isPend
 
 CbvhError cbvhNewSurface(CbvhContext context, CbvhSurface* surface)
 {
-  if (!context || !surface) return refuse("context or surface is NULL");
+  if (!context || !surface) return rejectArgument("context or surface is NULL");
   return guarded(context, [&] { *surface = new CbvhSurfaceTy(context); });
 }
 void cbvhRetainSurface(CbvhSurface surface) { if (surface) surface->retain(); }
@@ -427,7 +427,7 @@ namespace {
 template<typename Closure>
 CbvhError onSurface(CbvhSurface surface, const Closure& closure)
 {
-  if (!surface) return refuse("surface is NULL");
+  if (!surface) return rejectArgument("surface is NULL");
   const Held<CbvhSurfaceTy> held(surface); // callbacks may release the application's references
   return guarded(surface->context.get(), closure);
 }
@@ -492,7 +492,7 @@ CbvhError cbvhSaveSurface(CbvhSurface surface, const char* path)
 
 CbvhError cbvhLoadSurface(CbvhContext context, const char* path, CbvhSurface* surface)
 {
-  if (!context || !path || !surface) return refuse("context, path or surface is NULL");
+  if (!context || !path || !surface) return rejectArgument("context, path or surface is NULL");
   return guarded(context, [&] {
     struct ReleaseGuard
     {
@@ -543,7 +543,7 @@ int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float 
   CbvhTriangle* triangle)
 {
   bool isFound = false;
-  if (!surface || !triangle) { refuse("surface or triangle is NULL"); return 0; }
+  if (!surface || !triangle) { rejectArgument("surface or triangle is NULL"); return 0; }
   onSurface(surface, [&] {
     embree::cbvh::StoredTriangle stored;
     isFound = core::findTriangle(surface->committed()->inner(), time, primID, u, v, Ng, stored);

@@ -28,14 +28,30 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_NAME embree-cbvh)
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
 set(CPACK_PACKAGE_VENDOR "The Embree CBVH authors")
-set(CPACK_PACKAGE_CONTACT "The Embree CBVH authors")
+set(CBVH_PACKAGE_MAINTAINER "The Embree CBVH authors" CACHE STRING
+  "Maintainer of the Debian packages: a name, and a mail address in <>.")
+set(CPACK_PACKAGE_CONTACT "${CBVH_PACKAGE_MAINTAINER}")
 set(CPACK_PACKAGING_INSTALL_PREFIX "${CMAKE_INSTALL_PREFIX}")
 set(CPACK_PACKAGE_DIRECTORY "${CMAKE_BINARY_DIR}/packages")
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
+# The last line of Debian's changelog: maintainer, mail address, and date of the release.
+set(signature "${CBVH_PACKAGE_MAINTAINER}")
+if(NOT signature MATCHES ">$")
+  string(APPEND signature " <>")
+endif()
+file(STRINGS "${CMAKE_SOURCE_DIR}/CITATION.cff" released REGEX "^date-released: ")
+string(REGEX REPLACE "^date-released: " "" released "${released}")
+execute_process(COMMAND "${CMAKE_COMMAND}" -E env LC_ALL=C date -u -R -d "${released}"
+  OUTPUT_VARIABLE released OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+set(CPACK_CBVH_SIGNATURE "${signature}  ${released}")
+set(CPACK_PRE_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/staging.cmake")
+set(CPACK_POST_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/installed_size.cmake")
+
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # The packages depend on each other's libraries, not on those installed on this machine.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "$<TARGET_FILE_DIR:embree>" "${CMAKE_BINARY_DIR}/kernels/vulkan")
@@ -73,7 +89,7 @@ set(CPACK_DEBIAN_DEVEL_PACKAGE_SUGGESTS "libvulkan-dev, glslc") # rtcore_vulkan.
 # next to any Embree; these packages replace none
 cbvh_package(beside libembree-cbvh0 "" same libs "Compressed subdivision surfaces next to any Embree")
 cbvh_package(beside_devel libembree-cbvh0-dev "" same libdevel
-  "Compressed subdivision surfaces next to any Embree: headers, manual pages, CMake and pkg-config")
+  "Compressed subdivision surfaces next to any Embree: development files")
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_DEPENDS "libembree-cbvh0 (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_BESIDE_DEVEL_PACKAGE_SHLIBDEPS OFF)
 

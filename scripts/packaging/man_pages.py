@@ -188,10 +188,11 @@ def prose(texts, arguments):
     return out
 
 
-def head(name, version, summary, include, synopsis):
-    out = ['.TH "%s" "3" "" "Embree CBVH %s" "Embree Ray Tracing Kernels 3"' % (name, version), ".hy"]
-    out += [".SS NAME"] + code("%s - %s" % (name, summary[0].lower() + summary[1:]))
-    return out + [".SS SYNOPSIS"] + code("\n\n".join(["#include <%s>" % include] + synopsis))
+def head(names, section, version, summary, include, synopsis):
+    """Programs that index pages read the section NAME, which must be plain text and list all names of the page."""
+    out = ['.TH "%s" "%s" "" "Embree CBVH %s" "Embree Ray Tracing Kernels 3"' % (names[0], section, version), ".hy"]
+    out += [".SH NAME", escaped("%s - %s" % (", ".join(names), summary[0].lower() + summary[1:]))]
+    return out + [".SH SYNOPSIS"] + code("\n\n".join(["#include <%s>" % include] + synopsis))
 
 
 def summary_of(text):
@@ -199,7 +200,7 @@ def summary_of(text):
 
 
 def see_also(names, section):
-    return [".SS SEE ALSO", ".PP", escaped(", ".join("%s(%s)" % (name, section) for name in names))]
+    return [".SH SEE ALSO", ".PP", escaped(", ".join("%s(%s)" % (name, section) for name in names))]
 
 
 def page_of(group, version, include, library, types, others):
@@ -219,12 +220,12 @@ def page_of(group, version, include, library, types, others):
     synopsis = [type_.comment + type_.text for type_ in used] + group.declarations
     if any(" structSize;" in type_.text for type_ in used):
         parts["NOTES"].append(STRUCT_SIZE)
-    out = head(group.names[0], version, summary_of(texts[0]), include, synopsis)
+    out = head(group.names, library.section, version, summary_of(texts[0]), include, synopsis)
     for section, found in parts.items():
         if found:
-            out += [".SS " + section] + prose(found, group.arguments)
+            out += [".SH " + section] + prose(found, group.arguments)
     since = "since" if group.names[0] in FUNCTIONS_OF_FIRST_VERSION else "in versions after"
-    out += [".SS HISTORY", ".PP", "Available %s %s." % (since, FIRST_VERSION)]
+    out += [".SH HISTORY", ".PP", "Available %s %s." % (since, FIRST_VERSION)]
     named = [name for name in library.own_pages if re.search(r"\b%s\b" % name, "\n".join(group.declarations))]
     return (
         "\n".join(out + see_also(named + [name for name in others if name != group.names[0]], library.section)) + "\n"
@@ -233,8 +234,8 @@ def page_of(group, version, include, library, types, others):
 
 def page_of_type(type_, version, include, library, others):
     texts = paragraphs(comment_lines(type_.comment), set()) if type_.comment else [type_.name]
-    out = head(type_.name, version, summary_of(texts[0]), include, [type_.text])
-    return "\n".join(out + [".SS DESCRIPTION"] + prose(texts, set()) + see_also(others, library.section)) + "\n"
+    out = head([type_.name], library.section, version, summary_of(texts[0]), include, [type_.text])
+    return "\n".join(out + [".SH DESCRIPTION"] + prose(texts, set()) + see_also(others, library.section)) + "\n"
 
 
 def write(folder, name, section, text):

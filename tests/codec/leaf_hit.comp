@@ -98,7 +98,7 @@ void main ()
     Vector n = worldNormal(header, p, patchSlope(patch_, 0, v_), patchSlope(patch_, 1, u));
     vec3 normal = vec3(n.x[0], n.x[1], n.x[2]);
     float along = dot(normal, direction.xyz), direction2 = dot(direction.xyz, direction.xyz);
-    if (isTurned(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
+    if (isMirrored(along, dot(normal, normal), direction2, v.from)) normal -= 2.0*along/direction2*direction.xyz;
     float size = float(1u << heightOf(header.info))/float(sizes.leaves); // size of a leaf in quads
     float faceU = faceParameter(cornerUOf(header.tiling), blockXOf(header.info), lastXOf(header.tiling),
                                 heightOf(header.info), size*(float(mortonX(leaf)) + u));

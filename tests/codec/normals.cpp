@@ -54,9 +54,9 @@ TEST(Normals, FlipIfFacingAwayByLessThan30Degrees)
         if (std::abs(degrees) == 30) continue; // both results are valid
         const double along = length*std::sin(degrees*M_PI/180);
         SCOPED_TRACE(degrees);
-        EXPECT_EQ(isTurned(along, normal2, direction2, sideAbove), degrees > 0 && degrees < 30);
-        EXPECT_EQ(isTurned(along, normal2, direction2, sideBelow), degrees < 0 && degrees > -30);
-        EXPECT_FALSE(isTurned(along, normal2, direction2, sideUnknown));
+        EXPECT_EQ(isMirrored(along, normal2, direction2, sideAbove), degrees > 0 && degrees < 30);
+        EXPECT_EQ(isMirrored(along, normal2, direction2, sideBelow), degrees < 0 && degrees > -30);
+        EXPECT_FALSE(isMirrored(along, normal2, direction2, sideUnknown));
       }
     }
 }

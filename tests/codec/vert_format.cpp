@@ -32,7 +32,7 @@ using namespace cvert;
 
 TEST(VertFormat, ConstantsMatchPages)
 {
-  const double side = 1u << maxVertHeight;
+  const double side = 1u << maxVertLevel;
   EXPECT_EQ(maxVertGroups, (side/groupQuads)*(side/groupQuads));
   EXPECT_EQ(double(vertBlockQuads), side);
   EXPECT_EQ(double(sizeof(VertNumbers)), double(vertEdgesBytes));
@@ -234,7 +234,7 @@ TEST(VertFormat, MotionMatchesPage)
   const std::vector<Bits> turned = bitsOf("motion.md", "`turned`");
   ASSERT_EQ(turned.size(), 5u);
   EXPECT_EQ(turned[0].count, 16u);
-  EXPECT_TRUE(isTurned(1u << 9, 9) && !isTurned(~(1u << 9), 9));
+  EXPECT_TRUE(areResidualsRotated(1u << 9, 9) && !areResidualsRotated(~(1u << 9), 9));
   EXPECT_EQ(rotationShift(3u << turned[1].first), 4u);
   EXPECT_EQ(endReachStep(5u << turned[2].first), 32u);
   VertStep step = {};

@@ -76,7 +76,7 @@ def made(folder, *headers):
 
 
 def section(page, name):
-    found = re.search(rf"^\.SS {name}\n(.*?)(?=^\.SS |\Z)", page, re.S | re.M)
+    found = re.search(rf"^\.SH {name}\n(.*?)(?=^\.SH |\Z)", page, re.S | re.M)
     return found[1].replace("\\-", "-") if found else None
 
 
@@ -126,6 +126,10 @@ class KnownHeader(unittest.TestCase):
     def test_functions_under_one_comment_share_a_page(self):
         self.assertEqual(self.pages["cbvhVisitAgain.3cbvh"], ".so man3/cbvhVisit.3cbvh\n")
 
+    def test_pages_can_be_indexed(self):
+        self.assertTrue(self.visit.startswith('.TH "cbvhVisit" "3cbvh" '))
+        self.assertEqual(section(self.visit, "NAME"), "cbvhVisit, cbvhVisitAgain - visits all pairs\n")
+
     def test_declaration_of_several_lines_has_a_page(self):
         page = self.pages["cbvhJoin.3cbvh"]
         self.assertIn("int cbvhJoin(\n  const struct CbvhPair* first,\n  const struct CbvhPair* second,\n"
@@ -160,7 +164,7 @@ class PublicHeaders(unittest.TestCase):
         listed = re.search(r'frozenset\(\s*"""(.*?)"""', SCRIPT.read_text(), re.S)[1].split()
         self.assertEqual([name for name in listed if name not in history], [])
         for name, page in pages.items():
-            if "\n.SS RETURN VALUE" in page or "\n.SS ERRORS" in page:
+            if "\n.SH RETURN VALUE" in page or "\n.SH ERRORS" in page:
                 self.assertIsNotNone(history[name.split(".")[0]], name)
 
     def test_references_lead_to_pages_and_pages_have_no_warnings(self):

@@ -163,7 +163,7 @@ namespace embree
           dir2 += ray.dir[i]*ray.dir[i];
           Ng2 += n.x[i]*n.x[i];
         }
-        if (isTurned(along,Ng2,dir2,from))
+        if (isMirrored(along,Ng2,dir2,from))
           for (int i=0; i<3; i++) at.Ng[i] -= 2*along/dir2*ray.dir[i];
         take(at);
       }

@@ -64,15 +64,15 @@ void prepare(Scene& scene)
   Objects& objects = Objects::get();
   const auto all = objects.substitutedOf(scene);
   size_t count = 0, done = 0;
-  for (const auto& one : all) count += one.second->substituted->wantsBuild();
+  for (const auto& one : all) count += one.second->substituted->needsBuild();
   for (const auto& one : all) {
     Substituted& geometry = *one.second->substituted;
-    const bool wantsBuild = geometry.wantsBuild();
-    if (wantsBuild && !scene.isCanceled)
+    const bool needsBuild = geometry.needsBuild();
+    if (needsBuild && !scene.isCanceled)
       scene.isCanceled =
         !geometry.build([&](double part) { return !scene.progress
           || scene.progress(scene.progressPtr, shareOfBuilds*(double(done) + part)/double(count)); });
-    done += wantsBuild;
+    done += needsBuild;
     const bool isOriginal = geometry.isLeftToEmbree();
     if (!objects.exchange(scene, one.first, one.second, isOriginal)) continue;
     REAL(rtcDetachGeometry)(scene.handle, one.first);
@@ -219,7 +219,7 @@ RTC_API RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type)
   const RTCGeometry geometry = REAL(rtcNewGeometry)(device, type);
   if (!geometry || !isActive()) return geometry;
   if (isInstance(type)) Objects::get().addGeometry(geometry, nullptr);
-  if (!options().takes(type)) return geometry;
+  if (!options().compresses(type)) return geometry;
   std::string settings;
   {
     const std::lock_guard<std::mutex> lock(settingsMutex);

@@ -41,12 +41,12 @@ Substituted* Substituted::make(RTCDevice device, const std::string& settings, RT
   RTCGeometryType type)
 {
   if (!REAL(rtcGetDeviceProperty)(device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED)) {
-    tellOnce("all geometry is left to Embree, which was built without user geometry");
+    warnOnce("all geometry is left to Embree, which was built without user geometry");
     return nullptr;
   }
   StandIn* const standIn = newStandIn();
   if (!standIn) {
-    tellOnce("a geometry is left to Embree: out of memory for its substitute");
+    warnOnce("a geometry is left to Embree: out of memory for its substitute");
     return nullptr;
   }
   standIn->original = original;
@@ -99,7 +99,7 @@ void Substituted::commit()
 bool Substituted::build(const Progress& progress)
 {
   const std::lock_guard<std::mutex> lock(building);
-  if (!wantsBuild()) return true;
+  if (!needsBuild()) return true;
   try {
     discard(); // frees the old surface before allocating the new one
     buildSurface(progress);
@@ -109,7 +109,7 @@ bool Substituted::build(const Progress& progress)
   catch (const std::exception& reason) {
     discard();
     isLeft = true;
-    tellOnce("a %s geometry is left to Embree: %s", nameOf(input.type), reason.what());
+    warnOnce("a %s geometry is left to Embree: %s", nameOf(input.type), reason.what());
   }
   REAL(rtcCommitGeometry)(substitute); // the bounds have changed
   isCommitted = false;

@@ -42,7 +42,7 @@ public:
 
   /* Builds the committed input if necessary. False if `progress` canceled. */
   bool build(const Progress& progress);
-  bool wantsBuild() const { return isCommitted && isEnabled; }
+  bool needsBuild() const { return isCommitted && isEnabled; }
 
   /* Scenes must use the original. Only build() changes this. */
   bool isLeftToEmbree() const { return isLeft; }

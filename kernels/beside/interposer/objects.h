@@ -24,7 +24,7 @@ struct Geometry
   RTCGeometry handle;
   size_t references = 1;
   std::unique_ptr<Substituted> substituted;
-  std::vector<Scene*> scenes;       // scenes that the geometry instances
+  std::vector<Scene*> scenes;       // for an instance: the instanced scenes
 };
 
 struct Attachment
@@ -40,10 +40,10 @@ struct Scene
   std::map<unsigned int, Attachment> attached;
   RTCProgressMonitorFunction progress = nullptr;
   void* progressPtr = nullptr;
-  std::mutex preparing;
-  std::mutex joining;
-  size_t numJoined = 0;                  // threads in a commit; protected by joining
-  bool isEnding = true;                  // a thread has left the commit; protected by joining
+  std::mutex preparing;                  // held while a thread builds substitutes
+  std::mutex joining;                    // protects the two members below
+  size_t numJoined = 0;                  // threads in a commit
+  bool isEnding = true;                  // a thread has left the commit
   std::atomic<bool> isCanceled{false};   // for all threads that joined the commit
 };
 
@@ -86,7 +86,8 @@ public:
    * change. */
   bool exchange(Scene& scene, unsigned int geomID, const Geometry* geometry, bool isOriginal);
 
-  /* In the scene that the instances lead to. instances: IDs, outermost first. */
+  /* True if a geometry has a substitute. geomID: in the scene that the instances lead to, from `scene`. instances: IDs,
+   * outermost first. */
   bool isSubstituted(RTCScene scene, const unsigned int* instances, unsigned int numInstances, unsigned int geomID);
 
 private:

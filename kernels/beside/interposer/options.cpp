@@ -19,7 +19,7 @@
 
 namespace interposer {
 
-bool Options::takes(RTCGeometryType type) const
+bool Options::compresses(RTCGeometryType type) const
 {
   switch (type) {
   case RTC_GEOMETRY_TYPE_SUBDIVISION: return true;
@@ -51,7 +51,7 @@ static const std::vector<std::string> words =
   {"max_error", "grids", "quads", "triangles", "release_input", "verbose", "none", "vert"};
 
 /* For the paper's representations and their settings. */
-static bool isOfFrames(const std::string& item)
+static bool isFramedSetting(const std::string& item)
 {
   static const std::set<std::string> names = {"grid", "voxel", "leaf"};
   for (const char* prefix : {"cbvh.", "c", ""}) {
@@ -93,12 +93,12 @@ const Options& options()
       if (begin == std::string::npos) continue;
       item = item.substr(begin, end - begin + 1);
       if (parse(item, read)) continue;
-      if (isOfFrames(item)) {
-        tellOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
+      if (isFramedSetting(item)) {
+        warnOnce("EMBREE_CBVH: \"%s\" has no effect: geometry is stored as cVERT", item.c_str());
         continue;
       }
       read.isOn = false; // the library rejects the item too
-      tellOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
+      warnOnce("EMBREE_CBVH: \"%s\" is not known, did you mean %s? Nothing is compressed. Accepted are "
                "max_error=<distance>, grids=0|1, quads=0|1, triangles=0|1, release_input, verbose, and 0",
                item.c_str(), embree::nearestWord(item.substr(0, item.find('=')), words).c_str());
     }
@@ -107,18 +107,18 @@ const Options& options()
   return options;
 }
 
-void tellOnce(const char* format, ...)
+void warnOnce(const char* format, ...)
 {
   /* Never destroyed, because programs release geometries in destructors of static objects. */
   static std::mutex& mutex = *new std::mutex;
-  static std::set<std::string>& said = *new std::set<std::string>;
+  static std::set<std::string>& printed = *new std::set<std::string>;
   char line[512];
   va_list arguments;
   va_start(arguments, format);
   std::vsnprintf(line, sizeof(line), format, arguments);
   va_end(arguments);
   const std::lock_guard<std::mutex> lock(mutex);
-  if (said.insert(line).second) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
+  if (printed.insert(line).second) std::fprintf(stderr, "libembree_cbvh_interposer: %s\n", line);
 }
 
 } // namespace interposer

@@ -16,13 +16,13 @@ struct Options
   bool compressesGrids = false, compressesQuads = false, compressesTriangles = false;
   float maxError = -1;         // world units; 0: lossless; negative: the library's default
 
-  bool takes(RTCGeometryType type) const;
+  bool compresses(RTCGeometryType type) const;
 };
 
 /* Read once. Unknown items are reported on stderr and turn compression off. */
 const Options& options();
 
 /* Prints each line to stderr only once. */
-void tellOnce(const char* format, ...) __attribute__((format(printf, 1, 2)));
+void warnOnce(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 } // namespace interposer

@@ -19,18 +19,18 @@ struct PointQuery
 thread_local const PointQuery* current = nullptr;
 
 /* Queries can be nested. */
-struct Entered
+struct QueryScope
 {
-  explicit Entered(const PointQuery* query) : outer(current) { current = query; }
-  ~Entered() { current = outer; }
-  Entered(const Entered&) = delete;
-  Entered& operator=(const Entered&) = delete;
+  explicit QueryScope(const PointQuery* query) : outer(current) { current = query; }
+  ~QueryScope() { current = outer; }
+  QueryScope(const QueryScope&) = delete;
+  QueryScope& operator=(const QueryScope&) = delete;
 
 private:
   const PointQuery* const outer;
 };
 
-bool ask(RTCPointQueryFunctionArguments* args)
+bool callUnlessSubstituted(RTCPointQueryFunctionArguments* args)
 {
   const unsigned int* const instances = args->context->instStackSize > 0 ? args->context->instID : nullptr;
   if (!Objects::get().isSubstituted(current->scene, instances, args->context->instStackSize, args->geomID))
@@ -40,14 +40,14 @@ bool ask(RTCPointQueryFunctionArguments* args)
 
 /* query: calls Embree with the function that it receives. */
 template<typename Query>
-bool enter(RTCScene scene, RTCPointQueryFunction function, const Query& query)
+bool runQuery(RTCScene scene, RTCPointQueryFunction function, const Query& query)
 {
   if (!function || !hasStandIns() || !isActive()) return query(function);
   if (options().compressesGrids || options().compressesQuads || options().compressesTriangles)
-    tellOnce("point queries do not find grids, quads and triangles that are compressed");
+    warnOnce("point queries do not find grids, quads and triangles that are compressed");
   const PointQuery entered = {scene, function};
-  const Entered scope(&entered);
-  return query(ask);
+  const QueryScope scope(&entered);
+  return query(callUnlessSubstituted);
 }
 
 } // namespace
@@ -59,7 +59,7 @@ using namespace interposer;
 RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryContext* context,
   RTCPointQueryFunction queryFunc, void* userPtr)
 {
-  return enter(scene, queryFunc,
+  return runQuery(scene, queryFunc,
     [&](RTCPointQueryFunction function) { return REAL(rtcPointQuery)(scene, query, context, function, userPtr); });
 }
 
@@ -67,7 +67,7 @@ RTC_API bool rtcPointQuery(RTCScene scene, RTCPointQuery* query, RTCPointQueryCo
   RTC_API bool rtcPointQuery##N(const int* valid, RTCScene scene, RTCPointQuery##N* query, \
                                 RTCPointQueryContext* context, RTCPointQueryFunction queryFunc, void** userPtr) \
   { \
-    return enter(scene, queryFunc, [&](RTCPointQueryFunction function) { \
+    return runQuery(scene, queryFunc, [&](RTCPointQueryFunction function) { \
       return REAL(rtcPointQuery##N)(valid, scene, query, context, function, userPtr); \
     }); \
   }

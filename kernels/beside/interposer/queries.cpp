@@ -20,14 +20,14 @@ template<typename Arguments> thread_local const Arguments* Current<Arguments>::a
 
 /* Queries can be nested. */
 template<typename Arguments>
-struct Entered
+struct QueryScope
 {
-  explicit Entered(const Arguments* arguments) : outer(Current<Arguments>::arguments) {
+  explicit QueryScope(const Arguments* arguments) : outer(Current<Arguments>::arguments) {
     Current<Arguments>::arguments = arguments;
   }
-  ~Entered() { Current<Arguments>::arguments = outer; }
-  Entered(const Entered&) = delete;
-  Entered& operator=(const Entered&) = delete;
+  ~QueryScope() { Current<Arguments>::arguments = outer; }
+  QueryScope(const QueryScope&) = delete;
+  QueryScope& operator=(const QueryScope&) = delete;
 
 private:
   const Arguments* const outer;
@@ -115,10 +115,10 @@ void occludedAny(const RTCOccludedFunctionNArguments* args)
 /* Calls query(args). A function for user geometry in args is replaced by one that also handles stand-ins.
  * query: calls Embree's function. */
 template<typename Query>
-void enter(RTCIntersectArguments* args, const Query& query)
+void runQuery(RTCIntersectArguments* args, const Query& query)
 {
   if (!hasStandIns() || !isActive()) { query(args); return; }
-  const Entered<RTCIntersectArguments> entered(args);
+  const QueryScope<RTCIntersectArguments> entered(args);
   if (!args || !args->intersect) { query(args); return; }
   RTCIntersectArguments changed = *args;
   changed.intersect = intersectAny;
@@ -126,10 +126,10 @@ void enter(RTCIntersectArguments* args, const Query& query)
 }
 
 template<typename Query>
-void enter(RTCOccludedArguments* args, const Query& query)
+void runQuery(RTCOccludedArguments* args, const Query& query)
 {
   if (!hasStandIns() || !isActive()) { query(args); return; }
-  const Entered<RTCOccludedArguments> entered(args);
+  const QueryScope<RTCOccludedArguments> entered(args);
   if (!args || !args->occluded) { query(args); return; }
   RTCOccludedArguments changed = *args;
   changed.occluded = occludedAny;
@@ -156,21 +156,21 @@ using namespace interposer;
 
 RTC_API void rtcIntersect1(RTCScene scene, RTCRayHit* rayhit, RTCIntersectArguments* args)
 {
-  enter(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect1)(scene, rayhit, args); });
+  runQuery(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect1)(scene, rayhit, args); });
 }
 RTC_API void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* args)
 {
-  enter(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded1)(scene, ray, args); });
+  runQuery(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded1)(scene, ray, args); });
 }
 
 #define PACKET_QUERIES(N) \
   RTC_API void rtcIntersect##N(const int* valid, RTCScene scene, RTCRayHit##N* rayhit, RTCIntersectArguments* args) \
   { \
-    enter(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect##N)(valid, scene, rayhit, args); }); \
+    runQuery(args, [&](RTCIntersectArguments* args) { REAL(rtcIntersect##N)(valid, scene, rayhit, args); }); \
   } \
   RTC_API void rtcOccluded##N(const int* valid, RTCScene scene, RTCRay##N* ray, RTCOccludedArguments* args) \
   { \
-    enter(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded##N)(valid, scene, ray, args); }); \
+    runQuery(args, [&](RTCOccludedArguments* args) { REAL(rtcOccluded##N)(valid, scene, ray, args); }); \
   }
 PACKET_QUERIES(4)
 PACKET_QUERIES(8)

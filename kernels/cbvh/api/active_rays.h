@@ -3,14 +3,14 @@
 
 #pragma once
 
-/* Packets wider than the vectors of the instruction set are traced as streams, which have no mask and trace every ray
- * with tnear <= tfar. */
+/* Packets wider than the vectors of the instruction set are traced as streams. A stream has no mask: all of its rays
+ * with tnear <= tfar are traced. */
 
 #include "../embree/simd.h"
 
 namespace embree
 {
-  /*! Gives the inactive rays of a packet an empty range while it exists. */
+  /*! Sets an empty range [tnear,tfar] for the inactive rays of a packet. The destructor restores their ranges. */
   template<typename Packet, int N>
   struct OnlyActiveRays
   {

@@ -154,7 +154,7 @@ namespace embree
     const size_t fewPrimitives = 256;
 
     /*! Prints at verbosity 1, or if EMBREE_CBVH contains "verbose". */
-    void say (const CompressibleGeometry* geometry, const std::string& what)
+    void printCommitLine (const CompressibleGeometry* geometry, const std::string& what)
     {
       if (!geometry->device->verbosity(1) && !environmentRequestsCommitLines()) return;
       Lock<MutexSys> lock(g_printMutex);
@@ -167,7 +167,7 @@ namespace embree
       geometry->setCompressed(asks && !rejectionReason);
       geometry->surface.rejectionReason = asks ? rejectionReason : nullptr;
       if (asks && rejectionReason && *rejectionReason)
-        say(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that "
+        printCommitLine(geometry,"not compressed: " + std::to_string(geometry->size()) + " " + primitives + " that "
           + rejectionReason);
     }
 
@@ -242,8 +242,8 @@ namespace embree
       const std::shared_ptr<const QuadRegions> regions = findRegions(mesh);
       std::atomic_store(&mesh->surface.regions,regions);
       if (regions->numLeftOut)
-        say(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " " + primitives
-            + " are left out because an index is out of range");
+        printCommitLine(mesh,std::to_string(regions->numLeftOut) + " of " + std::to_string(mesh->size()) + " "
+                        + primitives + " are left out because an index is out of range");
     }
     choose(mesh,asks,rejectionReason,primitives);
     return true;

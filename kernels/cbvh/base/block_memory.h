@@ -22,9 +22,9 @@ namespace embree
       /*! Must be called first. bytes: estimated size; selects Embree's allocator, from which tasks allocate
        *  concurrently. 0 allocates each piece separately: scenes may have many surfaces of few blocks, for which an
        *  allocator wastes memory. */
-      void expect (size_t bytes);
+      void reserve (size_t bytes);
 
-      /*! Null after expect(0). */
+      /*! Null after reserve(0). */
       FastAllocator* pool () { return allocator.get(); }
 
       /*! Allocates with the alignment of blocks. Has the signature of Embree's allocators. */

@@ -13,7 +13,7 @@
 
 namespace embree
 {
-  /*! Removes surrounding blanks and empty items. */
+  /*! Returns the items of EMBREE_CBVH without surrounding blanks. Skips empty items. */
   inline std::vector<std::string> environmentItems ()
   {
     std::vector<std::string> all;

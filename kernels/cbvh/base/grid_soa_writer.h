@@ -42,7 +42,7 @@ namespace embree
         store.add(bounds,size_t(BVH4::encodeTypedLeaf(soa,cbvh::GRID_SOA_ROOT)));
       }
 
-      /*! Grids of a patch in GRID, and their share of nodes with four children. */
+      /*! Bytes of a patch's grids in GRID, and of their share of the nodes above, which have four children. */
       static size_t bytesInGrid (const Vec2i& quads)
       {
         const unsigned side = gridQuads;

@@ -3,17 +3,17 @@
 
 #pragma once
 
-/* Intrinsics where Embree's vectors have no operation, and macros for their availability. Embree maps those of SSE4.1
- * to NEON (common/simd/arm). */
+/* Operations that Embree's vectors lack, and macros that report which intrinsics are available. Embree maps the
+ * intrinsics of SSE4.1 to NEON (common/simd/arm). */
 
 #include "../embree/simd.h"
 
-/*! _mm_shuffle_epi8, _mm_mullo_epi32 and _mm_insert_epi32 */
+/*! _mm_shuffle_epi8, _mm_mullo_epi32 and _mm_insert_epi32 are available. */
 #if defined(__SSE4_1__) || defined(__ARM_NEON)
 #define CBVH_BYTE_SHUFFLES
 #endif
 
-/*! _mm_srlv_epi32 and _mm_sllv_epi32, where a count of 32 returns 0 */
+/*! _mm_srlv_epi32 and _mm_sllv_epi32 are available. Both return 0 for a count of 32. */
 #if defined(__AVX2__) || defined(__ARM_NEON)
 #define CBVH_LANE_SHIFTS
 #endif
@@ -39,7 +39,7 @@ namespace embree
 #endif
   }
 
-  /*! Bits of the lanes of several masks, in their order. */
+  /*! Bit size*j + i of the result is lane i of masks[j]. */
   template<typename Mask, int n>
   __forceinline uint32_t lanesOf (const Mask (&masks)[n])
   {

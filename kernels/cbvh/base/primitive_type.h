@@ -25,11 +25,11 @@ namespace embree
     {
       GRID_SOA_QUADS = 0,
       GRID_SOA_ROOT = 1,
-      FRAMED_BLOCK = 2,   //!< framed/block.h; the header stores the kind
-      VERT_BLOCK = 3,     //!< cvert/format/block.h
+      FRAMED_BLOCK = 2,      //!< framed/block.h; the header stores the kind
+      VERT_BLOCK = 3,        //!< cvert/format/block.h
       MOVING_VERT_BLOCK = 4, //!< cvert/format/motion.h; in a separate tree
-      MESH_BLOCK = 5,       //!< cvert/format/mesh_block.h
-      MOVING_MESH_BLOCK = 6 //!< cvert/format/mesh_motion.h; in the tree of moving cVERT blocks
+      MESH_BLOCK = 5,        //!< cvert/format/mesh_block.h
+      MOVING_MESH_BLOCK = 6  //!< cvert/format/mesh_motion.h; in the tree of moving cVERT blocks
     };
 
     /*! type: a PrimitiveType for which isBlock() is true. */

@@ -74,7 +74,7 @@ namespace embree
         // Embree's allocator allocates a twentieth of this at a time, or the size of a larger piece. The remainder is
         // lost if the next piece does not fit. Up to 16 MiB, each piece therefore gets its own allocation.
         if (meshBlocks && bytes < size_t(16) << 20) bytes = min(bytes,size_t(20)*smallPieceBytes);
-        blocks->memory.expect(isSmall() ? 0 : bytes);
+        blocks->memory.reserve(isSmall() ? 0 : bytes);
         source.prepare(perTask,progress);
         if (loose) loose->prepare(bordersOf(source,0),progress);
         mvector<PrimRef> prims(device,0);

@@ -54,7 +54,7 @@ namespace embree
       }
 
       /*! Sets each edge's rate to the highest of its faces. rates: one per index. */
-      void agree (const SubdivMesh* mesh, std::vector<float>& rates)
+      void equalizeEdgeRates (const SubdivMesh* mesh, std::vector<float>& rates)
       {
         struct Edge
         {
@@ -124,7 +124,7 @@ namespace embree
               if (camera.maxRates) for (unsigned i=0; i<n; i++) out[i] = min(out[i],camera.maxRates[first[f]+i]);
             }
           });
-        agree(mesh,rates);
+        equalizeEdgeRates(mesh,rates);
         for (float& rate : rates) rate = rounded(rate,camera.maxRate);
         return rates;
       }

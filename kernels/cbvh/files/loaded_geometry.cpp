@@ -35,7 +35,7 @@ namespace embree
     LoadedGeometry::commit();
   }
 
-  void LoadedGeometry::refuse () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,rejectionReason); }
+  void LoadedGeometry::rejectChange () { throw_RTCError(RTC_ERROR_INVALID_OPERATION,rejectionReason); }
 
   void LoadedGeometry::commit ()
   {
@@ -55,6 +55,6 @@ namespace embree
   }
 
   void LoadedGeometry::setNumTimeSteps (unsigned numTimeSteps) {
-    if (numTimeSteps != this->numTimeSteps) refuse();
+    if (numTimeSteps != this->numTimeSteps) rejectChange();
   }
 }

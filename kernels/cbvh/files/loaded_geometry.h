@@ -24,29 +24,29 @@ namespace embree
     void setMask (unsigned mask) override;
     void addElementsToCount (GeometryCounts& counts) const override { addToCount(counts); }
 
-    void setNumPrimitives (unsigned) override { refuse(); }
+    void setNumPrimitives (unsigned) override { rejectChange(); }
     void setNumTimeSteps (unsigned numTimeSteps) override;
-    void updateBuffer (RTCBufferType, unsigned) override { refuse(); }
+    void updateBuffer (RTCBufferType, unsigned) override { rejectChange(); }
     void setBuffer (RTCBufferType, unsigned, RTCFormat, const Ref<Buffer>&, size_t, size_t, unsigned) override {
-      refuse();
+      rejectChange();
     }
-    void* getBuffer (RTCBufferType, unsigned) override { refuse(); }
-    void setVertexAttributeCount (unsigned) override { refuse(); }
-    void setTopologyCount (unsigned) override { refuse(); }
-    void setVertexAttributeTopology (unsigned, unsigned) override { refuse(); }
-    void setTessellationRate (float) override { refuse(); }
-    void setSubdivisionMode (unsigned, RTCSubdivisionMode) override { refuse(); }
-    void setDisplacementFunction (RTCDisplacementFunctionN) override { refuse(); }
-    void interpolate (const RTCInterpolateArguments*) override { refuse(); }
-    void interpolateN (const RTCInterpolateNArguments*) override { refuse(); }
-    unsigned getFirstHalfEdge (unsigned) override { refuse(); }
-    unsigned getFace (unsigned) override { refuse(); }
-    unsigned getNextHalfEdge (unsigned) override { refuse(); }
-    unsigned getPreviousHalfEdge (unsigned) override { refuse(); }
-    unsigned getOppositeHalfEdge (unsigned, unsigned) override { refuse(); }
+    void* getBuffer (RTCBufferType, unsigned) override { rejectChange(); }
+    void setVertexAttributeCount (unsigned) override { rejectChange(); }
+    void setTopologyCount (unsigned) override { rejectChange(); }
+    void setVertexAttributeTopology (unsigned, unsigned) override { rejectChange(); }
+    void setTessellationRate (float) override { rejectChange(); }
+    void setSubdivisionMode (unsigned, RTCSubdivisionMode) override { rejectChange(); }
+    void setDisplacementFunction (RTCDisplacementFunctionN) override { rejectChange(); }
+    void interpolate (const RTCInterpolateArguments*) override { rejectChange(); }
+    void interpolateN (const RTCInterpolateNArguments*) override { rejectChange(); }
+    unsigned getFirstHalfEdge (unsigned) override { rejectChange(); }
+    unsigned getFace (unsigned) override { rejectChange(); }
+    unsigned getNextHalfEdge (unsigned) override { rejectChange(); }
+    unsigned getPreviousHalfEdge (unsigned) override { rejectChange(); }
+    unsigned getOppositeHalfEdge (unsigned, unsigned) override { rejectChange(); }
 
   private:
-    [[noreturn]] static void refuse ();
+    [[noreturn]] static void rejectChange ();
 
     const BBox1f ownTimes; //!< times of the first and last step
   };

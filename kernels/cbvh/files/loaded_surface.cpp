@@ -63,7 +63,7 @@ namespace embree
         {
           const FileGeometry& record = file.geometry(i);
           if (record.form == FILE_TREE)
-            surface.memory.expect(size_t(record.treeBytes/sizeof(FileNode))*sizeof(BVH4::AABBNode));
+            surface.memory.reserve(size_t(record.treeBytes/sizeof(FileNode))*sizeof(BVH4::AABBNode));
         }
 
         Ref leaf (FileChild type, uint64_t offset)

@@ -43,7 +43,7 @@ namespace embree
         if (first) first->previous = blocks;
         first = blocks;
         list = std::move(next);
-        isMappedBlockValid.store(isGood);
+        isMappedBlockValid.store(isValid);
         hullBegin = std::min(hullBegin,size_t(blocks->begin));
         hullEnd = std::max(hullEnd,size_t(blocks->begin)+blocks->bytes);
         changed();
@@ -69,11 +69,11 @@ namespace embree
         Place last = { nullptr, 0, nullptr }; //!< place of the last block
       };
 
-      static bool isGood (const void* block, BlockForm form)
+      static bool isValid (const void* block, BlockForm form)
       {
         const Known* const mine = known;
         if (likely(mine && mine->generation == generation.load(std::memory_order_acquire) && mine->last.holds(block)))
-          return mine->last.blocks->isGood(block,form);
+          return mine->last.blocks->isValid(block,form);
         return find(block,form);
       }
 
@@ -94,7 +94,7 @@ namespace embree
         const Place place = known->list ? placeIn(*known->list,block) : placeOfRegistered(block);
         if (!place.blocks) return true;
         known->last = place;
-        return place.blocks->isGood(block,form);
+        return place.blocks->isValid(block,form);
       }
 
       static Place placeOf (const MappedBlocks* blocks) { return Place{ blocks->begin, blocks->bytes, blocks }; }
@@ -158,20 +158,20 @@ namespace embree
     MappedBlocks::MappedBlocks (Device* device, const std::shared_ptr<const File>& file, char* begin,
                                 const FileGeometry& record, uint32_t number, const std::string& name)
       : device(device), file(file), begin(begin), record(record), bytes(size_t(record.blockBytes)),
-        surfaceNumber(number), name(name), good(nullptr), isReported(false)
+        surfaceNumber(number), name(name), validBlocks(nullptr), isReported(false)
     {
       static_assert(sizeof(std::atomic<uint64_t>) == sizeof(uint64_t),"calloc initializes the bits");
       /* calloc maps pages of zeros, which need memory only where rays reach blocks */
-      good = (std::atomic<uint64_t>*)calloc(bytes/(16*64)+1,sizeof(uint64_t));
-      if (!good) throw std::bad_alloc();
+      validBlocks = (std::atomic<uint64_t>*)calloc(bytes/(16*64)+1,sizeof(uint64_t));
+      if (!validBlocks) throw std::bad_alloc();
       try { MappedBlockRegistry::add(this); }
-      catch (...) { free(good); throw; }
+      catch (...) { free(validBlocks); throw; }
     }
 
     MappedBlocks::~MappedBlocks ()
     {
       MappedBlockRegistry::remove(this);
-      free(good);
+      free(validBlocks);
     }
 
     Reason MappedBlocks::validate (size_t offset, BlockForm form) const
@@ -215,7 +215,7 @@ namespace embree
         return false;
       }
       number(offset,form);
-      good[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
+      validBlocks[offset/(16*64)].fetch_or(uint64_t(1) << (offset/16 % 64),std::memory_order_release);
       return true;
     }
   }

@@ -36,10 +36,10 @@ namespace embree
       cvert::Reason validate (size_t offset, BlockForm form) const;
 
       /*! True if a block may be decoded. Reports the first damaged block to the device. */
-      bool isGood (const void* block, BlockForm form) const
+      bool isValid (const void* block, BlockForm form) const
       {
         const size_t offset = size_t((const char*)block-begin);
-        return likely(((good[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0)
+        return likely(((validBlocks[offset/(16*64)].load(std::memory_order_acquire) >> (offset/16 % 64)) & 1) != 0)
           || check(offset,form);
       }
 
@@ -62,7 +62,7 @@ namespace embree
       const size_t bytes;
       const uint32_t surfaceNumber;
       const std::string name;
-      std::atomic<uint64_t>* good; //!< one bit per 16 bytes, the alignment of blocks
+      std::atomic<uint64_t>* validBlocks; //!< one bit per 16 bytes, the alignment of blocks
       mutable std::atomic<bool> isReported;
       MappedBlocks* next, * previous; //!< list of all MappedBlocks
     };

@@ -86,8 +86,8 @@ namespace embree
           for (int k=0; k<3; k++) n[k] = n[k]*toUnit;
           const Real length2 = dotOf(n,n), along = dotOf(n,ray.dir);
           const Bool away = (at.fromAbove & (along > Real(zero))) | (at.fromBelow & (along < Real(zero)));
-          const Bool isTurned = away & (along*along*ray.rcpDir2 < Real(mirroredSine2)*length2);
-          const Real turn = select(isTurned,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
+          const Bool isMirrored = away & (along*along*ray.rcpDir2 < Real(mirroredSine2)*length2);
+          const Real turn = select(isMirrored,Real(2.0f)*along*ray.rcpDir2,Real(zero)),
             rcpLength = Real(1.0f)/sqrt(max(length2,Real(1e-30f)));
           for (int k=0; k<3; k++) n[k] = fusedNegative(turn,ray.dir[k],n[k])*rcpLength;
           Ng = Vec3<Real>(n[0],n[1],n[2]);

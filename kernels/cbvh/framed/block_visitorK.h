@@ -47,7 +47,7 @@ namespace embree
         /* For BlockWalkK; only cLEAF overrides them. */
         static const bool countsPassed = false;
         __forceinline vbool<K> needsPassedBoxes () const { return vbool<K>(false); }
-        __forceinline void pass (const vbool<K>&, const vbool<K>&) {}
+        __forceinline void passBoxes (const vbool<K>&, const vbool<K>&) {}
         __forceinline LeafTile& leafTile (uint32_t m) { return tiles.tile(tiles.lastLevel(),m); }
 
         /*! Rays that begin (end) inside a leaf's box, at tnear (tfar). */

@@ -66,7 +66,7 @@ namespace embree
               continue;
             }
             const uint32_t rank = uint32_t(bsf(events)), child = l->hits.grandchild(rank);
-            if (unlikely(!l->hits.take(rank))) {
+            if (unlikely(!l->hits.removeUpTo(rank))) {
               if (visitor.passSubtree(isAbove(*l,level,child))) return true;
               continue;
             }
@@ -85,12 +85,12 @@ namespace embree
         __forceinline void open (Level& l, int level, uint32_t m)
         {
           l.m = m;
-          if (level == last) meet(visitor.leafTile(m),l);
-          else meet(tiles.tile(level,m),l);
+          if (level == last) intersectTile(visitor.leafTile(m),l);
+          else intersectTile(tiles.tile(level,m),l);
         }
 
         template<typename Tile>
-        __forceinline void meet (Tile& tile, Level& l)
+        __forceinline void intersectTile (Tile& tile, Level& l)
         {
           if (unlikely(tile.isAboveRoot())) {
             tiles.need(tile,1u);
@@ -105,18 +105,18 @@ namespace embree
          *  cache. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level, uint32_t child)
         {
-          if (unlikely(!tiles.has(*l.tile,l.number,child))) again(l,level,1u << (child >> 2));
+          if (unlikely(!tiles.has(*l.tile,l.number,child))) decodeAgain(l,level,1u << (child >> 2));
           return *l.tile;
         }
 
         /*! Requires only children. */
         __forceinline NodeEntries::Tile& tileOf (Level& l, int level)
         {
-          if (unlikely(!tiles.has(*l.tile,l.number))) again(l,level,0u);
+          if (unlikely(!tiles.has(*l.tile,l.number))) decodeAgain(l,level,0u);
           return *l.tile;
         }
 
-        __noinline void again (Level& l, int level, uint32_t mask)
+        __noinline void decodeAgain (Level& l, int level, uint32_t mask)
         {
           if (level == last) {
             LeafTile& tile = visitor.leafTile(l.m);

@@ -15,10 +15,10 @@
  *      As in BlockWalk1.
  *    void leaf (const Tile& tile, uint32_t m, uint32_t child, const BoxRangesK<K>& box, const vbool<K>& lanes)
  *      Intersects leaf 16 m + child, whose box the rays in `lanes` intersect.
- *    void pass (const vbool<K>& above, const vbool<K>& lanes)
+ *    void passBoxes (const vbool<K>& above, const vbool<K>& lanes)
  *      Called if rays pass over (under) an entire subtree.
  *    vbool<K> needsPassedBoxes ()
- *      Rays for which pass() must be called.
+ *      Rays for which passBoxes() must be called.
  *    vbool<K> open
  *      Rays that continue.
  *    vfloat<K> sBest
@@ -81,8 +81,8 @@ namespace embree
             for (uint32_t i=0; i<4; i++) {
               if (likely(present == 15u) || (present >> i) & 1u) {
                 box[i].set(walk.rays,walk.flip,planes,firstNode+i);
-                met[i] = lanes & (Visitor::countsPassed ? box[i].shares(walk.visitor.sBest)
-                  : box[i].meets(walk.visitor.sBest));
+                met[i] = lanes & (Visitor::countsPassed ? box[i].overlapsXY(walk.visitor.sBest)
+                  : box[i].intersects(walk.visitor.sBest));
               }
               else met[i] = vbool<K>(false);
             }
@@ -101,21 +101,21 @@ namespace embree
             add(walk.flip ^ 3u,met[walk.flip ^ 3u]);
           }
 
-          __forceinline void add (uint32_t i, const vbool<K>& who)
+          __forceinline void add (uint32_t i, const vbool<K>& rays)
           {
-            lanes[number] = who;
+            lanes[number] = rays;
             node[number] = i;
-            number += any(who);
+            number += any(rays);
           }
         };
 
         /*! Returns the rays that intersect the box, and reports rays that pass it. */
-        __forceinline vbool<K> meet (const BoxRangesK<K>& box, const vbool<K>& lanes)
+        __forceinline vbool<K> intersectBox (const BoxRangesK<K>& box, const vbool<K>& lanes)
         {
-          const vbool<K> active = lanes & visitor.open, hit = active & box.meets(visitor.sBest);
+          const vbool<K> active = lanes & visitor.open, hit = active & box.intersects(visitor.sBest);
           if (Visitor::countsPassed) {
             const vbool<K> passed = andn(active,hit) & visitor.needsPassedBoxes();
-            if (any(passed)) visitor.pass(box.isAbove(rays.down[2]),passed);
+            if (any(passed)) visitor.passBoxes(box.isAbove(rays.down[2]),passed);
           }
           return hit;
         }
@@ -132,7 +132,7 @@ namespace embree
           for (uint32_t n=0; n<children.number; n++)
           {
             const uint32_t c = children.node[n];
-            const vbool<K> hit = meet(children.box[c],children.lanes[n]);
+            const vbool<K> hit = intersectBox(children.box[c],children.lanes[n]);
             if (any(hit)) intersectChildren(level,m,number,15u,c,hit);
           }
         }
@@ -146,7 +146,7 @@ namespace embree
           for (uint32_t n=0; n<visits.number; n++)
           {
             const uint32_t i = visits.node[n];
-            const vbool<K> hit = meet(visits.box[i],visits.lanes[n]);
+            const vbool<K> hit = intersectBox(visits.box[i],visits.lanes[n]);
             if (none(hit)) continue;
             if (level == last) {
               if (unlikely(!tiles.has(*tile,number,4*c+i))) tile = &withChildren(level,m,c); // filters may evict tiles

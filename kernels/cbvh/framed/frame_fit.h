@@ -177,7 +177,7 @@ namespace embree
 
     struct MappedVertices
     {
-      double lower[4], upper[4]; //!< valid only if hasGoodW()
+      double lower[4], upper[4]; //!< valid only if isWBounded()
       double minW, maxW;
       double worldExtent;        //!< upper bound, on the longest axis
 
@@ -202,7 +202,7 @@ namespace embree
         low.store(lower); high.store(upper);
       }
 
-      bool hasGoodW() const { return minW > 0 && maxW <= maxWRatio*minW; }
+      bool isWBounded() const { return minW > 0 && maxW <= maxWRatio*minW; }
     };
 
     /*! Scales X, Y and Z so that the vertices fill the box. Keeps each extent above a fraction of the block's
@@ -299,7 +299,7 @@ namespace embree
       Frame& frame)
     {
       MappedVertices mapped(map,vertices,count,farthest);
-      if (!mapped.hasGoodW()) return false;
+      if (!mapped.isWBounded()) return false;
       frame.degenerate = fillBox(map,origin,mapped);
       frame.projective = map.projective;
 

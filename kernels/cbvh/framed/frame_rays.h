@@ -94,8 +94,8 @@ namespace embree
           }
           const vfloat<K> tauNear = state.scaledTnear - tref, tauFar = msub(state.tfar,state.rcpScale,tref);
           const vfloat<K> tau0 = max(tauIn,tauNear), tau1 = min(tauOut,tauFar);
-          const vbool<K> meets = andn(valid & (tau0 <= min(tau1,msub(nearest,state.rcpScale,tref))),outside);
-          if (none(meets)) return meets;
+          const vbool<K> intersects = andn(valid & (tau0 <= min(tau1,msub(nearest,state.rcpScale,tref))),outside);
+          if (none(intersects)) return intersects;
           startClipped = tauNear > tauIn;
           endClipped = tauFar < tauOut;
           w0 = madd(tau0,dO[3],O[3]);
@@ -104,7 +104,7 @@ namespace embree
           t1 = tref + tau1;
           const vfloat<K> least = min(w0,w1);
           for (int k=0; k<3; k++) setAxis(k,madd(tau0,dO[k],O[k])/w0,madd(tau1,dO[k],O[k])/w1,epsilon[k]/least);
-          return meets & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
+          return intersects & (w0 > vfloat<K>(zero)) & (w1 > vfloat<K>(zero));
         }
 
         /*! See LocalRay::behind. */
@@ -164,10 +164,10 @@ namespace embree
         }
 
         /*! Rays whose segment up to sBest intersects the box, or overlaps it in x and y. */
-        __forceinline vbool<K> meets (const vfloat<K>& sBest) const {
+        __forceinline vbool<K> intersects (const vfloat<K>& sBest) const {
           return max(sNear,vfloat<K>(zero)) <= min(sFar,sBest);
         }
-        __forceinline vbool<K> shares (const vfloat<K>& sBest) const {
+        __forceinline vbool<K> overlapsXY (const vfloat<K>& sBest) const {
           return max(enterXY,vfloat<K>(zero)) <= min(leaveXY,sBest);
         }
 

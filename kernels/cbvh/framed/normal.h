@@ -31,7 +31,7 @@ CVERT_REAL CBVH_FUNCTION CVERT_OF(Vector) worldNormal (BlockHeader block, CVERT_
 CVERT_CONSTANT float mirroredSine2 = 0.25f;
 
 /*! along: dot product of normal and direction. normal2, direction2: squared lengths. from: see hit_rule.h. */
-CVERT_REAL CBVH_FUNCTION bool isTurned (Real along, Real normal2, Real direction2, uint32_t from)
+CVERT_REAL CBVH_FUNCTION bool isMirrored (Real along, Real normal2, Real direction2, uint32_t from)
 {
   bool away = (from == sideAbove && along > Real(0)) || (from == sideBelow && along < Real(0));
   return away && along*along < Real(mirroredSine2)*normal2*direction2;

@@ -23,7 +23,7 @@ namespace embree
   {
     /*! Moves a point of a border outward by the rounding of the point and of triangle tests, which could leave a gap to
      *  a neighbor without a vertex there. */
-    inline cbvh::Double3 withLip (const cbvh::Double3& p, const cbvh::Double3& inner)
+    inline cbvh::Double3 movedOutward (const cbvh::Double3& p, const cbvh::Double3& inner)
     {
       const cbvh::Double3 outward = p - inner;
       const double distance = cbvh::length(outward);
@@ -42,7 +42,8 @@ namespace embree
         const ssize_t begin = firstStitched(k,fine,coarse), end = firstStitched(k+1,fine,coarse);
         const cbvh::Double3 a = load(border[begin*along]), b = load(border[end*along]);
         for (ssize_t i=begin+1; i<end; i++) {
-          const cbvh::Double3 p = withLip(a + (double(i-begin)/double(end-begin))*(b-a),load(border[i*along+inward]));
+          const double t = double(i-begin)/double(end-begin);
+          const cbvh::Double3 p = movedOutward(a + t*(b-a),load(border[i*along+inward]));
           float* const out = border[i*along];
           out[0] = float(p.x); out[1] = float(p.y); out[2] = float(p.z);
         }

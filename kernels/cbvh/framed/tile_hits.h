@@ -29,7 +29,7 @@ namespace embree
         }
 
         /*! Removes a rank and all before it. True if the ray intersects its node. */
-        __forceinline bool take (uint32_t rank)
+        __forceinline bool removeUpTo (uint32_t rank)
         {
           const bool isHit = (ranks >> rank) & 1u;
           ranks &= ~((2u << rank) - 1u) & ~(((2u << rank) - 1u) << 16);

@@ -173,7 +173,7 @@ namespace embree
       {
         gather(e);
         const size_t count = e.width()*e.width(), finite = countFinite(e);
-        if (finite == 0) { drop(e,ofPatch); return; }
+        if (finite == 0) { countAsInvalid(e,ofPatch); return; }
 
         cbvh::BlockEncoder encoder(e.kind,e.height,vertexData(),scratch.data());
         const bool fits = encoder.fit(e.corners);
@@ -189,7 +189,7 @@ namespace embree
           grids.write(patch.ofEmbree(),e.x*quads,(e.x+1)*quads,e.y*quads,(e.y+1)*quads);
           return;
         }
-        if (!fits) { drop(e,ofPatch); return; }
+        if (!fits) { countAsInvalid(e,ofPatch); return; }
         if (refused && e.kind != cbvh::Kind::GRID) {
           /* GridSOA supports no holes, and its vertices on stitched borders differ from adjacent blocks. The triangles
            * of cGRID are exact in any frame. */
@@ -230,7 +230,7 @@ namespace embree
         sums.maxLeafThickness = max(sums.maxLeafThickness,block.maxThickness);
       }
 
-      static void drop (const Encoding& e, cbvh::BuildStatistics& ofPatch) {
+      static void countAsInvalid (const Encoding& e, cbvh::BuildStatistics& ofPatch) {
         ofPatch.sums.numInvalidQuads += size_t(1) << (2*e.height);
       }
 

@@ -38,10 +38,10 @@ namespace embree
             bool goesOn = true;
             if (cutIntoDgf(all,goesOn)) return goesOn;
             return forEachSquare(all,[&](const QuadRectangle& square) {
-                return cutIntoDgf(square,goesOn) ? goesOn : handOutFloats(square,reasonForFloats);
+                return cutIntoDgf(square,goesOn) ? goesOn : emitFloats(square,reasonForFloats);
               });
           }
-          return forEachSquare(all,[&](const QuadRectangle& square) { return handOutVertices(square); });
+          return forEachSquare(all,[&](const QuadRectangle& square) { return emitVertices(square); });
         }
 
       private:
@@ -65,21 +65,21 @@ namespace embree
         }
 
         /*! In COMPRESSED1 if possible. */
-        bool handOutVertices (const QuadRectangle& square)
+        bool emitVertices (const QuadRectangle& square)
         {
-          if (format == ClusterFormat::FLOAT3) return handOutFloats(square,ClusterReason::FITS);
+          if (format == ClusterFormat::FLOAT3) return emitFloats(square,ClusterReason::FITS);
           const QuadTriangles triangles(part->vertices,part->width,square,false);
           if (triangles.numTriangles == 0) return true;
           LatticeSpan span;
           if (place(points,square))
             for (uint32_t i=0; i<triangles.numVertices; i++) span.add(points.at[triangles.vertices[i]]);
-          if (span.isEmpty() || !span.fits()) return handOutFloats(square,reasonForFloats);
+          if (span.isEmpty() || !span.fits()) return emitFloats(square,reasonForFloats);
           std::fill_n(data,sizeof(data)/sizeof(data[0]),0u);
           const size_t bytes = putCompressed1(points,span,triangles.vertices,triangles.numVertices,(uint8_t*)data);
-          return handOut(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::FITS,bytes);
+          return emit(square,triangles,ClusterFormat::COMPRESSED1,ClusterReason::FITS,bytes);
         }
 
-        bool handOutFloats (const QuadRectangle& square, ClusterReason reason)
+        bool emitFloats (const QuadRectangle& square, ClusterReason reason)
         {
           const QuadTriangles triangles(part->vertices,part->width,square,false);
           if (triangles.numTriangles == 0) return true;
@@ -87,7 +87,7 @@ namespace embree
             const uint32_t v = triangles.vertices[i], x = v % (square.width+1), y = v / (square.width+1);
             memcpy(data+3*i,part->vertices + 3*(size_t(square.y+y)*part->width + square.x+x),12);
           }
-          return handOut(square,triangles,ClusterFormat::FLOAT3,reason,12*triangles.numVertices);
+          return emit(square,triangles,ClusterFormat::FLOAT3,reason,12*triangles.numVertices);
         }
 
         /*! Returns false, without calling the closure, if a quad does not fit into a block of DGF. */
@@ -99,13 +99,13 @@ namespace embree
           if (!tiling.isPossible) return false;
           tiling.forEach([&](uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
               const QuadRectangle piece = { rect.x+x,rect.y+y,width,height };
-              if (goesOn) goesOn = handOutDgf(rect,piece);
+              if (goesOn) goesOn = emitDgf(rect,piece);
             });
           return true;
         }
 
         /*! rect: rectangle of points around the piece. */
-        bool handOutDgf (const QuadRectangle& rect, const QuadRectangle& piece)
+        bool emitDgf (const QuadRectangle& rect, const QuadRectangle& piece)
         {
           QuadTriangles triangles(part->vertices,part->width,piece,true);
           if (triangles.numTriangles == 0) return true;
@@ -124,16 +124,16 @@ namespace embree
               halves[0].width /= 2; halves[1].x += halves[0].width; halves[1].width -= halves[0].width;
             }
             else { halves[0].height /= 2; halves[1].y += halves[0].height; halves[1].height -= halves[0].height; }
-            return handOutDgf(rect,halves[0]) && handOutDgf(rect,halves[1]);
+            return emitDgf(rect,halves[0]) && emitDgf(rect,halves[1]);
           }
           triangles.isWhole = false;
           triangles.numVertices = block.numVertices;
           memcpy(triangles.indices,block.indices,3*triangles.numTriangles);
           memcpy(data,block.bytes,sizeof(block.bytes));
-          return handOut(piece,triangles,ClusterFormat::DGF1,ClusterReason::FITS,sizeof(block.bytes));
+          return emit(piece,triangles,ClusterFormat::DGF1,ClusterReason::FITS,sizeof(block.bytes));
         }
 
-        bool handOut (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format,
+        bool emit (const QuadRectangle& square, const QuadTriangles& triangles, ClusterFormat format,
             ClusterReason reason, size_t bytes)
         {
           StoredCluster cluster = StoredCluster();

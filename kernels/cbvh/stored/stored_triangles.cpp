@@ -149,17 +149,17 @@ namespace embree
         bool found () const { return hasBest; }
 
         /*! block: must contain the primitive. */
-        void look (const StoredBlock& block, uint32_t primID)
+        void searchBlock (const StoredBlock& block, uint32_t primID)
         {
           if (!isPresent(block,time)) return;
-          if (block.isMesh()) lookInMesh(block.mesh(),primID);
-          else if (block.numbersQuads()) lookForPrimitive(block.vert(),primID);
-          else lookForParameters(block);
+          if (block.isMesh()) searchMesh(block.mesh(),primID);
+          else if (block.numbersQuads()) searchByPrimitive(block.vert(),primID);
+          else searchByParameters(block);
         }
 
       private:
         /*! Considers both triangles of a quad, in the application's order of vertices. */
-        void lookForPrimitive (const VertHeader* block, uint32_t primID)
+        void searchByPrimitive (const VertHeader* block, uint32_t primID)
         {
           const VerticesAtTime vertices(block,time);
           slack = slackOf(u) + slackOf(v);
@@ -178,12 +178,12 @@ namespace embree
                   p[i] = corners[around[(i + firstCornerOfTriangle(form,isSecond)) % 3]];
                   if (!isTriangleForm(form) && isSecond) { s[i] = 1-s[i]; t[i] = 1-t[i]; }
                 }
-                consider(p,s,t);
+                addCandidate(p,s,t);
               }
             });
         }
 
-        void lookInMesh (const MeshHeader* block, uint32_t primID)
+        void searchMesh (const MeshHeader* block, uint32_t primID)
         {
           slack = slackOf(u) + slackOf(v);
           forEachTriangle(block,time,[&](uint32_t number, const float (&corners)[3][3]) {
@@ -191,11 +191,11 @@ namespace embree
               const float* const p[3] = { corners[0],corners[1],corners[2] };
               const float first[2][3] = { { 0,1,0 },{ 0,0,1 } }, second[2][3] = { { 1,0,1 },{ 1,1,0 } };
               const float (&parameters)[2][3] = isSecondOfQuad(block->form,number) ? second : first;
-              consider(p,parameters[0],parameters[1]);
+              addCandidate(p,parameters[0],parameters[1]);
             });
         }
 
-        void lookForParameters (const StoredBlock& block)
+        void searchByParameters (const StoredBlock& block)
         {
           const Place place(block);
           double x[2], reach[2];
@@ -225,7 +225,7 @@ namespace embree
                   s[c] = decoded.parameters[triangle[c]][0];
                   t[c] = decoded.parameters[triangle[c]][1];
                 }
-                consider(p,s,t);
+                addCandidate(p,s,t);
               }
             }
         }
@@ -238,7 +238,7 @@ namespace embree
         static uint32_t first (double x) { return uint32_t(std::max(std::floor(x),0.0)); }
         static uint32_t last (double x, uint32_t quads) { return uint32_t(std::min(std::floor(x)+1.0,double(quads))); }
 
-        void consider (const float* const p[3], const float vertexU[3], const float vertexV[3])
+        void addCandidate (const float* const p[3], const float vertexU[3], const float vertexV[3])
         {
           double s[3], t[3];
           for (int c=0; c<3; c++) {
@@ -253,10 +253,10 @@ namespace embree
             w2 = ((s[1]-s[0])*(v-t[0]) - (u-s[0])*(t[1]-t[0]))/area;
           const double outside = std::max(0.0,-std::min(std::min(w1,w2),1.0-w1-w2));
           if (outside > slack) return;
-          const double turned = Ng ? angle(p) : outside;
-          if (hasBest && turned >= bestAngle) return;
+          const double cost = Ng ? angle(p) : outside;
+          if (hasBest && cost >= bestCost) return;
           hasBest = true;
-          bestAngle = turned;
+          bestCost = cost;
           for (int c=0; c<3; c++) {
             memcpy(best.vertices[c],p[c],sizeof(best.vertices[c]));
             best.u[c] = vertexU[c];
@@ -283,7 +283,7 @@ namespace embree
         const float* const Ng;
         StoredTriangle& best;
         bool hasBest = false;
-        double slack = 0, bestAngle = 0;
+        double slack = 0, bestCost = 0;
       };
     }
 
@@ -325,16 +325,16 @@ namespace embree
       if (!(std::isfinite(u) && std::isfinite(v) && std::isfinite(time.time))) return false;
       Search search(time,u,v,Ng,triangle);
       if (!blockOf.empty()) {
-        if (primID < blockOf.size() && blockOf[primID] != none) search.look(blocks[blockOf[primID]],primID);
+        if (primID < blockOf.size() && blockOf[primID] != none) search.searchBlock(blocks[blockOf[primID]],primID);
         auto second = std::lower_bound(secondBlockOf.begin(),secondBlockOf.end(),std::make_pair(primID,0u));
         for (; second != secondBlockOf.end() && second->first == primID; ++second)
-          search.look(blocks[second->second],primID);
+          search.searchBlock(blocks[second->second],primID);
         return search.found();
       }
       for (auto i=std::lower_bound(blocks.begin(),blocks.end(),primID,
                                    [](const StoredBlock& block, uint32_t id) { return block.primID() < id; });
            i != blocks.end() && i->primID() == primID; i++)
-        search.look(*i,primID);
+        search.searchBlock(*i,primID);
       return search.found();
     }
 

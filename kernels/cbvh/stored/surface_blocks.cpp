@@ -113,7 +113,7 @@ namespace embree
       }
     }
 
-    void BlockMemory::expect (size_t bytes)
+    void BlockMemory::reserve (size_t bytes)
     {
       static_assert(alignof(FastAllocator) <= 16,"alignment of new");
       if (bytes == 0) return;

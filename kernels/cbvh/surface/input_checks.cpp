@@ -5,7 +5,7 @@
 
 namespace embree
 {
-  static std::string nameOf (const SubdivMesh* mesh, size_t face) {
+  static std::string describe (const SubdivMesh* mesh, size_t face) {
     return "face " + std::to_string(face) + " of " + std::to_string(mesh->faceVertices[face]) + " vertices: ";
   }
 
@@ -15,7 +15,7 @@ namespace embree
     size_t corners = 0;
     for (size_t f=0; f<mesh->faceVertices.size(); f++)
       if ((corners += mesh->faceVertices[f]) > numIndices)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "the index buffer ends after "
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,describe(mesh,f) + "the index buffer ends after "
             + std::to_string(numIndices) + " indices");
 
     auto require = [](size_t size, size_t expected, const std::string& values, const char* perWhat) {
@@ -47,7 +47,7 @@ namespace embree
     size_t begin = 0;
     for (size_t f=0; f<mesh->faceVertices.size(); begin+=mesh->faceVertices[f++])
       if (begin + mesh->faceVertices[f] > firstWrong)
-        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,nameOf(mesh,f) + "index " + std::to_string(firstWrong-begin)
+        throw_RTCError(RTC_ERROR_INVALID_ARGUMENT,describe(mesh,f) + "index " + std::to_string(firstWrong-begin)
             + " is vertex " + std::to_string(indices[firstWrong]) + ": expected less than "
               + std::to_string(numVertices));
   }

@@ -138,7 +138,7 @@ namespace embree
           numInvalid += found[task].numInvalid;
         }
         centers.resize(n);
-        settle(found,progress);
+        refineUntilNoneFlips(found,progress);
       }
 
       void release ()
@@ -307,7 +307,7 @@ namespace embree
 
       /*! A vertex on a finer lattice can flip other triangles, so this repeats until none flips. */
       template<typename Progress>
-      void settle (const std::vector<Found>& found, const Progress& progress)
+      void refineUntilNoneFlips (const std::vector<Found>& found, const Progress& progress)
       {
         for (bool changed=true; changed; ) {
           changed = false;
@@ -317,7 +317,7 @@ namespace embree
               unsigned v[3];
               mesh.corners(triangle,p,v);
               for (unsigned step=0; step<plan.numTimeSteps; step++)
-                changed |= lattices[step]->check(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
+                changed |= lattices[step]->refine(mesh.vertex(step,v[0]),mesh.vertex(step,v[1]),mesh.vertex(step,v[2]));
             }
             progress();
           }

@@ -103,7 +103,7 @@ namespace embree
           size_t n = 0;
           for (size_t i=r.begin(); i!=r.end(); i++) {
             Corners& q = corners[i];
-            forms[i] = uint8_t(quads.look(i,q.v));
+            forms[i] = uint8_t(quads.cornersAndForm(i,q.v));
             out.isValid[i] = isValid(q);
             if (out.isValid[i]) span = Range(min(span.first,q.v[0]),max(span.second,q.v[0])); else n++;
           }

@@ -277,7 +277,7 @@ namespace embree
     }
 
     template<typename Mesh>
-    void improve (const Mesh* mesh, Found& best, const Found& other)
+    void chooseSmaller (const Mesh* mesh, Found& best, const Found& other)
     {
       if (!other || other->regions.empty()) return;
       auto bytes = [&](const Found& found) {
@@ -288,7 +288,7 @@ namespace embree
     }
 
     /*! Nearly all blocks are full, so little can be gained. */
-    bool isGood (const QuadRegions& found)
+    bool areBlocksNearlyFull (const QuadRegions& found)
     {
       const size_t quads = found.numQuads(0,found.regions.size()), side = cbvh::vertBlockQuads;
       const double least = double(bytesOfGridBlocks(side,side,true))*double(quads)/double(side*side);
@@ -300,7 +300,7 @@ namespace embree
     Found findBestIn (const Mesh* mesh, const std::shared_ptr<const WeldedVertices>& welded)
     {
       Found best = findIn(mesh,welded);
-      if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,welded));
+      if (!areFewLoose(*best)) chooseSmaller(mesh,best,findInPairsAnywhere(mesh,welded));
       return best;
     }
 
@@ -316,16 +316,16 @@ namespace embree
       Found best;
       if (!areSplit) {
         best = findIn(mesh,nullptr);
-        if (isGood(*best)) return best;
+        if (areBlocksNearlyFull(*best)) return best;
       }
       const std::shared_ptr<const WeldedVertices> welded =
         WeldedVertices::find(&mesh->vertices[0],mesh->numTimeSteps,mesh->numVertices());
       if (welded || !best) {
         const Found other = findBestIn(mesh,welded);
-        if (best) improve(mesh,best,other); else best = other;
+        if (best) chooseSmaller(mesh,best,other); else best = other;
       }
-      else if (!areFewLoose(*best)) improve(mesh,best,findInPairsAnywhere(mesh,nullptr));
-      if (welded && areSplit && !isGood(*best)) improve(mesh,best,findIn(mesh,nullptr));
+      else if (!areFewLoose(*best)) chooseSmaller(mesh,best,findInPairsAnywhere(mesh,nullptr));
+      if (welded && areSplit && !areBlocksNearlyFull(*best)) chooseSmaller(mesh,best,findIn(mesh,nullptr));
       return best;
     }
   }

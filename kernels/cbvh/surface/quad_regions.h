@@ -42,7 +42,7 @@ namespace embree
       /*! See cvert/format/quad_numbers.h. */
       unsigned form (size_t) const { return 0; }
 
-      unsigned look (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
+      unsigned cornersAndForm (size_t quad, unsigned v[4]) const { corners(quad,v); return form(quad); }
     };
 
     struct PairsOfMesh
@@ -88,7 +88,7 @@ namespace embree
         return join(a,b,v,turns) && max(max(v[0],v[1]),max(v[2],v[3])) < mesh->numVertices();
       }
 
-      unsigned look (size_t pair, unsigned v[4]) const
+      unsigned cornersAndForm (size_t pair, unsigned v[4]) const
       {
         const unsigned first = number(pair), other = second(pair);
         unsigned a[3], b[3], turns = 0;
@@ -102,8 +102,8 @@ namespace embree
         return cbvh::numbersOfTriangles | turns;
       }
 
-      void corners (size_t pair, unsigned v[4]) const { look(pair,v); }
-      unsigned form (size_t pair) const { unsigned v[4]; return look(pair,v); }
+      void corners (size_t pair, unsigned v[4]) const { cornersAndForm(pair,v); }
+      unsigned form (size_t pair) const { unsigned v[4]; return cornersAndForm(pair,v); }
 
       void triangle (size_t i, unsigned v[3]) const
       {

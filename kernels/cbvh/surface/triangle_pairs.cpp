@@ -28,7 +28,7 @@ namespace embree
         fill(mates,size,unsigned(none));
         const Edges edges = chooseEdges();
         if (!edges.isNone() && edges.first != edges.second) pairBy(edges);
-        spread(edges);
+        spreadPairs(edges);
         size_t numPairs = 0;
         for (size_t t=0; t<size; t++) numPairs += mates[t] != second;
         cbvh::resizeToFit(firsts,numPairs);
@@ -98,12 +98,12 @@ namespace embree
       bool areScattered () const
       {
         const size_t step = max(size/samples,size_t(2));
-        size_t looked = 0, far = 0;
-        for (size_t t=0; t+1<size; t+=step, looked++) {
+        size_t numSampled = 0, far = 0;
+        for (size_t t=0; t+1<size; t+=step, numSampled++) {
           const unsigned a = vertexOf(triangle(t)), b = vertexOf(triangle(t+1));
           far += size_t(max(a,b)-min(a,b)) > numVertices/64;
         }
-        return 2*far > looked;
+        return 2*far > numSampled;
       }
 
       /*! Copies the triangles, because they are visited in the order of neighbors. Sorts scattered triangles by their
@@ -249,14 +249,14 @@ namespace embree
         double length = 0;            //!< sum of squared lengths
       };
 
-      /*! looked: size of the sample. */
-      Pairing look (const Edges& edges, size_t& looked) const
+      /*! numSampled: size of the sample. */
+      Pairing samplePairs (const Edges& edges, size_t& numSampled) const
       {
         Pairing pairing;
         pairing.edges = edges;
-        looked = 0;
+        numSampled = 0;
         const size_t step = max(size/samples,size_t(1));
-        for (size_t i=0; i<size; i+=step, looked++)
+        for (size_t i=0; i<size; i+=step, numSampled++)
         {
           const unsigned t = unsigned(i);
           bool isFirst;
@@ -273,13 +273,13 @@ namespace embree
       Edges chooseEdges () const
       {
         std::vector<Pairing> all;
-        size_t most = 0, looked = 0;
+        size_t most = 0, numSampled = 0;
         for (unsigned e=0; e<3; e++)
           for (unsigned f=e; f<3; f++) {
-            all.push_back(look(Edges{ e,f },looked));
+            all.push_back(samplePairs(Edges{ e,f },numSampled));
             most = max(most,all.back().paired);
           }
-        if (4*most < 3*looked) return Edges{ none,none };
+        if (4*most < 3*numSampled) return Edges{ none,none };
         const Pairing* best = nullptr;
         for (const Pairing& pairing : all) // pairs at borders may be missing
           if (pairing.paired + most/256 >= most && (!best || pairing.length > best->length))
@@ -301,7 +301,7 @@ namespace embree
 
       /*! Pairs the remaining triangles along rows and columns of quads, starting with a first pair. Only across
        *  `edges`, unless they are none. */
-      void spread (const Edges& edges)
+      void spreadPairs (const Edges& edges)
       {
         auto isFree = [&](unsigned half) {
           if (half == none || opposite[half] == none) return false;
@@ -380,9 +380,9 @@ namespace embree
       const size_t n = mesh->triangles.size()/2, step = max(n/4096,size_t(1));
       const PairsOfMesh triangles = { mesh,welded,nullptr,nullptr };
       if (mesh->triangles.size() != 2*n) return false;
-      size_t looked = 0, joined = 0;
-      for (size_t t=0; t<n; t+=step, looked++) joined += triangles.areJoined(t,n+t);
-      return 16*joined >= 15*looked;
+      size_t numSampled = 0, joined = 0;
+      for (size_t t=0; t<n; t+=step, numSampled++) joined += triangles.areJoined(t,n+t);
+      return 16*joined >= 15*numSampled;
     }
 
     bool pairHalves (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,

@@ -162,13 +162,13 @@ namespace embree
       static void intersect (vint<K>* mask, Accel::Intersectors* This, RayHitK<K>& rays, IntersectContext* context)
       {
         const vbool<K> valid = validOf<K>(*mask,rays);
-        traceOneByOne<K>(together(valid,This,rays,context).alone,rays,
+        traceOneByOne<K>(tracePacket(valid,This,rays,context).alone,rays,
           [&](RayHit& ray) { CompressedSubdivTraversal1::intersect(This,ray,context); });
       }
 
       static void occluded (vint<K>* mask, Accel::Intersectors* This, RayK<K>& rays, IntersectContext* context)
       {
-        const Traced traced = together(validOf<K>(*mask,rays),This,rays,context);
+        const Traced traced = tracePacket(validOf<K>(*mask,rays),This,rays,context);
         traceOneByOne<K>(traced.alone,rays,[&](Ray& ray) { CompressedSubdivTraversal1::occluded(This,ray,context); });
         if (any(traced.ended)) vfloat<K>::store(traced.ended,&rays.tfar,vfloat<K>(neg_inf));
       }
@@ -182,8 +182,8 @@ namespace embree
 
       /*! Traces rays with the same direction signs together. */
       template<typename Rays>
-      static __noinline Traced together (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
-                                         IntersectContext* context)
+      static __noinline Traced tracePacket (const vbool<K>& valid, const Accel::Intersectors* This, Rays& rays,
+                                            IntersectContext* context)
       {
         Traced traced = { uint32_t(movemask(valid)),vbool<K>(false) };
         const BVH4::NodeRef root = ((const BVH4*)This->ptr)->root;

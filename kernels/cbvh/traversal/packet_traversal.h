@@ -55,14 +55,14 @@ namespace embree
           while (top != stack)
           {
             const Entry at = *--top;
-            const vbool<K> meets = at.enter <= tray.tfar;
-            if (none(meets)) continue;
+            const vbool<K> hit = at.enter <= tray.tfar;
+            if (none(hit)) continue;
             if (!at.node.isLeaf()) {
               top = pushChildren(at,frustum,boxes,tray,top);
               continue;
             }
             size_t lazyNode = 0;
-            leaves.intersect(meets,at.node,at.enter,tray,lazyNode);
+            leaves.intersect(hit,at.node,at.enter,tray,lazyNode);
             if (any(leaves.tfar < tray.tfar)) {
               // inactive lanes may contain NaN, which would spoil the frustum's maximum
               tray.tfar = select(valid,min(tray.tfar,leaves.tfar),tray.tfar);
@@ -90,7 +90,8 @@ namespace embree
             }
           }
 
-          __forceinline vbool<K> meet (const BVH4::AABBNode* node, size_t i, const Tray& tray, vfloat<K>& enter) const
+          __forceinline vbool<K> intersectBox (const BVH4::AABBNode* node, size_t i, const Tray& tray,
+                                               vfloat<K>& enter) const
           {
             const vfloat4* planes = &node->lower_x; // lower and upper per axis
             vfloat<K> leave = tray.tfar;
@@ -114,10 +115,10 @@ namespace embree
           {
             const size_t i = bscf(rest);
             vfloat<K> enter;
-            const vbool<K> meets = boxes.meet(node,i,tray,enter);
-            if (none(meets)) continue;
+            const vbool<K> hit = boxes.intersectBox(node,i,tray,enter);
+            if (none(hit)) continue;
             BVH4::prefetch(node->child(i));
-            const Entry child = { select(meets,enter,vfloat<K>(nan)),node->child(i),first[i] };
+            const Entry child = { select(hit,enter,vfloat<K>(nan)),node->child(i),first[i] };
             Entry* place = top++;
             for (; place != bottom && place[-1].first < child.first; place--) place[0] = place[-1];
             *place = child;

@@ -41,13 +41,13 @@ namespace embree
           while (n)
           {
             const Item item = stack[--n];
-            if (item.distance > reach()) continue;
+            if (item.distance > maxDistance()) continue;
             if (item.ref.isLeaf()) { changed |= call(item.ref); continue; }
             const size_t first = n;
             vboolf4 isPresent(true);
             const vfloat4 distance = item.ref.isAABBNode() ? distanceOf(item.ref.getAABBNode())
               : distanceOf(item.ref,isPresent);
-            for (size_t mask=movemask((distance <= vfloat4(reach())) & isPresent); mask; ) {
+            for (size_t mask=movemask((distance <= vfloat4(maxDistance())) & isPresent); mask; ) {
               const size_t i = bscf(mask);
               const BVH4::NodeRef child = item.ref.baseNode()->child(i);
               if (child != BVH4::emptyNode) stack[n++] = Item{ child,distance[i] };
@@ -67,7 +67,7 @@ namespace embree
         bool isSphere () const { return context->query_type == POINT_QUERY_TYPE_SPHERE; }
 
         /*! largest distanceOf within reach */
-        float reach () const { return isSphere() ? query->radius*query->radius : 0.0f; }
+        float maxDistance () const { return isSphere() ? query->radius*query->radius : 0.0f; }
 
         /*! Distances of children: squared for a sphere, outside of the query's box otherwise. */
         vfloat4 distanceOf (const BVH4::AABBNode* node) const {
@@ -175,7 +175,7 @@ namespace embree
             bounds.lower[m] = neg_inf;
             bounds.upper[m] = pos_inf;
           }
-          return distanceOf(bounds) <= reach();
+          return distanceOf(bounds) <= maxDistance();
         }
 
         bool call (Geometry* geometry, uint32_t primID, std::initializer_list<const float*> vertices)
@@ -185,7 +185,7 @@ namespace embree
             if (!embree::cbvh::isFinite(p)) return false;
             bounds.extend(Vec3fa(p[0],p[1],p[2]));
           }
-          if (!(distanceOf(bounds) <= reach())) return false;
+          if (!(distanceOf(bounds) <= maxDistance())) return false;
           context->primID = primID;
           return geometry->pointQuery(query,context);
         }

@@ -48,7 +48,7 @@ namespace embree
           uint32_t accepted = 0;
           const uint32_t one = mask & uint32_t(movemask((triangles & (triangles-vint<K>(1))) == vint<K>(zero)));
           if (popcnt(one) > 1 && (likely(!hasEdges(block->boxForm)) || !hasLowerEdge(block->patchQuads,edgesOf(block))))
-            mask &= ~together(one,kz,g,triangles,accepted);
+            mask &= ~reportTogether(one,kz,g,triangles,accepted);
           for (; mask; mask&=mask-1) {
             const uint32_t k = uint32_t(bsf(mask));
             if (report(k,g,TriangleMask{ uint32_t(triangles[k]) })) accepted |= 1u << k;
@@ -71,8 +71,8 @@ namespace embree
           alignas(64) float vertices[3][3][K];
           alignas(64) float x[K], y[K];  //!< position of the quad in the patch
           alignas(64) float normal[3][K], t[K];
-          uint32_t isMet; //!< mask of rays with an intersection not before tnear
-          uint32_t lies;  //!< mask of rays that lie in their triangle's plane
+          uint32_t isHit;   //!< mask of rays with an intersection not before tnear
+          uint32_t inPlane; //!< mask of rays that lie in their triangle's plane
 
           __forceinline Triangles (uint32_t mask, const CellVertices& group, const vint<K>& triangles,
                                    float firstX, float firstY)
@@ -91,9 +91,9 @@ namespace embree
             }
           }
 
-          __forceinline void meet (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear)
+          __forceinline void intersectPlanes (const VertRays<K>& vertRays, size_t kz, const vfloat<K>& tnear)
           {
-            isMet = lies = 0;
+            isHit = inPlane = 0;
             for (int j=0; j<K; j+=4)
             {
               const Four four(*this,vertRays,j);
@@ -103,8 +103,8 @@ namespace embree
               const Double4 exact = clampToSpan(span,at.t);
               toFloat(exact).store(t+j);
               for (int k=0; k<3; k++) toFloat(n.at[k]).store(normal[k]+j);
-              isMet |= (Double4(lanesFrom(tnear,j)) <= exact).bits() << j;
-              lies |= (15u & ~isPlaneDecisive(at,span).bits()) << j;
+              isHit |= (Double4(lanesFrom(tnear,j)) <= exact).bits() << j;
+              inPlane |= (15u & ~isPlaneDecisive(at,span).bits()) << j;
             }
           }
 
@@ -150,7 +150,7 @@ namespace embree
 
         /*! Processes rays together and returns the complete ones. The others must be processed one by one: they may be
          *  in the triangle only due to rounding, lie in its plane, or have a hit at the same distance. */
-        uint32_t together (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
+        uint32_t reportTogether (uint32_t mask, size_t kz, uint32_t g, const vint<K>& triangles, uint32_t& accepted)
         {
           Triangles batch(mask,cached.vertices(g),triangles,float(firstQuadX(block->region,g)),
             float(firstQuadY(block->region,g)));
@@ -167,10 +167,10 @@ namespace embree
                 [&] { return std::make_tuple(unread,unread,unread,Vec3vf<K>(unread,unread,unread)); })));
             return clear;
           }
-          batch.meet(vertRays,kz,rays.tnear());
+          batch.intersectPlanes(vertRays,kz,rays.tnear());
           const vfloat<K> t = vfloat<K>::load(batch.t);
-          const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~batch.lies;
-          const vbool<K> hit = vbool<K>(int(done & batch.isMet)) & (t < tfar);
+          const uint32_t done = mask & uint32_t(movemask(areCertain(sides) & (t != tfar))) & ~batch.inPlane;
+          const vbool<K> hit = vbool<K>(int(done & batch.isHit)) & (t < tfar);
           if (none(hit)) return done;
 
           Vec3vf<K> Ng(vfloat<K>::load(batch.normal[0]),vfloat<K>::load(batch.normal[1]),

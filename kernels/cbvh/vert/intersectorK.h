@@ -53,7 +53,7 @@ namespace embree
           {
             const uint32_t k = uint32_t(bsf(rest)), same = rest & uint32_t(movemask(form == vint<K>(form[k])));
             rest &= ~same;
-            together(same,uint32_t(form[k]));
+            intersectTogether(same,uint32_t(form[k]));
           }
           return vbool<K>(int(found));
         }
@@ -100,7 +100,7 @@ namespace embree
           }
         };
 
-        void together (uint32_t same, uint32_t form)
+        void intersectTogether (uint32_t same, uint32_t form)
         {
           vbool<K> lanes = vbool<K>(int(same));
           const VertBoxes& boxes = cached.boxes();

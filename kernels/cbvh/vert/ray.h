@@ -46,11 +46,11 @@ namespace embree
 
         /*! For a hit at the same distance. */
         __forceinline bool yieldsTo (const VertHeader* other, uint32_t otherTriangle, const SurfaceIDs& ids) const {
-          return hasPrecedence(nameOf(other,otherTriangle,ids),nameOf(block,triangle,ids));
+          return hasPrecedence(keyOf(other,otherTriangle,ids),keyOf(block,triangle,ids));
         }
 
       private:
-        static __forceinline TriangleKey nameOf (const VertHeader* block, uint32_t triangle, const SurfaceIDs& ids) {
+        static __forceinline TriangleKey keyOf (const VertHeader* block, uint32_t triangle, const SurfaceIDs& ids) {
           return TriangleKey{ ids[block->surface],block->primID,block->region,triangle };
         }
       };

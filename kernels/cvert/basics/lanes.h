@@ -18,7 +18,7 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! In lanes 0 to 2. Lane 3 is undefined. */
+  /*! Returns vertex i in lanes 0 to 2; lane 3 is undefined. count: number of vertices; reads nothing past the last. */
   inline Float4 loadVertex(const float (*vertices)[3], size_t i, size_t count) {
     return i+1 < count ? Float4::load(vertices[i]) : Float4(vertices[i][0],vertices[i][1],vertices[i][2],0.0f);
   }

@@ -107,17 +107,17 @@ namespace cvert
       uint8_t reused[3*maxTriangles];
 
       /*! False if the triangle lacks edge (a,b). */
-      static bool turnTo (uint8_t triangle[3], uint8_t a, uint8_t b)
+      static bool rotateTo (uint8_t triangle[3], uint8_t a, uint8_t b)
       {
         for (int i=0; i<3; i++)
           if (triangle[i] == a && triangle[(i+1)%3] == b) {
-            turn(triangle,i);
+            rotate(triangle,i);
             return true;
           }
         return false;
       }
 
-      static void turn (uint8_t triangle[3], int first)
+      static void rotate (uint8_t triangle[3], int first)
       {
         const uint8_t old[3] = { triangle[0],triangle[1],triangle[2] };
         for (int i=0; i<3; i++) triangle[i] = old[(first+i)%3];
@@ -134,11 +134,11 @@ namespace cvert
       {
         uint8_t* const next = indices[t];
         const uint8_t* const last = indices[t-1];
-        if (turnTo(next,last[2],last[1])) return EDGE1;
-        if (turnTo(next,last[0],last[2])) return EDGE2;
+        if (rotateTo(next,last[2],last[1])) return EDGE1;
+        if (rotateTo(next,last[0],last[2])) return EDGE2;
         if (t < 2 || (control[t-1] != EDGE1 && control[t-1] != EDGE2)) return RESTART;
         const uint8_t* const before = indices[t-2];
-        if (control[t-1] == EDGE1 ? turnTo(next,before[0],before[2]) : turnTo(next,before[2],before[1]))
+        if (control[t-1] == EDGE1 ? rotateTo(next,before[0],before[2]) : rotateTo(next,before[2],before[1]))
           return BACKTRACK;
         return RESTART;
       }
@@ -150,7 +150,7 @@ namespace cvert
           control[t] = t == 0 ? RESTART : controlOf(t);
           // the next triangle cannot share this one's first edge
           if (control[t] == RESTART && t+1 < numTriangles && hasEdge(indices[t+1],indices[t][1],indices[t][0]))
-            turn(indices[t],2);
+            rotate(indices[t],2);
         }
       }
 

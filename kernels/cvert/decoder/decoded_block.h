@@ -70,7 +70,7 @@ namespace cvert { inline namespace CVERT_ISA
   private:
     struct FirstFields
     {
-      bool isTurned;
+      bool isRotated;
       uint32_t word, fields;   //!< see CodedCell
     };
 
@@ -85,7 +85,7 @@ namespace cvert { inline namespace CVERT_ISA
         auto corner = [&](uint32_t c) { return corners[cornerOfGroup(g,c)]; };
         const CodedCell cell = cellOfGroup(view,block->region,gx,gy,at,corner(0),corner(1),corner(2),corner(3));
         FirstFields turns = { isGroupRotated(view,g),0,0 };
-        if (turns.isTurned) turns = FirstFields{ true,wordOfGroup(first,g),fieldsOfGroup(first,g) };
+        if (turns.isRotated) turns = FirstFields{ true,wordOfGroup(first,g),fieldsOfGroup(first,g) };
         Int3 group[cellVertices];
         decodeCell(cell,turns,group);
         for (uint32_t j=0; j<=uint32_t(cell.quadsY); j++)
@@ -112,7 +112,7 @@ namespace cvert { inline namespace CVERT_ISA
         {
           Int3& vertex = out[5*j+i];
           vertex = vertexOfRow(view.data,cell,row,i,j);
-          if (first.isTurned && cellField(i,j) >= 0)
+          if (first.isRotated && cellField(i,j) >= 0)
             vertex = vertex + rotatedByStep(view,residualOfField(block,first.word,first.fields,cellField(i,j)));
         }
       }

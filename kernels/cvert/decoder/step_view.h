@@ -102,7 +102,7 @@ CBVH_FUNCTION uint32_t fieldsOfGroup (CVERT_IN(StepView) step, uint32_t g) {
 
 CBVH_FUNCTION bool isFirstCellRotated (CVERT_IN(StepView) step) { return step.isLater
   && isFirstCellRotated(step.form); }
-CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return isTurned(step.turned,g); }
+CBVH_FUNCTION bool isGroupRotated (CVERT_IN(StepView) step, uint32_t g) { return areResidualsRotated(step.turned,g); }
 
 /* --- bounds in a segment between two steps that are not raw ------------------------------- */
 

@@ -56,20 +56,20 @@ namespace cvert { inline namespace CVERT_ISA
         boxes.addGroups();
         header.boxForm |= boxes.write(block+layout.margins);
         uint32_t shift;
-        header.reach = boxes.reach(0,shift);
+        header.reach = boxes.encodeReach(0,shift);
         header.boxForm |= shift << 25;
         statistics.fieldBytes += uint32_t(end - (block+layout.cell));
       }
       else packRaw(at,at.form(),block);
       statistics.raw = !packed;
-      fill(block);
+      padTo4(block);
       return size_t(end-block);
     }
 
   protected:
     /*! Writes everything but boxes. Requires measure(). Returns false if a raw block is smaller. Calls onCell(g,cell)
-     *  before encoding a cell, with g = -1 for the first cell. May start over with coarser spacings, including the
-     *  calls. */
+     *  before encoding a cell, with g = -1 for the first cell. May start over with coarser spacings, and then calls
+     *  onCell again for all cells. */
     template<typename OnCell>
     bool pack (const VertPlacement& at, uint32_t form, uint8_t* block, const OnCell& onCell)
     {
@@ -100,7 +100,8 @@ namespace cvert { inline namespace CVERT_ISA
       memcpy(start+wordOffset,&word,sizeof(word));
     }
 
-    void fill (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
+    /*! Appends zeros up to a multiple of 4 bytes. */
+    void padTo4 (const uint8_t* start) { while ((end-start) % 4 != 0) *end++ = 0; }
 
     void packRaw (const VertPlacement& at, uint32_t form, uint8_t* block)
     {
@@ -200,6 +201,5 @@ namespace cvert { inline namespace CVERT_ISA
             hi = std::max(hi,vertexAt(x,y)[axis]);
           }
     }
-
   };
 }}

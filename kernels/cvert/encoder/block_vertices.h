@@ -22,7 +22,7 @@ namespace cvert { inline namespace CVERT_ISA
   class BlockVertices
   {
   public:
-    static const uint32_t maxSide = (1u << maxVertHeight) + 1u;
+    static const uint32_t maxSide = (1u << maxVertLevel) + 1u;
     static const uint32_t maxVertices = maxSide*maxSide + 3; //!< padded to vectors of four
 
     float vertices[maxVertices][3]; //!< row by row

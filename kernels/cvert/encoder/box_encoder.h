@@ -56,7 +56,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Bounds at an end, see reachStep, in the smallest possible steps of 2^shift. */
-    uint32_t reach (uint32_t end, uint32_t& shift) const
+    uint32_t encodeReach (uint32_t end, uint32_t& shift) const
     {
       const BlockVertices& block = *ends[end];
       const Heights& sheared = heights[end];

@@ -51,7 +51,7 @@ namespace cvert { inline namespace CVERT_ISA
       std::vector<MeshCenter> centers;
       centers.reserve(mesh.numTriangles);
       for (size_t i=0; i<mesh.numTriangles; i++) add(mesh,i,centers,report);
-      if (lattice.numExceptions() > 0) settle(mesh,centers);
+      if (lattice.numExceptions() > 0) refineUntilNoneFlips(mesh,centers);
       report.finerVertices = lattice.numExceptions();
       MeshClusters clusters(settings.groupTriangles);
       clusters.cut(centers.data(),centers.size(),
@@ -73,7 +73,7 @@ namespace cvert { inline namespace CVERT_ISA
       if (!isFinite(a) || !isFinite(b) || !isFinite(c)) { report.invalidTriangles++; return; }
       if (!lattice.isRobust(a,b,c)) {
         if (MeshLattice::isDegenerate(a,b,c)) { report.degenerateTriangles++; return; }
-        lattice.check(a,b,c);
+        lattice.refine(a,b,c);
       }
       float lower[3], upper[3];
       bound(mesh,i,lower,upper);
@@ -91,13 +91,13 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! Repeats until nothing changes, because a finer vertex may flip other triangles. */
-    void settle (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
+    void refineUntilNoneFlips (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
     {
       for (bool changed=true; changed; ) {
         changed = false;
         for (const MeshCenter& center : centers) {
           const uint32_t* const t = mesh.triangles[center.index];
-          changed |= lattice.check(mesh.vertices[t[0]],mesh.vertices[t[1]],mesh.vertices[t[2]]);
+          changed |= lattice.refine(mesh.vertices[t[0]],mesh.vertices[t[1]],mesh.vertices[t[2]]);
         }
       }
     }

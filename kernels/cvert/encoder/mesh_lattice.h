@@ -102,7 +102,7 @@ namespace cvert { inline namespace CVERT_ISA
 
     /*! Makes the vertices of a triangle exceptions if the lattice flips or flattens it. Requires finite corners.
      *  Returns true for new exceptions; other triangles must then be checked again. */
-    bool check (const float a[3], const float b[3], const float c[3])
+    bool refine (const float a[3], const float b[3], const float c[3])
     {
       if (isExact || isRobust(a,b,c)) return false;
       const Double3 own = normal(a,b,c);
@@ -112,7 +112,7 @@ namespace cvert { inline namespace CVERT_ISA
       {
         float p[3], q[3], r[3];
         snap(a,p); snap(b,q); snap(c,r);
-        if (isKept(own,p,q,r)) return changed;
+        if (isOrientationKept(own,p,q,r)) return changed;
         const uint32_t level = std::min(std::min(levelOf(a),levelOf(b)),levelOf(c));
         if (level == 2) return changed;
         raise(a,level+1); raise(b,level+1); raise(c,level+1);
@@ -120,14 +120,14 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! True if check() makes the vertices of a triangle exceptions, if there are none yet. */
+    /*! True if refine() makes the vertices of a triangle exceptions, if there are none yet. */
     bool flips (const float a[3], const float b[3], const float c[3]) const
     {
       if (isExact || isRobust(a,b,c)) return false;
       const Double3 own = normal(a,b,c);
       float p[3], q[3], r[3];
       snap(0,a,p); snap(0,b,q); snap(0,c,r);
-      return !isZero(own) && !isKept(own,p,q,r);
+      return !isZero(own) && !isOrientationKept(own,p,q,r);
     }
 
     /*! True if the area is 0 in double precision. */
@@ -148,7 +148,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     /*! own: normal of a triangle whose corners snap to p, q and r */
-    static bool isKept (const Double3& own, const float p[3], const float q[3], const float r[3])
+    static bool isOrientationKept (const Double3& own, const float p[3], const float q[3], const float r[3])
     {
       const Double3 n = normal(p,q,r);
       return dot(n,own) >= 0 && !isZero(n);

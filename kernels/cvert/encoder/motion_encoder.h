@@ -51,7 +51,7 @@ namespace cvert { inline namespace CVERT_ISA
       isEmpty &= !now.anyFinite();
       if (!now.allFinite) markInvalid(now);
       if (step == 0) packFirst(); else packStep(now);
-      fill(block);
+      padTo4(block);
       step++;
     }
 
@@ -95,7 +95,7 @@ namespace cvert { inline namespace CVERT_ISA
       else packRaw(at,form,block);
       VertHeader& header = *(VertHeader*)block;
       statistics.raw = wasRaw = isFirstRaw = !packed;
-      fill(block);
+      padTo4(block);
       motion.steps = uint32_t(end-block);
       memcpy(block+motionOffset(header.boxForm),&motion,sizeof(motion));
       end += sizeof(uint32_t)*(motion.numSteps-1);
@@ -128,10 +128,10 @@ namespace cvert { inline namespace CVERT_ISA
         boxes.addGroups();
         const uint32_t shiftAt = step == 1 ? 25 : 28;
         uint32_t shift;
-        *reachOfSegment = boxes.reach(0,shift);
+        *reachOfSegment = boxes.encodeReach(0,shift);
         *formOfSegment = (*formOfSegment & ~(0xFFFFFFu | 15u << shiftAt)) | boxes.write(marginsOfSegment)
           | shift << shiftAt;
-        header.endReach = boxes.reach(1,shift);
+        header.endReach = boxes.encodeReach(1,shift);
         header.turned |= shift << 19;
       }
       wasRaw = !packed;

@@ -135,7 +135,7 @@ namespace cvert { inline namespace CVERT_ISA
       first = lowest;
       form = formOfBlock | numbersRecursive | code(0) << 8;
       pattern.x = pattern.y = 0;
-      for (unsigned i=0; i<maxVertHeight; i++) {
+      for (unsigned i=0; i<maxVertLevel; i++) {
         if ((1u << i) < width) pattern.x |= (code(1u << i)^code(0)) << (8*i);
         if ((1u << i) < height) pattern.y |= (code((1u << i)*width)^code(0)) << (8*i);
       }

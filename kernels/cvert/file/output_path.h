@@ -27,7 +27,7 @@ namespace cvert
     return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0,slash);
   }
 
-  inline std::string nameOf (const std::string& path) { return path.substr(path.rfind('/')+1); } // npos+1 is 0
+  inline std::string fileNameOf (const std::string& path) { return path.substr(path.rfind('/')+1); } // npos+1 is 0
 
   struct OutputPath
   {
@@ -79,7 +79,7 @@ namespace cvert
     {
       const long proc = 0x9fa0; // PROC_SUPER_MAGIC
       struct statfs system;
-      const bool isNumber = isdigit((unsigned char)nameOf(path)[0]);
+      const bool isNumber = isdigit((unsigned char)fileNameOf(path)[0]);
       return isNumber && ::statfs(folderOf(path).c_str(),&system) == 0 && system.f_type == proc;
     }
 
@@ -89,7 +89,7 @@ namespace cvert
       char* const real = ::realpath(folderOf(path).c_str(),nullptr);
       const std::string folder = real ? real : "";
       ::free(real);
-      return folder == "/proc/" + std::to_string(::getpid()) + "/fd" ? std::atoi(nameOf(path).c_str()) : -1;
+      return folder == "/proc/" + std::to_string(::getpid()) + "/fd" ? std::atoi(fileNameOf(path).c_str()) : -1;
     }
 
     /*! Standard output or error if it goes to the file, else -1. A rename would lose its output. */

@@ -163,7 +163,7 @@ namespace cvert
     /*! The final name. If `more` bytes would not fit after it, it is cut and followed by its checksum. */
     std::string fitted (size_t more) const
     {
-      const std::string all = nameOf(place.path);
+      const std::string all = fileNameOf(place.path);
       const long limit = ::pathconf(folderOf(place.path).c_str(),_PC_NAME_MAX);
       const size_t most = limit > 0 ? size_t(limit) : NAME_MAX;
       if (all.size()+more <= most) return all;

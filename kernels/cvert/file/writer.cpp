@@ -101,42 +101,42 @@ namespace cvert
   void FileWriter::resume ()
   {
     const int part = file->descriptor();
-    auto refuse = [&](const std::string& why) {
+    auto reject = [&](const std::string& why) {
       throw Error(ErrorCode::INVALID_ARGUMENT,file->path() + ": " + why);
     };
     struct stat status;
-    if (::fstat(part,&status) != 0 || !S_ISREG(status.st_mode)) refuse("is not a regular file");
+    if (::fstat(part,&status) != 0 || !S_ISREG(status.st_mode)) reject("is not a regular file");
     FileHeader header = FileHeader();
     const FileHeader none = FileHeader();
     if (::pread(part,&header,sizeof(header),0) != ssize_t(sizeof(header)) || memcmp(&header,&none,sizeof(none)) == 0)
     {
       // nothing was saved in it, unless it is another kind of file
-      if (memcmp(&header,&none,sizeof(none)) != 0) refuse("is not a file of compressed surfaces");
-      if (::ftruncate(part,0) != 0) refuse(std::string("cannot be written: ") + std::strerror(errno));
+      if (memcmp(&header,&none,sizeof(none)) != 0) reject("is not a file of compressed surfaces");
+      if (::ftruncate(part,0) != 0) reject(std::string("cannot be written: ") + std::strerror(errno));
       return begin();
     }
     const std::string anew = "; remove it to start again";
-    if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) refuse("is not a file of compressed surfaces");
+    if (memcmp(header.magic,fileMagic,sizeof(fileMagic)) != 0) reject("is not a file of compressed surfaces");
     if (header.byteOrder != fileByteOrder || header.version != fileVersion
         || header.vertVersion < vertFormatVersion || header.vertVersion > movingMeshFormatVersion
         || header.framedVersion != fileFramedVersion)
-      refuse("was started by another version of the library" + anew);
+      reject("was started by another version of the library" + anew);
     const uint64_t count = header.numGeometries;
     if (header.checksum != fileChecksum(&header,offsetof(FileHeader,checksum))
         || header.recordBytes != sizeof(FileGeometry) || header.fileBytes > uint64_t(status.st_size) ||
         header.directory > header.fileBytes || header.fileBytes-header.directory != count*sizeof(FileGeometry))
-      refuse("is damaged" + anew);
+      reject("is damaged" + anew);
     if (header.key[0] != uint32_t(key) || header.key[1] != uint32_t(key >> 32))
-      refuse("was started with another key" + anew);
+      reject("was started with another key" + anew);
     vertVersion = header.vertVersion;
     directory.resize(size_t(count));
     const size_t bytes = directory.size()*sizeof(FileGeometry);
     const bool isRead = ::pread(part,directory.data(),bytes,off_t(header.directory)) == ssize_t(bytes);
-    if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) refuse("is damaged" + anew);
+    if (!isRead || header.directoryChecksum != fileChecksum(directory.data(),bytes)) reject("is damaged" + anew);
     for (const FileGeometry& record : directory) numbers.insert(record.surface & ~(firstFileNumber | movingSurface));
     at = saved = header.fileBytes;
     if (::ftruncate(part,off_t(at)) != 0 || ::lseek(part,off_t(at),SEEK_SET) < 0)
-      refuse(std::string("cannot be written: ") + std::strerror(errno));
+      reject(std::string("cannot be written: ") + std::strerror(errno));
   }
 
   void FileWriter::fail (const std::string& what)

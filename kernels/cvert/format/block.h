@@ -43,7 +43,7 @@ CVERT_CONSTANT uint32_t oldestVertVersion = 5u;
 CVERT_CONSTANT uint32_t readPastVert = 16u;
 
 CVERT_CONSTANT uint32_t groupQuads = 4u;         //!< quads per side of a group
-CVERT_CONSTANT uint32_t maxVertHeight = 4u;      //!< at most 2^maxVertHeight quads per side
+CVERT_CONSTANT uint32_t maxVertLevel = 4u;       //!< at most 2^maxVertLevel quads per side
 CVERT_CONSTANT uint32_t vertBlockQuads = 16u;    //!< blocks begin at multiples of this
 CBVH_FUNCTION uint32_t vertBlocksAlong (uint32_t quads) { return (quads + vertBlockQuads-1u)/vertBlockQuads; }
 CVERT_CONSTANT uint32_t maxVertGroups = 16u;

@@ -49,7 +49,7 @@ CBVH_FUNCTION uint32_t endReachStep (uint32_t turned) { return 1u << ((turned >>
 CBVH_FUNCTION bool isFirstCellRotated (uint32_t boxForm) { return ((boxForm >> 25) & 1u) != 0u; }
 CBVH_FUNCTION bool hasUpperBits (uint32_t boxForm) { return ((boxForm >> 26) & 1u) != 0u; }
 CBVH_FUNCTION bool hasMargins (uint32_t boxForm) { return ((boxForm >> 27) & 1u) != 0u; }
-CBVH_FUNCTION bool isTurned (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
+CBVH_FUNCTION bool areResidualsRotated (uint32_t turned, uint32_t g) { return ((turned >> g) & 1u) != 0u; }
 
 /*! 1 to 7; entries of the matrix are multiples of 2^-rotationShift */
 CBVH_FUNCTION uint32_t rotationShift (uint32_t turned) { return 7u - ((turned >> 16) & 7u); }

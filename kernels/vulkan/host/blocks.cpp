@@ -190,7 +190,7 @@ BlockBuffers importBlocks(Device& device, std::vector<PlacedBlock>& blocks)
 
 BlockBuffers copyBlocks(Device& device, Uploader& uploader, std::vector<PlacedBlock>& blocks)
 {
-  device.uploads.clean();
+  device.uploads.removeExpired();
   std::map<uint64_t, std::vector<PlacedBlock*>> builds;
   for (PlacedBlock& block : blocks) builds[block.build].push_back(&block);
 

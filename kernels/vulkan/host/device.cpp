@@ -79,12 +79,12 @@ Code codeOf(Query query, bool byQuery, bool hasFloat64)
 
 } // namespace
 
-Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(), machine(new Machine)
+Device::Device(RTCDevice embree, const char* which) : embree(embree), handles(), vulkanInstance(new VulkanInstance)
 {
-  handles.getInstanceProcAddr = machine->getInstanceProcAddr;
-  handles.instance = machine->instance;
-  handles.physicalDevice = chooseDevice(*machine, which ? which : "");
-  instanceFunctions = machine->vk;
+  handles.getInstanceProcAddr = vulkanInstance->getInstanceProcAddr;
+  handles.instance = vulkanInstance->instance;
+  handles.physicalDevice = chooseDevice(*vulkanInstance, which ? which : "");
+  instanceFunctions = vulkanInstance->vk;
   capabilities = capabilitiesOf(instanceFunctions, handles.physicalDevice);
   handles.device = createDevice(instanceFunctions, handles.physicalDevice, capabilities);
   handles.queueFamily = capabilities.computeFamily;
@@ -170,7 +170,7 @@ void Device::destroy()
     if (layout) vk.DestroyPipelineLayout(handles.device, layout, nullptr);
     if (pool) vk.DestroyCommandPool(handles.device, pool, nullptr);
   }
-  if (machine && handles.device) {
+  if (vulkanInstance && handles.device) {
     const auto destroyDevice
       = PFN_vkDestroyDevice(instanceFunctions.GetDeviceProcAddr(handles.device, "vkDestroyDevice"));
     if (destroyDevice) destroyDevice(handles.device, nullptr);
@@ -220,7 +220,7 @@ bool Device::isDone(const Submission& submission) const
 
 /* A wait may fail because the host is out of memory, while the device still uses the fence, the commands and the
  * caller's buffers. This function therefore retries until the device is done or lost. */
-void Device::recycle(const Submission& submission)
+void Device::waitAndFree(const Submission& submission)
 {
   auto hasEnded = [](VkResult result) { return result == VK_SUCCESS || result == VK_ERROR_DEVICE_LOST; };
   while (!hasEnded(vk.GetFenceStatus(handles.device, submission.fence)))
@@ -237,10 +237,10 @@ void Device::run(const std::function<void(VkCommandBuffer)>& record)
   try {
     wait(submission);
   } catch (...) {
-    recycle(submission);
+    waitAndFree(submission);
     throw;
   }
-  recycle(submission);
+  waitAndFree(submission);
 }
 
 /* --- pipelines -------------------------------------------------------------------------- */

@@ -65,7 +65,7 @@ public:
   bool isDone(const Submission& submission) const;
 
   /* Frees a submission, after it is done or the device is lost. */
-  void recycle(const Submission& submission);
+  void waitAndFree(const Submission& submission);
 
   /* Pipeline for scenes with these kinds of leaves, compiled on the first call. byQuery: ray queries instead of a stack
    * of stackSize entries. */
@@ -93,7 +93,7 @@ private:
   std::string cachePath() const;
   static uint64_t checksum(const std::vector<char>& data);
 
-  std::unique_ptr<Machine> machine;  // NULL if the application passed handles
+  std::unique_ptr<VulkanInstance> vulkanInstance;  // NULL if the application passed handles
   std::mutex mutex;                  // protects queue, command pool and pipelines
   VkCommandPool pool = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;

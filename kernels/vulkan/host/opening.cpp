@@ -95,7 +95,7 @@ void check(VkResult result, const std::string& doing)
 
 /* --- loader and instance ---------------------------------------------------------------- */
 
-Machine::Machine()
+VulkanInstance::VulkanInstance()
 {
   const char* named = secure_getenv("EMBREE_VULKAN_LOADER");
   if (named && !*named) named = nullptr;
@@ -137,13 +137,13 @@ Machine::Machine()
   }
 }
 
-Machine::~Machine()
+VulkanInstance::~VulkanInstance()
 {
   vk.DestroyInstance(instance, nullptr);
   dlclose(loader);
 }
 
-std::vector<VkPhysicalDevice> Machine::devices() const
+std::vector<VkPhysicalDevice> VulkanInstance::devices() const
 {
   uint32_t count = 0;
   check(vk.EnumeratePhysicalDevices(instance, &count, nullptr), "listing devices");
@@ -230,9 +230,9 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device
   return out;
 }
 
-VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which)
+VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which)
 {
-  const std::vector<VkPhysicalDevice> devices = machine.devices();
+  const std::vector<VkPhysicalDevice> devices = vulkan.devices();
   if (devices.empty())
     throw VulkanError(RTC_ERROR_UNSUPPORTED_CPU, "Vulkan finds no device on this machine "
                                                  "(Debian: mesa-vulkan-drivers, or the vendor's driver)");
@@ -242,7 +242,7 @@ VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which)
   bool isBestDiscrete = false;
   for (size_t i = 0; i < devices.size(); i++)
   {
-    const Capabilities c = capabilitiesOf(machine.vk, devices[i]);
+    const Capabilities c = capabilitiesOf(vulkan.vk, devices[i]);
     known += (known.empty() ? "" : ", ") + std::to_string(i) + " " + c.info.name;
     const bool fits = isIndex ? std::to_string(i) == which
                               : lowerCase(c.info.name).find(lowerCase(which)) != std::string::npos;

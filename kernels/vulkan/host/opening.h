@@ -15,13 +15,13 @@
 namespace embree { namespace vulkan {
 
 /* The installed Vulkan loader and an instance. The constructor throws VulkanError if Vulkan is not installed. */
-class Machine
+class VulkanInstance
 {
 public:
-  Machine();
-  ~Machine();
-  Machine(const Machine&) = delete;
-  Machine& operator=(const Machine&) = delete;
+  VulkanInstance();
+  ~VulkanInstance();
+  VulkanInstance(const VulkanInstance&) = delete;
+  VulkanInstance& operator=(const VulkanInstance&) = delete;
 
   std::vector<VkPhysicalDevice> devices() const;
 
@@ -52,7 +52,7 @@ struct Capabilities
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice device);
 
 /* `which`: see rtcNewVulkanDevice. */
-VkPhysicalDevice chooseDevice(const Machine& machine, const std::string& which);
+VkPhysicalDevice chooseDevice(const VulkanInstance& vulkan, const std::string& which);
 
 /* With one compute queue and the features that tracing needs. */
 VkDevice createDevice(const InstanceFunctions& vk, VkPhysicalDevice device, const Capabilities& capabilities);

@@ -129,12 +129,12 @@ RTC_API unsigned int rtcGetVulkanDevices(RTCDevice device, RTCVulkanDeviceInfo* 
   unsigned int count = 0;
   guarded(device, [&]() {
     const DeviceInfos written(infos, infos ? capacity : 0);
-    const Machine machine;
-    const std::vector<VkPhysicalDevice> devices = machine.devices();
+    const VulkanInstance vulkan;
+    const std::vector<VkPhysicalDevice> devices = vulkan.devices();
     const size_t numWritten = infos ? std::min(size_t(capacity), devices.size()) : 0;
     for (size_t i = 0; i < numWritten; i++) written.at(i); // checks all sizes before writing
     for (size_t i = 0; i < numWritten; i++)
-      core::writeStruct(written.at(i), capabilitiesOf(machine.vk, devices[i]).info);
+      core::writeStruct(written.at(i), capabilitiesOf(vulkan.vk, devices[i]).info);
     count = (unsigned int)devices.size();
   });
   return count;

@@ -23,7 +23,7 @@ void Structures::add(const std::shared_ptr<const BottomLevel>& level)
   levels[level->key] = level;
 }
 
-void Structures::clean()
+void Structures::removeExpired()
 {
   std::lock_guard<std::mutex> lock(mutex);
   for (auto level = levels.begin(); level != levels.end();)
@@ -182,7 +182,7 @@ BuildCounts buildBottomLevels(Device& device, std::vector<WantedLevel>& wanted)
     builds.push_back(build);
   }
   buildAll(device, builds);
-  device.structures.clean();
+  device.structures.removeExpired();
   std::vector<std::shared_ptr<const BottomLevel>> built(builds.size());
   for (const auto& entry : buildOf) {
     built[entry.second] = std::make_shared<const BottomLevel>(BottomLevel{entry.first, builds[entry.second].structure});

@@ -61,7 +61,7 @@ class Structures
 public:
   std::shared_ptr<const BottomLevel> find(const BoxesKey& key) const;   // Returns NULL if there is none.
   void add(const std::shared_ptr<const BottomLevel>& level);
-  void clean();   // Removes freed levels.
+  void removeExpired();   // Removes freed levels.
 
 private:
   mutable std::mutex mutex;

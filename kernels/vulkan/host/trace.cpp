@@ -113,7 +113,7 @@ void Trace::finish(void* rays, RTCVulkanTimes* times)
 
 Trace::~Trace()
 {
-  device.recycle(submission);
+  device.waitAndFree(submission);
   if (clock) device.vk.DestroyQueryPool(device.handles.device, clock, nullptr);
 }
 

@@ -32,7 +32,7 @@ public:
   }
 
   /* Removes freed surfaces. */
-  void clean()
+  void removeExpired()
   {
     std::lock_guard<std::mutex> lock(mutex);
     for (auto surface = surfaces.begin(); surface != surfaces.end();)

@@ -93,8 +93,8 @@ uvec4 cbvhSortChildren (CbvhNode node, bvec4 isPresent, CbvhPreparedRay ray, flo
     enter = max(enter, min(a, b));
     leave = min(leave, max(a, b));
   }
-  bvec4 isMet = lessThanEqual(enter*(1.0 - cbvhNodeSlack), leave*(1.0 + cbvhNodeSlack));
-  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isMet);
+  bvec4 isHit = lessThanEqual(enter*(1.0 - cbvhNodeSlack), leave*(1.0 + cbvhNodeSlack));
+  uvec4 keys = mix(uvec4(0xFFFFFFFFu), (floatBitsToUint(enter) & ~uvec4(3u)) | uvec4(3u, 2u, 1u, 0u), isHit);
   keys = mix(uvec4(0xFFFFFFFFu), keys, isPresent);
   keys = uvec4(min(keys.xz, keys.yw), max(keys.xz, keys.yw)); // x,y: lesser of each pair; z,w: greater
   keys = uvec4(min(keys.x, keys.y), max(keys.x, keys.y), min(keys.z, keys.w), max(keys.z, keys.w));

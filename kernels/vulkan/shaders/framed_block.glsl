@@ -167,7 +167,7 @@ bool cbvhReport (BlockHeader header, uint geomID, CbvhPreparedRay ray, CbvhLocal
   if (length2 > 0.0) Ng *= inversesqrt(length2);
   vec3 dir = ray.dir*local.scale;
   float along = dot(Ng, dir), dir2 = dot(dir, dir);
-  if (isTurned(along, 1.0, dir2, at.from)) Ng -= 2.0*along/dir2*dir;
+  if (isMirrored(along, 1.0, dir2, at.from)) Ng -= 2.0*along/dir2*dir;
   cbvhSetHit(hit, ray, t, u, v, Ng, header.primID, geomID);
   return true;
 }
@@ -375,16 +375,16 @@ bool cbvhTraceFramed (SceneData scene, CbvhPointer block, uint kind, CbvhPrepare
         LeafPatch patch_ = decodeLeaf(word, heights, child, box);
         Crossing x = crossPatch(local.segment, patch_);
         Verdict v = crossLeaf(state, x.event);
-        bool isMet = v.hit != hitNone;
+        bool hitsLeaf = v.hit != hitNone;
         float s = x.s0;
         if (v.hit == hitRoot) s = x.s0 + parabolaRoot(x.f)*(x.s1 - x.s0);
         if (v.hit == hitLip) {
           Lip lip = Lip(borderWidthOf(header.info), 0.5*patch_.thickness, local.segment.epsilon[2]);
           LipIntersection at = intersectLipsOfLeaf(x, mortonX(leaf), mortonY(leaf), layout_.leaves - 1u, lip);
-          isMet = at.met;
+          hitsLeaf = at.met;
           s = x.s0 + at.k*(x.s1 - x.s0);
         }
-        if (isMet && !(state.found && !(s < best))) {
+        if (hitsLeaf && !(state.found && !(s < best))) {
           if (cbvhReport(header, block.geomID, ray, local, layout_.leaves,
                          cbvhHitOnPatch(local, patch_, leaf, s, v.from), hit, framed)) found = true;
           if (anyHit) return true;

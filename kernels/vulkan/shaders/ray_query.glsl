@@ -33,7 +33,7 @@ CbvhHit cbvhHitOf (CbvhCandidates found)
 }
 
 /* Tests the exact box, which is smaller than the driver's. Sets ray.enter. */
-bool cbvhMeetsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
+bool cbvhIntersectsLeaf (LeafBox box, float tfar, inout CbvhPreparedRay ray)
 {
   float enter = ray.tnear, leave = tfar;
   for (int k = 0; k < 3; k++) {
@@ -64,7 +64,7 @@ bool cbvhIntersectBox (uvec2 address, uint placed, uint box, CbvhRay ray, const 
   CbvhPreparedRay travel = cbvhPreparedRay(local);
   travel.instID = place.instID;
   travel.firstGeometry = place.firstGeometry;
-  if (!cbvhMeetsLeaf(leaf, found.hit.t, travel)) return false;
+  if (!cbvhIntersectsLeaf(leaf, found.hit.t, travel)) return false;
   return cbvhTraceLeaf(scene, travel, leaf.reference, anyHit, found.hit, found.framed, found.nearest);
 }
 

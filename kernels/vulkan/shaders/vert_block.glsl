@@ -99,7 +99,7 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, Cbvh
   uint open = 0u;
   if (block.hasRaw) {
     for (uint g = 0u; g < block.groups; g++)
-      if (cbvhMeetsRawGroup(block, ray, vert, tfar, g))
+      if (cbvhIntersectsRawGroup(block, ray, vert, tfar, g))
         open |= 1u << ((g % block.groupsX + 4u*(g/block.groupsX)) ^ mirror);
     return open;
   }
@@ -112,8 +112,8 @@ uint cbvhGroups (CbvhVertBlock block, CodedCell first, CbvhPreparedRay ray, Cbvh
     CellRow above = rowOfCell(first, int(gy) + 1);
     [[unroll]] for (int i = 0; i < 5; i++) row[i] = vertexOfRow(block.at, first, above, i, int(gy) + 1);
     [[unroll]] for (int i = 0; i < 4; i++)
-      if (uint(i) < block.groupsX && cbvhMeetsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i),
-                                                    below[i], below[i + 1], row[i], row[i + 1]))
+      if (uint(i) < block.groupsX && cbvhIntersectsGroup(block, ray, vert, axes, tfar, gy*block.groupsX + uint(i),
+                                                         below[i], below[i + 1], row[i], row[i + 1]))
         open |= 1u << ((uint(i) + 4u*gy) ^ mirror);
     [[unroll]] for (int i = 0; i < 5; i++) below[i] = row[i];
   }
@@ -151,7 +151,7 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
   if (!block.hasRaw) {
     BlockReach reach = reachAtBegin(block.first);
     axes = cbvhVertAxes(block.boxForm, cbvhOrigin(block.first), extentOfReach(reach), ray, vert);
-    if (!cbvhMeetsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
+    if (!cbvhIntersectsBounds(ray, vert, axes, reach, vec3(0.0), hit.t)) return false;
     first = firstCell(block.first, block.region);
   }
   vec3 spacing = cbvhSpacing(block.first);
@@ -165,8 +165,8 @@ bool cbvhTraceVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, const 
     CodedCell cell = first;
     if (!block.hasRaw) {
       cell = cbvhGroupCell(block, first, gx, gy);
-      if (found && !cbvhMeetsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx,
-                                   cell.c00, cell.c10, cell.c01, cell.c11)) continue;
+      if (found && !cbvhIntersectsGroup(block, ray, vert, axes, hit.t, gy*block.groupsX + gx,
+                                        cell.c00, cell.c10, cell.c01, cell.c11)) continue;
     }
     if (cbvhTraceGroup(block, cell, ray, shear, gx, gy, anyHit, false, hit, nearest)) found = true;
   }
@@ -187,7 +187,7 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, 
   if (!block.hasRaw) {
     axes = cbvhAxesNow(segment, ray, vert);
     slack = cbvhMotionSlack(segment, axes);
-    if (!cbvhMeetsBlockNow(segment, ray, vert, axes, slack, hit.t)) return false;
+    if (!cbvhIntersectsBlockNow(segment, ray, vert, axes, slack, hit.t)) return false;
   }
   cbvhDecodeCorners(block, segment);
   uint mirror = 0u;
@@ -202,7 +202,7 @@ bool cbvhTraceMovingVert (SceneData scene, CbvhPointer at, CbvhPreparedRay ray, 
   {
     uint lane = i ^ mirror, gx = lane & 3u, gy = lane >> 2;
     if (gx >= block.groupsX || gy >= block.groupsY) continue;
-    if (!block.hasRaw && !cbvhMeetsGroupNow(block, segment, ray, vert, axes, slack, hit.t, gx, gy)) continue;
+    if (!block.hasRaw && !cbvhIntersectsGroupNow(block, segment, ray, vert, axes, slack, hit.t, gx, gy)) continue;
     cbvhDecodeGroup(block, segment, gx, gy);
     if (cbvhTraceGroup(block, cbvhNoCell(), ray, shear, gx, gy, anyHit, true, hit, nearest)) found = true;
   }

@@ -56,7 +56,7 @@ float cbvhSlack (CbvhVertAxes axes, CbvhPreparedRay ray, int k) { return boxSlac
   axes.extent); }
 
 /* Widens the bounds by `slack` on each axis. */
-bool cbvhMeetsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack,
+bool cbvhIntersectsBounds (CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, BlockReach reach, vec3 slack,
   float tfar)
 {
   int m = shearedAxis(axes.boxForm);
@@ -81,8 +81,8 @@ RayInterval cbvhClippedByPlanes (RayInterval interval, CbvhPreparedRay ray, Cbvh
 }
 
 /* For a block that is not raw. c00 to c11: corners of group g. */
-bool cbvhMeetsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar, uint g,
-                     ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
+bool cbvhIntersectsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, float tfar,
+                          uint g, ivec3 c00, ivec3 c10, ivec3 c01, ivec3 c11)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
   for (int k = 0; k < 3; k++) {
@@ -94,7 +94,7 @@ bool cbvhMeetsGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert,
 }
 
 /* Tests a group of a raw block. */
-bool cbvhMeetsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
+bool cbvhIntersectsRawGroup (CbvhVertBlock block, CbvhPreparedRay ray, CbvhVertRay vert, float tfar, uint g)
 {
   RayInterval interval = RayInterval(ray.tnear, tfar);
   VertLayout offsets = vertLayout(block.region, block.boxForm);

@@ -137,15 +137,15 @@ vec3 cbvhMotionSlack (CbvhSegment segment, CbvhVertAxes axes)
   return slack;
 }
 
-bool cbvhMeetsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
-                        float tfar)
+bool cbvhIntersectsBlockNow (CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert, CbvhVertAxes axes, vec3 slack,
+                             float tfar)
 {
   BlockReach reach = reachBetween(reachAtBegin(segment.begin), reachAtEnd(segment.end, axes.boxForm), segment.fraction);
-  return cbvhMeetsBounds(ray, vert, axes, reach, slack, tfar);
+  return cbvhIntersectsBounds(ray, vert, axes, reach, slack, tfar);
 }
 
 /* Requires cbvhDecodeCorners. */
-bool cbvhMeetsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
+bool cbvhIntersectsGroupNow (CbvhVertBlock block, CbvhSegment segment, CbvhPreparedRay ray, CbvhVertRay vert,
   CbvhVertAxes axes,
                         vec3 slack, float tfar, uint gx, uint gy)
 {

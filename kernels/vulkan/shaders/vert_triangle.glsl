@@ -17,14 +17,14 @@ struct CbvhShear
 };
 
 /* Rotates the components so that kz is last. */
-vec3 cbvhTurn (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
+vec3 cbvhPermuteAxes (int kz, vec3 v) { return kz == 2 ? v : kz == 0 ? v.yzx : v.zxy; }
 
 CbvhShear cbvhShear (vec3 dir)
 {
   vec3 a = abs(dir);
   CbvhShear shear;
   shear.kz = largestAxis(a.x, a.y, a.z);
-  vec3 d = cbvhTurn(shear.kz, dir);
+  vec3 d = cbvhPermuteAxes(shear.kz, dir);
   float sz = 1.0/d.z;
   shear.sx = d.x*sz;
   shear.sy = d.y*sz;
@@ -33,7 +33,7 @@ CbvhShear cbvhShear (vec3 dir)
 
 vec2 cbvhSheared (CbvhShear shear, vec3 org, vec3 vertex)
 {
-  precise vec3 r = cbvhTurn(shear.kz, vertex - org);
+  precise vec3 r = cbvhPermuteAxes(shear.kz, vertex - org);
   precise vec2 products = vec2(shear.sx*r.z, shear.sy*r.z);
   precise vec2 at = r.xy - products;
   return at;

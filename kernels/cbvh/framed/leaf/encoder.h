@@ -45,9 +45,9 @@ namespace embree
           borderWidth = std::max(borderWidth,leaves.borderWidth(lattices.encoded));
           for (int quad=0; quad<4; quad++)
           {
-            const uint32_t good = lattices.encoded & leaves.good(quad,statistics.maxThickness);
-            for (uint32_t c=0; c<4; c++) statistics.fit.quads += good >> c & 1;
-            for (uint32_t rest = lattices.encoded & ~good; rest; rest &= rest-1) {
+            const uint32_t goodLeaves = lattices.encoded & leaves.goodLeaves(quad,statistics.maxThickness);
+            for (uint32_t c=0; c<4; c++) statistics.fit.quads += goodLeaves >> c & 1;
+            for (uint32_t rest = lattices.encoded & ~goodLeaves; rest; rest &= rest-1) {
               const uint32_t c = lowestBit(rest);
               addLeaf(decodeLeaf(words[c],groups[m+c],quad,boxes[c]),4*(m+c)+quad,false);
             }

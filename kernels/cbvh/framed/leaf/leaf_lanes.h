@@ -30,7 +30,7 @@ namespace embree
       }
 
       /*! Lanes whose leaf of quad c is good, and not thicker than maxThickness. */
-      uint32_t good(int c, float maxThickness) const
+      uint32_t goodLeaves(int c, float maxThickness) const
       {
         const int column = childColumn(c,0), row = childColumn(c,1), v = column+3*row;
         const Double4 z[4] = { lattices.height(v),lattices.height(v+1),lattices.height(v+3),lattices.height(v+4) };

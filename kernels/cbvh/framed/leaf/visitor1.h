@@ -42,7 +42,7 @@ namespace embree
               this->endsInside(ranges,child));
           const Verdict v = crossLeaf(state,x.event);
           float s;
-          if (isMet(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
+          if (hitsLeaf(v.hit,x,tile.surfaces.reach[child],16*m+child,s) && !(state.found && !(s < this->sBest))) {
             if (accept(this->reportHit(16*m+child,leafHit(tile.surfaces,child,s,v.from)))) return true;
             if (state.found) return false;
           }
@@ -79,7 +79,8 @@ namespace embree
         }
 
         /*! True if the ray hits the leaf in the way that `hit` selects (hit_rule.h); sets s. */
-        __forceinline bool isMet (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number, float& s) const
+        __forceinline bool hitsLeaf (uint32_t hit, const Crossing<float>& x, float reach, uint32_t number,
+                                     float& s) const
         {
           if (hit == hitNone) return false;
           if (unlikely(hit == hitLip)) return intersectsLips(x,reach,number,s);

@@ -22,7 +22,7 @@ namespace embree
 
         __forceinline WalkStates () : known(false), above(false), pending(false), fromSurface(false), found(false) {}
 
-        __forceinline void take (const vbool<K>& lanes, const WalkStates& next)
+        __forceinline void assign (const vbool<K>& lanes, const WalkStates& next)
         {
           known = select(lanes,next.known,known);
           above = select(lanes,next.above,above);
@@ -110,7 +110,7 @@ namespace embree
         __forceinline vbool<K> needsPassedBoxes () const { return state.pending | !(state.known | state.found); }
 
         /*! As passBox(). */
-        __forceinline void pass (const vbool<K>& above, const vbool<K>& lanes)
+        __forceinline void passBoxes (const vbool<K>& above, const vbool<K>& lanes)
         {
           const vbool<K> step = lanes & state.pending & (state.above ^ above);
           const vbool<K> before = state.above;
@@ -158,10 +158,10 @@ namespace embree
               const Crossing<float> at = x.at(k);
               hits.s[k] = between(at,parabolaRoot(at.f));
             }
-            if (unlikely(any(lip))) hit = andn(hit,missLips(lip,x,surfaces.reach[child],16*m+child,hits.s));
+            if (unlikely(any(lip))) hit = andn(hit,raysMissingLips(lip,x,surfaces.reach[child],16*m+child,hits.s));
             hit = andn(hit,andn(state.found,hits.s < this->sBest));
           }
-          state.take(first,next);
+          state.assign(first,next);
           exitLeaf = select(first,vint<K>(int(16*m+child)),exitLeaf);
           exitS = select(first,x.s1,exitS);
           if (any(hit)) {
@@ -215,8 +215,8 @@ namespace embree
         }
 
         /*! Sets s, and returns the rays that intersect no lip. */
-        __noinline vbool<K> missLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
-                                      vfloat<K>& s) const
+        __noinline vbool<K> raysMissingLips (const vbool<K>& lanes, const Crossings<K>& x, float reach, uint32_t leaf,
+                                             vfloat<K>& s) const
         {
           uint32_t missed = 0;
           for (uint32_t rest=uint32_t(movemask(lanes)); rest; rest&=rest-1)
