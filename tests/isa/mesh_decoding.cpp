@@ -6,9 +6,7 @@
 
 #include "kernels/cvert/encoder/mesh_encoder.h"
 #include "kernels/cvert/decoder/decoded_mesh.h"
-#include "kernels/cbvh/vert/intersector1.h"
 #include "kernels/cbvh/vert/mesh_decoder.h"
-#include "kernels/cbvh/vert/stored_boxes.h"
 #include "kernels/cbvh/vert/triangles.h"
 #include "support/random.h"
 
@@ -120,86 +118,6 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
   EXPECT_GT(statistics.rankAxes, 100u);
   EXPECT_GT(statistics.shearedBlocks, 100u);
   EXPECT_GT(statistics.restarts, 100u);
-}
-
-// Rays at points of triangles: the group's stored box must be open, and begin before the point.
-TEST(MeshDecoding, StoredBoxesContainTriangles)
-{
-  using namespace embree::isa::cbvh;
-  using embree::Vec3fa;
-  Random random(98);
-  auto encoder = std::make_unique<MeshEncoder>();
-  std::vector<uint64_t> memory(MeshEncoder::maxBytes/8 + 4);
-  MeshStatistics statistics;
-  size_t tested = 0, refused = 0, open = 0, openDecoded = 0, unsupported = 0, planes = 0;
-  for (int i = 0; i < 3000; i++) {
-    const double far = std::vector<double>{0, 10, 1e4, 1e6}[random.below(4)];
-    auto triangles = randomTriangles(random, i % 8 ? -4 - int(random.below(10)) : -1001, far, i % 4 != 0);
-    if (i % 16 == 1) { // in a plane
-      for (MeshTriangle& t : triangles)
-        for (auto& corner : t.corners) corner[i/16 % 3] = 7;
-      triangles.erase(std::remove_if(triangles.begin(), triangles.end(), [](const MeshTriangle& t) {
-        return std::equal(t.corners[0], t.corners[1], t.corners[1]) || std::equal(t.corners[1], t.corners[2],
-          t.corners[2]) || std::equal(t.corners[2], t.corners[2] + 3, t.corners[0]);
-      }), triangles.end());
-      if (triangles.empty()) continue;
-    }
-    std::vector<uint32_t> ends;
-    const uint32_t count = uint32_t(triangles.size());
-    for (uint32_t end = 16; ends.empty() || ends.back() < count; end += 16) ends.push_back(std::min(end, count));
-    uint32_t stored;
-    encoder->encode(triangles.data(), ends.data(), uint32_t(ends.size()), 3, (uint8_t*)memory.data(), stored,
-                    statistics);
-    const MeshHeader* const block = (const MeshHeader*)memory.data();
-    const MeshView view(block);
-    ASSERT_EQ(StoredBoxes::support(block), !hasRanks(block->spacings, 0) && !hasRanks(block->spacings, 1)
-      && !hasRanks(block->spacings, 2)) << "spacings " << std::hex << block->spacings;
-    if (!StoredBoxes::support(block)) { unsupported++; continue; }
-    for (int k = 0; k < 3; k++) planes += (block->spacings >> 8*k & 255) == 1;
-    MeshPlanes decodedPlanes;
-    embree::isa::cbvh::MeshDecoder(block).decodeBoxes(decodedPlanes);
-    for (uint32_t g = 0; g < view.groups; g++) {
-      SCOPED_TRACE(testing::Message() << "block " << i << ", group " << g);
-      const DecodedMeshGroup group(view, g);
-      const uint32_t t = random.below(group.numTriangles);
-      // a corner or a point inside
-      double weights[3] = {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)}, dir[3];
-      if (random.chance(0.5)) weights[0] = weights[1] = 0;
-      const double sum = weights[0] + weights[1] + weights[2], distance = std::pow(10, random.uniform(-2, 5));
-      const float length = std::ldexp(1.0f, random.chance(0.2) ? int(random.below(160)) - 80 : 0);
-      for (double& x : dir) x = random.chance(0.1) ? 0 : distance*random.normal();
-      float org[3], floatDir[3];
-      double target[3];
-      for (int k = 0; k < 3; k++) {
-        target[k] = 0;
-        for (int c = 0; c < 3; c++) target[k] += weights[c]/sum*group.corners[c][k][t];
-        org[k] = float(target[k] - dir[k]);
-        floatDir[k] = length*float(target[k] - org[k]);
-      }
-      if (floatDir[0] == 0 && floatDir[1] == 0 && floatDir[2] == 0) continue;
-      VertRay ray;
-      ray.set(embree::Ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(floatDir[0], floatDir[1], floatDir[2]), 0.0f,
-                          INFINITY));
-      const StoredBoxes boxes(ray, block);
-      if (!boxes.isUsable) { refused++; continue; }
-      alignas(64) float enter[16], enterDecoded[16];
-      const float at = 1/length, tfar = 1.0001f*at; // the direction is rounded
-      const uint32_t mask = boxes.intersect(block, 0.0f, tfar, enter);
-      const uint32_t decoded = intersectGroupBoxes(ray, 0.0f, tfar, decodedPlanes, enterDecoded);
-      ASSERT_EQ(mask & ~decodedPlanes.lanes, 0u);
-      ASSERT_TRUE(mask >> g & 1) << "case " << i;
-      ASSERT_LE(enter[g], tfar);
-      tested++;
-      open += countBits(mask);
-      openDecoded += countBits(decoded);
-    }
-  }
-  EXPECT_GT(tested, 10000u);
-  EXPECT_GT(refused, 10u);
-  EXPECT_GT(unsupported, 100u);
-  EXPECT_GT(planes, 10u);
-  EXPECT_LT(double(open), 1.02*double(openDecoded));
-  EXPECT_GT(double(open), 0.98*double(openDecoded));
 }
 
 // Triangles of random vertices, and rays through a vertex or the middle of two: triangles that contain the ray must

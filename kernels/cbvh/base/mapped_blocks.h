@@ -22,17 +22,11 @@ namespace embree
     /*! Implements isUsable for this range. Null until a file is mapped. */
     extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid;
 
-    /*! True for blocks of mapped files, and for others between them. */
-    __forceinline bool isMapped (const void* block)
-    {
-      const size_t begin = mappedBegin.load(std::memory_order_acquire);
-      return size_t(block)-begin < mappedBytes.load(std::memory_order_relaxed);
-    }
-
     /*! True if a block may be decoded. If not, its surface is empty, and the device receives one error per geometry. */
     __forceinline bool isUsable (const void* block, BlockForm form)
     {
-      if (likely(!isMapped(block))) return true;
+      const size_t begin = mappedBegin.load(std::memory_order_acquire);
+      if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
       /* Relaxed: a thread may see the range before the function while another maps the first file. It cannot trace a
        * mapped block then, because its rays come after the commit of a scene with one. */
       bool (*const isValid) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);

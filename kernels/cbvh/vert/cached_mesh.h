@@ -8,9 +8,7 @@
 
 #include "../base/mapped_blocks.h"
 #include "hits1.h"
-#include "intersector1.h"
 #include "mesh_decoder.h"
-#include "stored_boxes.h"
 
 namespace embree
 {
@@ -39,23 +37,20 @@ namespace embree
       public:
         template<typename VertRay>
         __forceinline CachedMeshBlock (const VertRay&, const VertHeader* block)
-          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), planes(cache.planes(block)),
+          : cache(MeshCache::ofThread()), block((const MeshHeader*)block), slot(cache.slot(block)),
             halves(cache.halves(block)) {}
 
-        /*! Lanes of groups whose boxes the ray intersects. enter: receives entry distances. */
-        __forceinline uint32_t open (const VertRay& ray, float tnear, float tfar, float enter[16]) const
-        {
-          if (likely(StoredBoxes::support(block) && !cbvh::isMapped(block))) {
-            const StoredBoxes stored(ray,block);
-            if (likely(stored.isUsable)) return stored.intersect(block,tnear,tfar,enter);
-          }
-          return openDecoded(ray,tnear,tfar,enter);
-        }
+        __forceinline const MeshBoxes* decodedBoxes () const { return likely(slot.block == block) ? &slot : nullptr; }
 
-        __forceinline const MeshPlanes& boxes () const
+        /*! Always true: the block's bounds are its leaf's, which the ray hits. */
+        __forceinline bool mayIntersect (const VertRayAxes<float>&, float, float) const { return true; }
+
+        __forceinline bool isUsable () const { return cbvh::isUsable(block,MESH_FORM); }
+
+        __forceinline const MeshBoxes& boxes () const
         {
-          if (unlikely(planes.block != block)) decodeBoxes();
-          return planes;
+          if (unlikely(slot.block != block)) decode();
+          return slot;
         }
 
         /*! half: 0, or 1 if the group has a second half. */
@@ -67,37 +62,27 @@ namespace embree
         }
 
         __forceinline SurfacePoint point (uint32_t g, uint32_t t, float w1, float w2) const {
-          return pointOfMesh(block->form,MeshDecoder(block).number(triangles(g,t >> 4).numbersBegin,g,t),w1,w2);
+          return pointOfMesh(block->form,MeshDecoder(block).number(boxes(),g,t),w1,w2);
         }
 
       private:
-        __noinline uint32_t openDecoded (const VertRay& ray, float tnear, float tfar, float enter[16]) const
+        __noinline void decode () const
         {
-          if (planes.block != block && !cbvh::isUsable(block,MESH_FORM)) return 0;
-          return intersectGroupBoxes(ray,tnear,tfar,boxes(),enter);
-        }
-
-        void decodeBoxes () const
-        {
-          planes.block = block;
-          MeshDecoder(block).decodeBoxes(planes);
+          for (int line=1; line<16; line++) prefetchL1((const char*)block + 64*line);
+          slot.block = block;
+          MeshDecoder(block).decode(slot);
         }
 
         __noinline void decode (uint32_t g, uint32_t half, MeshTriangles& at) const
         {
-          MeshPlaces& places = cache.places(block);
-          if (places.block != block) {
-            for (int line=1; line<16; line++) prefetchL1((const char*)block + 64*line);
-            places.block = block;
-            MeshDecoder(block).decodePlaces(places);
-          }
+          const MeshBoxes& boxes = this->boxes();
           at.key = keyOfHalf(block,16*half+g);
-          MeshDecoder(block).triangles(places,g,half,at);
+          MeshDecoder(block).triangles(boxes,g,half,at);
         }
 
         MeshCache& cache;
         const MeshHeader* block;
-        MeshPlanes& planes;
+        MeshBoxes& slot;
         MeshTriangles* const halves;
       };
 
@@ -115,11 +100,6 @@ namespace embree
         const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may replace the first in its slot
         const uint32_t mask = trianglesHitByLine(ray,first);
         return likely(!isFirstOfTwo) ? mask : mask | trianglesHitByLine(ray,cached.triangles(g,1)) << 16;
-      }
-
-      __forceinline uint32_t openGroups (const CachedMeshBlock& cached, const VertRay& ray, float tnear, float tfar,
-                                         float enter[16]) {
-        return cached.open(ray,tnear,tfar,enter);
       }
 
       __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {

@@ -87,19 +87,6 @@ namespace embree
         return g;
       }
 
-      /*! Lanes of a block's groups whose boxes the ray intersects. enter: receives entry distances. */
-      template<typename Cached>
-      __forceinline uint32_t openGroups (const Cached& cached, const VertRay& vertRay, float tnear, float tfar,
-                                         float enter[16])
-      {
-        const GroupBoxes* boxes = cached.decodedBoxes();
-        if (unlikely(boxes == nullptr)) {
-          if (!cached.isUsable() || !cached.mayIntersect(vertRay,tnear,tfar)) return 0;
-          boxes = &cached.boxes();
-        }
-        return intersectGroupBoxes(vertRay,tnear,tfar,*boxes,enter);
-      }
-
       /*! Cached: CachedVertBlock, CachedMeshBlock or MovingVertBlock. */
       template<typename RayType, typename Cached>
       class VertIntersector1
@@ -122,7 +109,12 @@ namespace embree
 
         __forceinline bool run ()
         {
-          uint32_t open = openGroups(cached,vertRay,ray.tnear(),ray.tfar,enter);
+          const GroupBoxes* boxes = cached.decodedBoxes();
+          if (unlikely(boxes == nullptr)) {
+            if (!cached.isUsable() || !cached.mayIntersect(vertRay,ray.tnear(),ray.tfar)) return false;
+            boxes = &cached.boxes();
+          }
+          uint32_t open = intersectGroupBoxes(vertRay,ray.tnear(),ray.tfar,*boxes,enter);
           VertHits<VertTarget1<RayType>,Cached> hits(VertTarget1<RayType>{ ray,context },vertRay,vertRay.nearest,block,
             cached);
           bool found = false;

@@ -13,11 +13,10 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Where a block's groups are, and their vertices. Group g is in lane g. */
-    struct MeshPlaces
+    /*! Group g is in lane g. */
+    struct MeshBoxes : public GroupBoxes
     {
-      const void* block;             //!< block that the places belong to, or null
-      uint32_t groups;               //!< mask of lanes with a group
+      const void* block;             //!< block that the boxes belong to, or null
       uint32_t topologyBegin, verticesBegin, numbersBegin; //!< first bits in the block
       /* first bits in the sections, by group */
       alignas(16) uint16_t topology[16];
@@ -33,14 +32,6 @@ namespace embree
       }
     };
 
-    struct MeshBoxes : public GroupBoxes, public MeshPlaces {};
-
-    /*! Boxes of a block for which StoredBoxes cannot be used. */
-    struct MeshPlanes : public GroupBoxes
-    {
-      const void* block; //!< block that the boxes belong to, or null
-    };
-
     /*! By axis. Lanes after the last vertex are undefined. */
     struct alignas(64) MeshVertices { float at[3][32]; };
 
@@ -49,10 +40,9 @@ namespace embree
     struct MeshTriangles
     {
       size_t key;                       //!< keyOfHalf, or 0
-      uint32_t numbersBegin;            //!< first bit of the group's numbers in the block
+      bool isFirstOfTwo;                //!< the group has a second half
       uint16_t lanes;                   //!< mask of lanes with a triangle
       uint8_t numVertices;
-      bool isFirstOfTwo;                //!< the group has a second half
       alignas(16) uint8_t corners[3][16]; //!< vertices by corner, in the application's order; below 32 in all lanes
       MeshVertices vertices;
 
@@ -67,8 +57,7 @@ namespace embree
     {
     public:
       /*! If the slot's `block` differs, the caller must fill the slot. */
-      __forceinline MeshPlaces& places (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
-      __forceinline MeshPlanes& planes (const void* block) { return boxes[boxes.slot(slotOfBlock(block,1024))]; }
+      __forceinline MeshBoxes& slot (const void* block) { return blocks[blocks.slot(slotOfBlock(block,1024))]; }
 
       /*! The 32 slots of a block's halves of groups; see keyOfHalf. If a key differs, the caller must fill the slot. */
       __forceinline MeshTriangles* halves (const void* block) { return &groups[groups.slot(slotOfBlock(block,64))]; }
@@ -76,13 +65,11 @@ namespace embree
       void clear ()
       {
         for (size_t i=0; i<blocks.size(); i++) blocks[i].block = nullptr;
-        for (size_t i=0; i<boxes.size(); i++) boxes[i].block = nullptr;
         for (size_t i=0; i<groups.size(); i++) groups[i].key = 0;
       }
 
     private:
-      CacheEntries<MeshPlaces,192> blocks;
-      CacheEntries<MeshPlanes,192> boxes;
+      CacheEntries<MeshBoxes,192> blocks;
       CacheEntries<MeshTriangles,704,31> groups;
     };
 

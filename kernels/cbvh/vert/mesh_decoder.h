@@ -28,33 +28,15 @@ namespace embree
         /*! Sets all members but out.block. */
         __forceinline void decode (MeshBoxes& out) const
         {
-          decodeBoxes(out);
-          decodePlaces(out);
-        }
-
-        __forceinline void decodeBoxes (GroupBoxes& out) const
-        {
           const uint32_t groups = meshGroups(block->counts);
           out.lanes = (1u << groups)-1;
           setAxes(out);
-          setPlanes(groups,out);
-        }
-
-        /*! Sets all members but out.block. */
-        __forceinline void decodePlaces (MeshPlaces& out) const
-        {
-          const uint32_t groups = meshGroups(block->counts);
-          out.groups = (1u << groups)-1;
-          const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
-          for (uint32_t k=0; k<3; k++)
-            for (int n=0; n<16; n+=vectorWidth)
-              vintV::store(&out.lower[k][n],
-                loadBytes(bytes + k*groups + n) << int(meshBoxShift(block->spacings,block->form,k)));
+          decodeBoxes(groups,out);
           findGroups(groups,out);
         }
 
         /*! Decodes half of a group, except for out.key. */
-        __forceinline void triangles (const MeshPlaces& places, uint32_t g, uint32_t half, MeshTriangles& out) const
+        __forceinline void triangles (const MeshBoxes& boxes, uint32_t g, uint32_t half, MeshTriangles& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g), count = groupTriangles(group),
             locals = groupVertices(record), stream = streamLength(count,groupRestarts(group,record)),
@@ -63,8 +45,7 @@ namespace embree
           out.lanes = uint16_t(half ? lanes >> 16 : lanes);
           out.isFirstOfTwo = half == 0 && count > 16;
           out.numVertices = uint8_t(locals);
-          out.numbersBegin = places.numbersBegin+places.numbers[g];
-          Bits at(block,places.topologyBegin+places.topology[g]);
+          Bits at(block,boxes.topologyBegin+boxes.topology[g]);
           const uint32_t restarts = at.take(count-1) << 1, fans = at.take(count-1) << 1;
           uint64_t turns = at.take(min(2*count,32u));
           if (unlikely(count > 16)) turns |= uint64_t(at.take(2*count-32)) << 32;
@@ -73,7 +54,7 @@ namespace embree
           const uint32_t owns = at.take(locals);
           Bits repeats = at;
           at.skip((stream-locals)*repeatBits);
-          decodeVertices(places,g,locals,owns,at,out.vertices);
+          decodeVertices(boxes,g,locals,owns,at,out.vertices);
 #if defined(__AVX2__)
           if (likely(count <= 16 && stream <= 32 && stream-locals <= 8)) {
             decodeStrips(restarts | 1,fans,uint32_t(turns),uint32_t(news) << 3 | 7,repeats.wide(),repeatBits,
@@ -85,15 +66,10 @@ namespace embree
         }
 
         /*! See primitiveOfMesh. */
-        __forceinline uint32_t number (const MeshPlaces& places, uint32_t g, uint32_t t) const {
-          return number(places.numbersBegin+places.numbers[g],g,t);
-        }
-
-        /*! begin: first bit of the group's numbers. */
-        __forceinline uint32_t number (uint32_t begin, uint32_t g, uint32_t t) const
+        __forceinline uint32_t number (const MeshBoxes& boxes, uint32_t g, uint32_t t) const
         {
           const uint32_t baseBits = baseNumberBits(block->counts), bits = groupNumberBits(meshRecord(block,g));
-          Bits at(block,begin);
+          Bits at(block,boxes.numbersBegin+boxes.numbers[g]);
           const uint32_t base = at.take(baseBits);
           at.skip(t*bits);
           return block->primID + base + at.take(bits);
@@ -269,7 +245,7 @@ namespace embree
 
         /*! Sets the shear of boxes in world space: 1 on the sheared axis, slopes times the ratio of spacings on the
          *  others. If floats cannot represent a ratio well, boxes are unbounded on the sheared axis. */
-        __forceinline void setAxes (GroupBoxes& out) const
+        __forceinline void setAxes (MeshBoxes& out) const
         {
           out.axis = 3;
           for (int k=0; k<3; k++) { out.origin[k] = block->origin[k]; out.shear[k] = 0.0f; }
@@ -293,7 +269,7 @@ namespace embree
         }
 
         /*! Planes, and extents from the origin. */
-        __forceinline void setPlanes (uint32_t groups, GroupBoxes& out) const
+        __forceinline void decodeBoxes (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block + meshLayout(block->counts).boxes;
           float reach[3]; // upper bounds of coordinates
@@ -301,7 +277,7 @@ namespace embree
           {
             const uint32_t shift = meshBoxShift(block->spacings,block->form,uint32_t(k));
             if (unlikely(hasRanks(block->spacings,uint32_t(k)))) {
-              setRankedPlanes(k,bytes,groups,shift,out);
+              decodeRankedBoxes(k,bytes,groups,shift,out);
               reach[k] = 0.0f;
               continue;
             }
@@ -312,6 +288,7 @@ namespace embree
             {
               const vintV lower = loadBytes(bytes + uint32_t(k)*groups + n) << int(shift),
                 upper = lower + ((loadBytes(bytes + uint32_t(3+k)*groups + n) + vintV(1)) << int(shift));
+              vintV::storeu(&out.lower[k][n],lower);
               const vfloatV begin(lower), end(upper);
               vfloatV::store(out.planes[k].at[0]+n,origin + (begin-rounding)*spacing);
               vfloatV::store(out.planes[k].at[1]+n,origin + end*spacing);
@@ -328,12 +305,13 @@ namespace embree
             for (int l=0; l<16; l++) { out.planes[m].at[0][l] = -1e30f; out.planes[m].at[1][l] = 1e30f; }
         }
 
-        void setRankedPlanes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, GroupBoxes& out) const
+        void decodeRankedBoxes (int k, const uint8_t* bytes, uint32_t groups, uint32_t shift, MeshBoxes& out) const
         {
           const uint32_t origin = rankOfFloat(block->origin[k]);
           out.extent[k] = 0.0f;
           for (uint32_t l=0; l<16; l++) {
             const uint32_t g = min(l,groups-1), lower = uint32_t(bytes[uint32_t(k)*groups+g]) << shift;
+            out.lower[k][l] = lower;
             out.planes[k].at[0][l] = floatOfRank(origin+lower);
             out.planes[k].at[1][l] = floatOfRank(origin+lower + ((bytes[uint32_t(3+k)*groups+g]+1u) << shift)-1u);
             out.extent[k] = max(out.extent[k],out.planes[k].at[1][l]-block->origin[k]);
@@ -386,7 +364,7 @@ namespace embree
         }
 
         /*! As MeshView does. All sums have less than 16 bits. */
-        __forceinline void findGroups (uint32_t groups, MeshPlaces& out) const
+        __forceinline void findGroups (uint32_t groups, MeshBoxes& out) const
         {
           const uint8_t* const bytes = (const uint8_t*)block;
           const MeshLayout layout = meshLayout(block->counts);
@@ -447,37 +425,37 @@ namespace embree
           for (uint32_t g=groups; g<16; g++) out.firstVertex[g] = 0x7FFF;
         }
 
-        static __forceinline uint32_t groupOfVertex (const MeshPlaces& places, uint32_t v)
+        static __forceinline uint32_t groupOfVertex (const MeshBoxes& boxes, uint32_t v)
         {
-          const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)places.firstVertex;
+          const __m128i vertex = _mm_set1_epi16(short(v)), * const first = (const __m128i*)boxes.firstVertex;
           const __m128i after = _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(first),vertex),
             _mm_cmpgt_epi16(_mm_load_si128(first+1),vertex));
           return uint32_t(__builtin_ctz(uint32_t(_mm_movemask_epi8(after)) | 0x10000u)) - 1;
         }
 
         /*! Coordinates of a vertex of group g. bit: of its fields. */
-        __forceinline void readVertex (const MeshPlaces& places, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
+        __forceinline void readVertex (const MeshBoxes& boxes, uint32_t g, uint32_t bit, uint32_t (*coordinates)[32],
                                        uint32_t i) const
         {
           Bits at(block,bit);
-          if (unlikely(places.fieldBits[3][g] > 57)) {
-            for (int k=0; k<3; k++) coordinates[k][i] = places.lower[k][g] + at.take(places.fieldBits[k][g]);
+          if (unlikely(boxes.fieldBits[3][g] > 57)) {
+            for (int k=0; k<3; k++) coordinates[k][i] = boxes.lower[k][g] + at.take(boxes.fieldBits[k][g]);
             return;
           }
           uint64_t fields = at.wide();
           for (int k=0; k<3; k++) {
-            const uint32_t bits = places.fieldBits[k][g];
-            coordinates[k][i] = places.lower[k][g] + uint32_t(fields & ((uint64_t(1) << bits)-1));
+            const uint32_t bits = boxes.fieldBits[k][g];
+            coordinates[k][i] = boxes.lower[k][g] + uint32_t(fields & ((uint64_t(1) << bits)-1));
             fields >>= bits;
           }
         }
 
         /*! owns: the group's own vertices. others: numbers of the other vertices. */
-        __forceinline void decodeVertices (const MeshPlaces& places, uint32_t g, uint32_t locals, uint32_t owns,
+        __forceinline void decodeVertices (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
                                            Bits others, MeshVertices& out) const
         {
           alignas(64) uint32_t coordinates[3][32];
-          readCoordinates(places,g,locals,owns,others,coordinates);
+          readCoordinates(boxes,g,locals,owns,others,coordinates);
           if (isSheared()) unshear(locals,coordinates);
           for (uint32_t k=0; k<3; k++)
           {
@@ -492,27 +470,27 @@ namespace embree
           }
         }
 
-        __forceinline void readCoordinates (const MeshPlaces& places, uint32_t g, uint32_t locals, uint32_t owns,
+        __forceinline void readCoordinates (const MeshBoxes& boxes, uint32_t g, uint32_t locals, uint32_t owns,
                                             Bits others, uint32_t (*coordinates)[32]) const
         {
           const uint32_t otherBits = bitsFor(meshVertices(block->counts));
-          uint32_t first = places.firstVertex[g];
+          uint32_t first = boxes.firstVertex[g];
 #if defined(__AVX2__)
-          const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)places.fieldBits[3]),_mm_set1_epi8(57));
-          if (likely((uint32_t(_mm_movemask_epi8(isWide)) & places.groups) == 0)) {
-            readSixteen(places,first,locals,owns,others,otherBits,coordinates,0);
+          const __m128i isWide = _mm_cmpgt_epi8(_mm_load_si128((const __m128i*)boxes.fieldBits[3]),_mm_set1_epi8(57));
+          if (likely((uint32_t(_mm_movemask_epi8(isWide)) & boxes.lanes) == 0)) {
+            readSixteen(boxes,first,locals,owns,others,otherBits,coordinates,0);
             if (likely(locals <= 16)) return;
             const uint32_t owned = uint32_t(__builtin_popcount(owns & 0xFFFF));
             others.skip((16-owned)*otherBits);
-            readSixteen(places,first+owned,locals-16,owns >> 16,others,otherBits,coordinates,16);
+            readSixteen(boxes,first+owned,locals-16,owns >> 16,others,otherBits,coordinates,16);
             return;
           }
 #endif
           for (uint32_t rest=owns; rest; rest&=rest-1, first++)
-            readVertex(places,g,places.fieldsOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
+            readVertex(boxes,g,boxes.fieldsOfVertex(first,g),coordinates,uint32_t(__builtin_ctz(rest)));
           for (uint32_t rest=~owns & ((1u << locals)-1); rest; rest&=rest-1) {
-            const uint32_t v = others.take(otherBits), of = groupOfVertex(places,v);
-            readVertex(places,of,places.fieldsOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
+            const uint32_t v = others.take(otherBits), of = groupOfVertex(boxes,v);
+            readVertex(boxes,of,boxes.fieldsOfVertex(v,of),coordinates,uint32_t(__builtin_ctz(rest)));
           }
         }
 
@@ -568,7 +546,7 @@ namespace embree
 
         /*! Up to 16 vertices of a group, with fields of up to 57 bits. first: the first own vertex. owns: the group's
          *  own vertices. others: numbers of the other vertices. Stores to lanes from n on. */
-        __forceinline void readSixteen (const MeshPlaces& places, uint32_t first, uint32_t locals, uint32_t owns,
+        __forceinline void readSixteen (const MeshBoxes& boxes, uint32_t first, uint32_t locals, uint32_t owns,
                                         Bits others, uint32_t otherBits, uint32_t (*coordinates)[32], uint32_t n) const
         {
           const uint32_t numOthers = uint32_t(__builtin_popcount(~owns & (0xFFFFu >> (16-min(locals,16u)))));
@@ -584,27 +562,26 @@ namespace embree
 
           __m256i groups = _mm256_set1_epi16(15);
           for (int g=1; g<16; g++)
-            groups = _mm256_add_epi16(groups,
-              _mm256_cmpgt_epi16(_mm256_set1_epi16(short(places.firstVertex[g])),vertex));
+            groups = _mm256_add_epi16(groups,_mm256_cmpgt_epi16(_mm256_set1_epi16(short(boxes.firstVertex[g])),vertex));
           const __m128i group = bytesOfWords(groups);
           auto ofGroup = [&](const void* bytes) {
             return _mm_shuffle_epi8(_mm_load_si128((const __m128i*)bytes),group);
           };
 
           // first bits of fields, see fieldsOfVertex
-          const __m256i zeros = _mm256_load_si256((const __m256i*)places.fieldsOfZero), byte = _mm256_set1_epi16(255);
+          const __m256i zeros = _mm256_load_si256((const __m256i*)boxes.fieldsOfZero), byte = _mm256_set1_epi16(255);
           const __m128i zerosLower = bytesOfWords(_mm256_and_si256(zeros,byte)),
             zerosUpper = bytesOfWords(_mm256_srli_epi16(zeros,8));
           const __m256i bit = _mm256_add_epi16(wordsOfBytes(_mm_shuffle_epi8(zerosLower,group),
             _mm_shuffle_epi8(zerosUpper,group)),
-            _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(places.fieldBits[3]))));
+            _mm256_mullo_epi16(vertex,_mm256_cvtepu8_epi16(ofGroup(boxes.fieldBits[3]))));
           alignas(32) uint16_t at[16];
           _mm256_store_si256((__m256i*)at,_mm256_srli_epi16(bit,3));
           alignas(16) uint8_t sizes[4][16]; // bits before the fields, and of each field
           _mm_store_si128((__m128i*)sizes[0],bytesOfWords(_mm256_and_si256(bit,_mm256_set1_epi16(7))));
-          for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(places.fieldBits[k]));
+          for (int k=0; k<3; k++) _mm_store_si128((__m128i*)sizes[k+1],ofGroup(boxes.fieldBits[k]));
 
-          const uint8_t* const data = (const uint8_t*)block + places.verticesBegin/8;
+          const uint8_t* const data = (const uint8_t*)block + boxes.verticesBegin/8;
           for (uint32_t i=0; i<locals && i<16; i+=8)
           {
             __m256i halves[2][3];
@@ -634,7 +611,7 @@ namespace embree
                 _mm256_castsi256_ps(halves[0][k]),_mm256_castsi256_ps(halves[1][k]),_MM_SHUFFLE(2,0,2,0))),
                 _MM_SHUFFLE(3,1,2,0));
               _mm256_store_si256((__m256i*)(coordinates[k]+n+i),
-                _mm256_add_epi32(packed,PerGroup(places.lower[k]).at(of)));
+                _mm256_add_epi32(packed,PerGroup(boxes.lower[k]).at(of)));
             }
           }
         }

@@ -24,6 +24,7 @@ namespace embree
         {
           vertRays.set(rays);
           const CachedMeshBlock cached(vertRays,(const VertHeader*)block);
+          if (cached.decodedBoxes() == nullptr && !cached.isUsable()) return vbool<K>(false);
           uint32_t found = 0;
           for (uint32_t rest=uint32_t(movemask(valid)); rest; rest&=rest-1) {
             const uint32_t k = uint32_t(bsf(rest));
@@ -42,7 +43,7 @@ namespace embree
           ray.largest = vertRays.largest[k];
           ray.descends = uint32_t(vertRays.form[k]) >> 2;
           alignas(64) float enter[16];
-          uint32_t open = cached.open(ray,rays.tnear()[k],rays.tfar[k],enter);
+          uint32_t open = intersectGroupBoxes(ray,rays.tnear()[k],rays.tfar[k],cached.boxes(),enter);
           typedef VertTargetK<K,Rays> Target;
           VertHits<Target,CachedMeshBlock> hits(Target{ rays,context,k },ray,vertRays.nearest(k),block,cached);
           bool found = false;

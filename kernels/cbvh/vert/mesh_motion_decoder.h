@@ -143,22 +143,22 @@ namespace embree
           uint8_t group[32], index[32];
         };
 
-        void find (const MeshPlaces& places, uint32_t g, Places& out) const
+        void find (const MeshBoxes& boxes, uint32_t g, Places& out) const
         {
           const uint32_t group = meshGroupByte(block,g), record = meshRecord(block,g),
             locals = groupVertices(record);
           const MeshTopology at = meshTopology(group,record,meshVertices(block->counts));
-          const uint8_t* const data = (const uint8_t*)block + places.topologyBegin/8;
-          const uint32_t begin = places.topology[g], owns = meshBitsAt(data,begin+at.owns,locals);
+          const uint8_t* const data = (const uint8_t*)block + boxes.topologyBegin/8;
+          const uint32_t begin = boxes.topology[g], owns = meshBitsAt(data,begin+at.owns,locals);
           out.numVertices = locals;
           for (uint32_t i=0, own=0, other=0; i<locals; i++)
           {
             if ((owns >> i) & 1) { out.group[i] = uint8_t(g); out.index[i] = uint8_t(own++); continue; }
             const uint32_t v = meshBitsAt(data,begin + at.others + at.otherBits*other++,at.otherBits);
             uint32_t owner = 0;
-            while (owner+1 < groups && v >= places.firstVertex[owner+1]) owner++;
+            while (owner+1 < groups && v >= boxes.firstVertex[owner+1]) owner++;
             out.group[i] = uint8_t(owner);
-            out.index[i] = uint8_t(v-places.firstVertex[owner]);
+            out.index[i] = uint8_t(v-boxes.firstVertex[owner]);
           }
         }
 
