@@ -224,6 +224,29 @@ TEST(Meshes, RegularTrianglesAreFoundInAnyOrder)
     }
 }
 
+// Strips of quads whose triangles are in random order: in narrow ones grids would save little, and slow rays.
+TEST(Meshes, TrianglesOfNarrowStripsAreIrregular)
+{
+  Device device;
+  Random random(139);
+  for (unsigned width : {3u, 4u, 16u}) {
+    DicedMesh strips;
+    for (unsigned strip = 0; strip < 8; strip++) {
+      const unsigned first = unsigned(strips.vertices.size()), length = 64, row = width + 1;
+      for (unsigned i = 0; i < row*(length + 1); i++)
+        strips.vertices.push_back({float(i % row), float(i/row), float(2*strip) + 0.1f*float(i % row*(i % 7))});
+      for (unsigned i = 0; i < row*length; i++)
+        if (i % row < width)
+          strips.quads.push_back({first + i, first + i + 1, first + i + row + 1, first + i + row});
+    }
+    DicedMesh triangles = trianglesOf(strips);
+    for (size_t i = triangles.triangles.size(); i-- > 1;)
+      std::swap(triangles.triangles[i], triangles.triangles[random.below(unsigned(i + 1))]);
+    const RTCCompressionStatistics stats = statisticsOf(MeshScene(device, triangles));
+    EXPECT_EQ(stats.numIrregularQuads, width < 16 ? strips.quads.size() : 0) << width << " quads wide";
+  }
+}
+
 // Each quad along some rows of a sheet has its own vertex, as in a mesh that is smooth except at sharp edges.
 TEST(Meshes, SplitEdgesDoNotIncreaseMemory)
 {

@@ -20,7 +20,8 @@ namespace embree
 {
   /*! Each triangle is in exactly one pair, in any order; one without a partner is also its own second triangle.
    *  welded: null if all vertices differ. The result is independent of the number of threads. Returns false if most
-   *  vertices do not have six triangles, or edges cannot be numbered in 32 bits. */
+   *  vertices do not have six triangles, if regular parts are narrow strips, or if edges cannot be numbered in 32
+   *  bits. */
   bool pairTriangles (const TriangleMesh* mesh, const WeldedVertices* welded, mvector<unsigned>& firsts,
                       mvector<unsigned>& seconds);
 }
