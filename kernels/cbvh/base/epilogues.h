@@ -67,7 +67,7 @@ namespace embree
       template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
 
-      /*! Returns false if callers need not compute u, v and Ng of a hit, because nobody reads them: an any-hit query
+      /*! Returns false if callers need not compute u, v and Ng of a hit, because nothing reads them: an any-hit query
        *  passes them to filter functions only. */
       template<typename Rays>
       __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
