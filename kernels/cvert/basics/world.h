@@ -3,7 +3,7 @@
 
 #pragma once
 
-/* Vectors and bounds in world space. They use double, so that encoders can bound the rounding of floats. */
+/* Vectors and bounds in world space, in double precision, for encoders. */
 
 #include "language.h"
 #include <cmath>
