@@ -3,7 +3,8 @@
 
 #pragma once
 
-/* Memory of a surface's blocks and the nodes above them. It grows during the build and is released as a whole. */
+/* Memory of a surface's blocks and of the tree nodes above them. It grows during the build. The destructor releases
+ * all of it. */
 
 #include "../embree/scene.h"
 
@@ -19,18 +20,18 @@ namespace embree
       BlockMemory (const BlockMemory&) = delete;
       BlockMemory& operator= (const BlockMemory&) = delete;
 
-      /*! Must be called first. bytes: estimated size; selects Embree's allocator, from which tasks allocate
-       *  concurrently. 0 allocates each piece separately: scenes may have many surfaces of few blocks, for which an
-       *  allocator wastes memory. */
+      /*! Must be called before any allocation. bytes: estimated size of a large surface, or 0 for a small one. A large
+       *  surface uses Embree's allocator, whose chunks tasks use concurrently. For a small one each piece is allocated
+       *  separately, because a scene may have many small surfaces, and chunks would stay mostly empty. */
       void reserve (size_t bytes);
 
-      /*! Null after reserve(0). */
+      /*! Embree's allocator, for builders that require it. Null after reserve(0). */
       FastAllocator* pool () { return allocator.get(); }
 
       /*! Allocates with the alignment of blocks. Has the signature of Embree's allocators. */
       void* operator() (size_t bytes, size_t = 0);
 
-      /*! Call it after the last allocation. */
+      /*! Must be called after the last allocation: detaches the threads from Embree's allocator. */
       void end ();
 
     private:

@@ -3,8 +3,8 @@
 
 #pragma once
 
-/* Buffers a task's blocks, copies them to memory of the surface when a patch is complete, and lists the top-level
- * primitives that refer to them. */
+/* Collects the blocks of one task in a buffer. flush() copies them to the memory of the surface, and lists a primitive
+ * of the top-level tree for each. */
 
 #include "../embree/scene.h"
 #include "block_memory.h"
@@ -18,7 +18,7 @@ namespace embree
 {
   namespace isa
   {
-    /*! Rounds outwards. */
+    /*! Rounds outwards to floats. */
     inline BBox3fa toBBox (const cbvh::WorldBounds& b)
     {
       auto below = [](double x) {
@@ -34,34 +34,37 @@ namespace embree
     public:
       cbvh::WorldBounds hitBounds;  //!< bounds of everything that rays can hit
 
-      /*! memory: null if nothing is kept. */
+      /*! memory: of the surface; null for a trial whose blocks are discarded. flush() must not be called then. */
       BlockStore (Device* device, cbvh::BlockMemory* memory)
         : device(device), memory(memory), prims(device,0), boxes(device,0), bytes(device,0) {}
 
-      /*! The result is valid until the next call. */
+      /*! Returns room for the next block, up to maxBytes. The pointer is valid until the next call of a member. */
       uint8_t* begin (size_t maxBytes)
       {
         bytes.resize(max(bytes.size(),used+maxBytes));
         return bytes.data()+used;
       }
 
-      /*! type: see primitive_type.h. readPast: bytes after the block that decoders may read. */
+      /*! Keeps the block that was written to the room of begin(). type: see primitive_type.h. readPast: bytes after the
+       *  block that decoders may read. */
       void end (size_t size, const BBox3fa& bounds, uint32_t type, size_t readPast = 0)
       {
         waiting.push_back(Waiting{ used,bounds,type,readPast });
         used += (size + cbvh::blockAlignment-1) & ~size_t(cbvh::blockAlignment-1);
       }
 
+      /*! Copies a block to the buffer. */
       void add (const void* block, size_t size, const BBox3fa& bounds, uint32_t type)
       {
         memcpy(begin(size),block,size);
         end(size,bounds,type);
       }
 
+      /*! Writers call it after each patch. flush() must be called after the last one. */
       void flushIfFull () { if (used > fullPieceBytes) flush(); }
 
-      /*! Copies the buffered blocks to memory of the surface and creates primitives. Allocates large pieces, because
-       *  the allocator rounds each one up, but supports at most 2 MiB. */
+      /*! Copies the buffered blocks to the memory of the surface and creates their primitives. A piece of memory
+       *  contains many blocks, because the allocator rounds up the size of each piece. */
       void flush ()
       {
         for (size_t i=0, next; i<waiting.size(); i=next)
@@ -78,6 +81,7 @@ namespace embree
         used = 0;
       }
 
+      /*! Adds a primitive. reference: a leaf of the top-level tree. */
       void add (const BBox3fa& bounds, size_t reference) { prims.push_back(PrimRef(bounds,reference)); }
 
       Device* const device;
@@ -85,21 +89,23 @@ namespace embree
       mvector<PrimRef> prims;
       mvector<cbvh::StepBox> boxes; //!< boxes of moving blocks per step, in the order of prims
 
-      static const size_t fullPieceBytes = 1 << 14;
+      static const size_t fullPieceBytes = 1 << 14; //!< flushIfFull keeps fewer buffered bytes
 
     private:
-      static const size_t maxPieceBytes = 1 << 20; // the allocator wastes memory after larger pieces
+      /*! A piece has fewer bytes, not counting its last block. The allocator takes pieces from chunks of up to 2 MiB:
+       *  larger pieces would leave much of a chunk unused, or not fit. */
+      static const size_t maxPieceBytes = 1 << 20;
 
       struct Waiting
       {
-        size_t offset;
+        size_t offset; //!< in `bytes`
         BBox3fa bounds;
         uint32_t type;
         size_t readPast;
       };
-      mvector<uint8_t> bytes;
-      size_t used = 0;
-      std::vector<Waiting> waiting;
+      mvector<uint8_t> bytes; //!< buffer
+      size_t used = 0;        //!< bytes of the buffer
+      std::vector<Waiting> waiting; //!< buffered blocks
     };
   }
 }

@@ -13,6 +13,7 @@ namespace embree
   {
     namespace cbvh
     {
+      /*! A hit in the form that Embree's epilogues of single rays require. */
       struct SurfaceHit1
       {
         float u, v, t;
@@ -20,11 +21,12 @@ namespace embree
         __forceinline void finalize () {}
       };
 
+      /*! Geometry ID of a surface number in the scene of the query, see surface_ids.h. */
       __forceinline uint32_t idOf (const IntersectContext* context, uint32_t surface) {
         return context->scene->surfaceIDs[surface];
       }
 
-      /*! Returns true if the epilogue accepted the hit. */
+      /*! Reports a hit of a single ray. surface: surface number. Returns false if the mask or a filter rejected it. */
       __forceinline bool report (RayHit& ray, IntersectContext* context, uint32_t surface, uint32_t primID,
                                  SurfaceHit1& hit) {
         return Intersect1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
@@ -34,7 +36,7 @@ namespace embree
         return Occluded1Epilog1<true>(ray,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! Reports a hit of ray k. */
+      /*! Reports a hit of ray k of a packet. Returns false if the mask or a filter rejected it. */
       template<int K>
       __forceinline bool report (RayHitK<K>& rays, size_t k, IntersectContext* context, uint32_t surface,
                                  uint32_t primID, SurfaceHit1& hit) {
@@ -46,7 +48,8 @@ namespace embree
         return Occluded1KEpilog1<K,true>(rays,k,context,idOf(context,surface),primID)(hit);
       }
 
-      /*! Returns the rays that accepted their hit. hit() returns u, v, t and Ng. */
+      /*! Reports one hit for each of the rays `lanes`. Returns the rays whose hit was accepted. hit: functor with the
+       *  signature that Embree's epilogues of packets require; computes u, v, t and Ng. */
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayHitK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
@@ -55,15 +58,17 @@ namespace embree
       template<int K, typename Hit>
       __forceinline vbool<K> report (RayK<K>& rays, const vbool<K>& lanes, IntersectContext* context,
                                      uint32_t surface, uint32_t primID, const Hit& hit) {
-        vbool<K> open = lanes;
+        vbool<K> open = lanes; // Embree removes rays that hit; callers use the returned rays instead
         return OccludedKEpilogMU<1,K,true>(open,rays,context,idOf(context,surface),primID)(lanes,hit);
       }
 
+      /*! True for the ray types of any-hit queries. */
       template<typename Rays> struct IsAnyHit;
       template<int K> struct IsAnyHit<RayK<K>>    { static const bool value = true; };
       template<int K> struct IsAnyHit<RayHitK<K>> { static const bool value = false; };
 
-      /*! True if u, v and Ng of a reported hit are used; for any hits, only filters use them. */
+      /*! Returns false if callers need not compute u, v and Ng of a hit, because nothing reads them: an any-hit query
+       *  passes them to filter functions only. */
       template<typename Rays>
       __forceinline bool isRead (const Rays&, const IntersectContext*, uint32_t) { return true; }
       template<int K>

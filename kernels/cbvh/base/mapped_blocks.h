@@ -15,20 +15,24 @@ namespace embree
 {
   namespace cbvh
   {
-    /*! Range of addresses that contains all mapped blocks, possibly with other memory between them. Empty if there are
-     *  none. Read mappedBegin before mappedBytes. */
+    /*! Range of addresses that contains all mapped blocks, possibly with other memory between them. mappedBytes is 0 if
+     *  no file is mapped. Read mappedBegin before mappedBytes. To change the range, a writer first extends it to all
+     *  addresses: a reader that sees values of two ranges therefore misses no block that it can trace. */
     extern std::atomic<size_t> mappedBegin, mappedBytes;
 
-    /*! Implements isUsable for this range. Null until a file is mapped. */
+    /*! Checks a block if its address belongs to a mapped file. Only isUsable calls it, for addresses in the range. Null
+     *  until a file is mapped. */
     extern std::atomic<bool (*) (const void* block, BlockForm form)> isMappedBlockValid;
 
-    /*! True if a block may be decoded. If not, its surface is empty, and the device receives one error per geometry. */
+    /*! True if a block may be decoded. Otherwise callers must treat it as a block without quads or triangles. The
+     *  device receives one error per geometry. */
     __forceinline bool isUsable (const void* block, BlockForm form)
     {
       const size_t begin = mappedBegin.load(std::memory_order_acquire);
       if (likely(size_t(block)-begin >= mappedBytes.load(std::memory_order_relaxed))) return true;
-      /* Relaxed: a thread may see the range before the function while another maps the first file. It cannot trace a
-       * mapped block then, because its rays come after the commit of a scene with one. */
+      /* Relaxed: while another thread maps the first file, this thread may see a range that contains `block`, but no
+       * function yet. `block` is then not mapped, because rays reach mapped blocks only after the commit of their
+       * scene. */
       bool (*const isValid) (const void*, BlockForm) = isMappedBlockValid.load(std::memory_order_relaxed);
       return !isValid || isValid(block,form);
     }

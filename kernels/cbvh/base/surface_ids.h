@@ -3,10 +3,11 @@
 
 #pragma once
 
-/* Surface numbers. A geometry may have different IDs in several scenes, but its blocks are shared. Blocks therefore
- * store a number that is unique in the process, and each scene maps numbers to IDs of its geometries. Numbers of moving
- * surfaces have an additional bit to differ from IDs, because grids of static surfaces that Embree traces in the same
- * scene store IDs. */
+/* Surface numbers. Scenes share the blocks of a geometry, but a geometry may have another ID in each scene. Blocks
+ * therefore store a number that is unique in the process, and each scene maps numbers to the IDs of its geometries.
+ *
+ * If Embree traces the static surfaces of a scene, their grids store IDs instead of numbers. Numbers of moving surfaces
+ * have an additional bit, movingSurface, which no ID has. */
 
 #include "codec.h"
 #include "../../cvert/format/limits.h"
@@ -23,8 +24,8 @@ namespace embree
     class SurfaceNumber
     {
     public:
-      /*! Allocates `fileNumber`, the number in blocks of a file, if it is free, otherwise the lowest free number.
-       *  Thread-safe. */
+      /*! fileNumber: number that the blocks of a file contain. Allocates this number if it is free, because the blocks
+       *  need not be changed then, otherwise the lowest free number. Thread-safe. */
       explicit SurfaceNumber (uint32_t fileNumber = none);
       ~SurfaceNumber ();
       SurfaceNumber (const SurfaceNumber&) = delete;
@@ -36,11 +37,11 @@ namespace embree
       uint32_t value;
     };
 
-    /*! Geometry IDs of a scene by surface number. Each hit looks up an ID. */
+    /*! Maps surface numbers to the geometry IDs of a scene. A hash table, because each hit looks up an ID. */
     class SurfaceIDs
     {
     public:
-      /*! surfaces: pairs of number and ID. */
+      /*! Replaces the content. surfaces: pairs of surface number and geometry ID. */
       void set (const std::vector<std::pair<uint32_t,uint32_t>>& surfaces)
       {
         size_t size = 1;
@@ -55,7 +56,7 @@ namespace embree
         }
       }
 
-      /*! Numbers that are not in the table are returned as IDs. */
+      /*! Returns `number` itself if the table does not contain it: it then already is an ID. */
       uint32_t operator[] (uint32_t number) const
       {
         if (slots.empty()) return number;

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Memory that a geometry commit allocates. It is not reported to the application's monitor, because programs do not
- * expect this commit to fail: if the application refused memory and detached the geometry before the next scene commit,
- * it would get no error. The scene commit reports this memory and may fail. */
+/* Memory that the commit of a geometry allocates. Allocating it does not call the application's memory monitor, which
+ * could refuse it: programs do not expect the commit of a geometry to fail. The error would have to wait for the next
+ * commit of the scene, and would be lost if the application detached the geometry before. The commit of the scene
+ * therefore reports this memory (ReportedMemory), and fails if the application refuses it. */
 
 #include "../embree/scene.h"
 
@@ -24,15 +25,16 @@ namespace embree
       return &none;
     }
 
+    /*! An Embree vector that does not report its memory. */
     template<typename T>
     struct UnmonitoredVector : public mvector<T>
     {
       UnmonitoredVector () : mvector<T>(silentMonitor(),0) {}
     };
 
-    /*! Reports memory to a device's monitor while this object exists. The constructor throws RTC_ERROR_OUT_OF_MEMORY if
-     *  the application refuses. The memory is reported as not yet allocated, because an application counts allocated
-     *  memory that it refuses until the release is reported. */
+    /*! The constructor reports memory to a device's monitor, the destructor reports its release. The constructor throws
+     *  RTC_ERROR_OUT_OF_MEMORY if the application refuses. It passes post = false, because no release follows a
+     *  refusal: with post = true (already allocated), the application would continue to count the memory. */
     class ReportedMemory
     {
     public:

@@ -219,7 +219,7 @@ namespace embree
       for (int k=0; k<3; k++)
       {
         const double minExtent = floor*length(forms[k]->n)/w0, extent = vertices.upper[k]-vertices.lower[k];
-        const double grow = maximum(vertexRounding*coordinate*length1(forms[k]->n)/w0,0.5*(minExtent-extent));
+        const double grow = maximum(vertexRounding*coordinate*norm1(forms[k]->n)/w0,0.5*(minExtent-extent));
         if (k < 2 && minExtent > extent) degenerate = true;
         vertices.lower[k] -= grow; vertices.upper[k] += grow;
         const double s = (1-2*frameMargin)/(vertices.upper[k]-vertices.lower[k]);

@@ -40,7 +40,7 @@ namespace embree
         placePoints();
         if (plan.kind() == cbvh::Kind::VERT) placeKept();
         lattices.choose(*this,facesPerTask,progress);
-        lattices.share(*this,2*topology.numEdges(),facesPerTask,progress);
+        lattices.share(*this,2*topology.numHalfEdges(),facesPerTask,progress);
       }
 
       int exponent (size_t face, unsigned step) const { return lattices.ofPrimitive(face,step); }
@@ -139,7 +139,7 @@ namespace embree
 
       void placePoints ()
       {
-        cbvh::resizeToFit(firsts,topology.numEdges());
+        cbvh::resizeToFit(firsts,topology.numHalfEdges());
         for (size_t f=0; f<mesh->size(); f++)
           topology.forEachEdge(f,[&](const HalfEdge* h) {
               firsts[topology.indexOf(h)] = numPoints;
@@ -155,7 +155,7 @@ namespace embree
       {
         const size_t most = maxKept/plan.numTimeSteps;
         if (mesh->size() > most/4) return;
-        mvector<uint32_t> places(mesh->device,topology.numEdges());
+        mvector<uint32_t> places(mesh->device,topology.numHalfEdges());
         size_t n = 0;
         for (size_t f=0; f<mesh->size() && n <= most; f++)
           if (topology.participates(f))

@@ -3,15 +3,16 @@
 
 #pragma once
 
-/* Owners and rates of a cage's edges and corners, by the rule in shared_border.h. Faces without a surface do not take
- * part.
+/* Finds the owners and rates of a cage's edges and corners. shared_border.h defines owner, rate and claim, and has the
+ * rule. A face participates if it has a surface at any time step.
  *
- *          face A             A and B claim the edge. All faces around corner x that are
- *    x----o----o----o----x    reached over edges claim x. Claims are numbered by half-edges.
- *          face B
+ *          face A             A and B claim the edge. A corner x is claimed by all faces around it
+ *    x----o----o----o----x    that can be reached from A or B by crossing edges. The number of a
+ *          face B             claim is the index of a half-edge.
  *
- * An edge of three or more faces has half-edges without opposite. Embree keeps its vertices in place, so all faces have
- * the same straight edge. They share it and its ends, even if GRID traces a face. */
+ * A non-manifold edge, with three or more faces, has half-edges without an opposite. Embree keeps its vertices in
+ * place, so the edge is straight and equal in all faces. All faces share the edge and its two corners. It does not
+ * matter for the owner of the edge which faces GRID traces. */
 
 #include "../base/resize_to_fit.h"
 #include "../base/tasks.h"
@@ -29,29 +30,30 @@ namespace embree
     class CageTopology
     {
     public:
+      /*! Data of a half-edge. Its corner is the vertex where it begins. */
       struct Edge
       {
-        unsigned ownRate;      //!< in this face; noRate if the edge takes no part
-        unsigned rate;         //!< rate in all faces
-        uint32_t owner;        //!< half-edge of the edge's owner
-        uint32_t cornerOwner;  //!< half-edge, at the same vertex, of the corner's owner
-        bool isTracedByGrid;   //!< at least one patch of the face
+        unsigned ownRate;      //!< rate that the half-edge's face evaluates; noRate if the face does not participate
+        unsigned rate;         //!< rate of the stored edge, the lowest of its faces
+        uint32_t owner;        //!< index of the half-edge whose face owns the edge
+        uint32_t cornerOwner;  //!< index of the half-edge, at the same vertex, whose face owns the corner
+        bool isTracedByGrid;   //!< GRID traces at least one patch of the half-edge's face
       };
 
       CageTopology (const SubdivMesh* mesh, const CompressionPlan& plan)
         : mesh(mesh), plan(plan), first(mesh->topology[0].halfEdges.data()), edges(mesh->device,0) {}
 
-      /*! Regularly calls progress(), which may throw to cancel. */
+      /*! Fills all half-edges. Regularly calls progress(), which may throw to cancel. */
       template<typename Progress>
       void find (size_t facesPerTask, const Progress& progress)
       {
-        cbvh::resizeToFit(edges,numHalfEdges());
+        cbvh::resizeToFit(edges,countHalfEdges());
         forFaces(facesPerTask,progress,[&](size_t f) { findRates(f); });
         forFaces(facesPerTask,progress,[&](size_t f) { findOwners(f); });
         joinNonManifold();
       }
 
-      size_t numEdges () const { return edges.size(); } //!< number of half-edges
+      size_t numHalfEdges () const { return edges.size(); }
       uint32_t indexOf (const HalfEdge* h) const { return uint32_t(h - first); }
       const HalfEdge* halfEdge (uint32_t i) const { return first + i; }
       const Edge& at (const HalfEdge* h) const { return edges[indexOf(h)]; }
@@ -60,7 +62,7 @@ namespace embree
       bool ownsCorner (uint32_t i) const { return edges[i].cornerOwner == i; }
       bool ownsEdge (uint32_t i) const { return edges[i].owner == i; }
 
-      /*! Calls closure only if the face takes part. */
+      /*! Calls closure for each half-edge of a face, or not at all if the face does not participate. */
       template<typename Closure>
       void forEachEdge (size_t f, const Closure& closure) const
       {
@@ -71,7 +73,7 @@ namespace embree
 
     private:
       static const unsigned noRate = 0;
-      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< vertices of an edge, and a half-edge
+      typedef std::pair<uint64_t,uint32_t> KeyedEdge; //!< both vertices of an edge, and the index of a half-edge
 
       template<typename Progress, typename Closure>
       void forFaces (size_t facesPerTask, const Progress& progress, const Closure& closure) const
@@ -82,8 +84,9 @@ namespace embree
           });
       }
 
-      /*! The index buffer and Embree's half-edges can be longer. */
-      size_t numHalfEdges () const
+      /*! Index of the last face's last half-edge, plus 1. The index buffer and Embree's array of half-edges can have
+       *  more entries. */
+      size_t countHalfEdges () const
       {
         for (size_t f=mesh->size(); f-- > 0; )
           if (hasEdges(mesh,f)) return indexOf(mesh->getHalfEdge(0,f)) + mesh->faceVertices[f];
@@ -131,7 +134,8 @@ namespace embree
           });
       }
 
-      /*! Half-edges of participating faces that begin at the same vertex. */
+      /*! Calls closure for e, and for all half-edges at the same vertex that belong to participating faces and can be
+       *  reached by crossing edges. At a border it first goes around one way, then the other. */
       template<typename Closure>
       void forEachAround (const HalfEdge* e, const Closure& closure) const
       {
@@ -148,6 +152,7 @@ namespace embree
         }
       }
 
+      /*! Gives all half-edges of a non-manifold edge one owner and rate, and each of its ends one corner owner. */
       void joinNonManifold ()
       {
         std::vector<KeyedEdge> borders;

@@ -3,9 +3,9 @@
 
 #pragma once
 
-/* Vectors of four doubles, which Embree has only for AVX. Operations round as scalar ones do. */
+/* Vectors of four doubles, because Embree's vdouble4 requires AVX. Each lane has the same result as scalar code. */
 
-#if defined(__aarch64__) // first: Embree defines SSE2 and AVX there, too
+#if defined(__aarch64__) // tested first, because Embree defines macros of SSE2 and AVX on ARM64, too
 #include "double4_neon.h"
 #elif defined(__AVX__)
 #include "double4_avx.h"
@@ -15,6 +15,8 @@
 
 namespace cvert { inline namespace CVERT_ISA
 {
+  /* The functions of language.h for templates on Real. Operands are swapped because min(b,a) is a < b ? a : b in each
+   * lane, as in lesser(a,b) of scalars, also for NaN and zeros. */
   inline Double4 lesser(Double4 a, Double4 b) { return min(b,a); }
   inline Double4 greater(Double4 a, Double4 b) { return max(b,a); }
   inline Double4 magnitude(Double4 a) { return abs(a); }
@@ -22,7 +24,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     Double4 p = a*b;
 #if defined(__GNUC__) && defined(__AVX__) && defined(__x86_64__)
-    asm("" : "+x"(p.v));
+    asm("" : "+x"(p.v)); // prevents fusing, see unfused() in language.h
 #endif
     return p;
   }

@@ -4,20 +4,28 @@
 /* Macros for headers that compile as C++11 and as GLSL 4.60: CPU code, tests and shaders share one implementation of
  * the format and the hit rule.
  *
- * Shared code consists of free functions on plain values, without member functions, references or pointers (except
- * those of bytes.h and int3.h), 64-bit integers, recursion, or braced values outside initializers of constants.
+ * Shared code consists of free functions on plain values. It uses no member functions, no references or pointers
+ * (except those of bytes.h and int3.h), no 64-bit integers and no recursion. Braced values occur only in initializers
+ * of constants.
  *
- * The caller chooses the type Real: float in GLSL; float, double (scalar code) or, for some functions, a vector type of
- * Embree in C++. CVERT_REAL precedes functions and structs that use it. CVERT_OF(Type) is a struct of the same
- * precision, CVERT_BOOL(Type) the result type of comparisons.
+ * Functions are templates in C++ on the type of numbers, Real: float, double, or for some functions a vector type of
+ * Embree. In GLSL Real is float.
  *
- * Wide, CVERT_WIDE and CVERT_OF_WIDE(Type) are for values in which products of floats are exact: double, or a vector of
- * doubles in C++. Shaders without CBVH_FLOAT64 use float. */
+ *   CVERT_BEGIN, CVERT_END        around all shared code: namespaces in C++
+ *   CBVH_FUNCTION                 before a function
+ *   CVERT_CONSTANT                before a constant
+ *   CVERT_REAL                    before a function or struct that uses Real
+ *   CVERT_OF(Type)                a struct that was declared with CVERT_REAL, with the same Real
+ *   CVERT_BOOL(Type)              result type of comparisons of Type
+ *   CVERT_AS_FLOAT(Function)      a function or struct that was declared with CVERT_REAL, with Real = float
+ *   Wide                          a type in which products of two Reals are exact: double or a vector of doubles. It is
+ *                                 float in shaders without CBVH_FLOAT64, which compute exact signs with integers
+ *   CVERT_WIDE, CVERT_OF_WIDE     as CVERT_REAL and CVERT_OF, for Wide */
 
 #ifndef CVERT_LANGUAGE_H
 #define CVERT_LANGUAGE_H
 
-#ifdef VULKAN // defined by glslc
+#ifdef VULKAN // glslc defines it, so it means GLSL
 
 #define CVERT_BEGIN
 #define CVERT_END
@@ -80,14 +88,16 @@
 
 CVERT_BEGIN
 
-/* Standard functions of C++ and GLSL treat NaN and equal operands differently, and may be calls in C++. */
+/* Used instead of min, max and abs, because C++ and GLSL define these differently for NaN and equal operands, and
+ * because compilers may not inline std::fmin and std::fmax. */
 CVERT_REAL CBVH_FUNCTION Real lesser (Real a, Real b) { return a < b ? a : b; }
 CVERT_REAL CBVH_FUNCTION Real greater (Real a, Real b) { return a > b ? a : b; }
 CVERT_REAL CBVH_FUNCTION Real magnitude (Real a) { return a < Real(0) ? -a : a; }
 CVERT_REAL CBVH_FUNCTION Real clampToUnit (Real a) { return a < Real(0) ? Real(0) : a > Real(1) ? Real(1) : a; }
 CVERT_REAL CBVH_FUNCTION Real choose (bool condition, Real a, Real b) { return condition ? a : b; }
 
-/* product: never fused with a sum */
+/* both, either: logical operators that also work on vectors of truth values.
+ * product: a product that the compiler never fuses with a sum. */
 #ifdef VULKAN
 bool both (bool a, bool b) { return a && b; }
 bool either (bool a, bool b) { return a || b; }
@@ -111,7 +121,8 @@ CVERT_REAL inline Real squareRoot (Real a) { return std::sqrt(a); }
 inline float floatOfBits (uint32_t bits) { float f; std::memcpy(&f,&bits,sizeof(f)); return f; }
 inline uint32_t bitsOfFloat (float f) { uint32_t bits; std::memcpy(&bits,&f,sizeof(f)); return bits; }
 static constexpr float infinity = std::numeric_limits<float>::infinity();
-/* Replaces -ffp-contract=off, because cGRID's leaves must fuse products exactly as GRID does. */
+/* Returns p and hides from the compiler that p is a product, so that it cannot fuse it with a sum. -ffp-contract=off
+ * cannot be used instead: it holds for whole files, and cGRID's leaves must fuse products exactly as GRID does. */
 template<typename Scalar>
 CVERT_INLINE Scalar unfused (Scalar p)
 {
@@ -126,7 +137,7 @@ CVERT_INLINE float product (float a, float b) { return unfused(a*b); }
 CVERT_INLINE double product (double a, double b) { return unfused(a*b); }
 #endif
 
-/*! Relative spacing of floats. */
+/*! Distance between neighboring floats, relative to their magnitude, is at most this: 2^-23. */
 CVERT_CONSTANT float floatUlp = 1.1920929e-7f;
 
 CVERT_END

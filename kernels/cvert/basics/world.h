@@ -3,20 +3,20 @@
 
 #pragma once
 
-/* World positions for encoders. */
+/* Vectors and bounds in world space, in double precision, for encoders. */
 
 #include "language.h"
 #include <cmath>
 
 namespace cvert { inline namespace CVERT_ISA
 {
-  /*! Bound of finite coordinates, as in Embree's rays and boxes. */
+  /*! Coordinates of at least this magnitude count as not finite, as in Embree (FLT_LARGE). */
   static constexpr float maxCoordinate = 1.844e18f;
   inline bool isFinite(const float p[3]) {
     return std::fabs(p[0]) < maxCoordinate && std::fabs(p[1]) < maxCoordinate && std::fabs(p[2]) < maxCoordinate;
   }
 
-  /* std::fmin and std::fmax are calls. NaN is not supported. */
+  /* Used instead of std::fmin and std::fmax, which compile to function calls. The operands must not be NaN. */
   inline double minimum(double a, double b) { return a < b ? a : b; }
   inline double maximum(double a, double b) { return a > b ? a : b; }
 
@@ -32,9 +32,10 @@ namespace cvert { inline namespace CVERT_ISA
     return {a.y*b.z-a.z*b.y, a.z*b.x-a.x*b.z, a.x*b.y-a.y*b.x};
   }
   inline double length(const Double3& a) { return std::sqrt(dot(a,a)); }
-  inline double length1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
+  /*! Sum of the magnitudes of the coordinates. */
+  inline double norm1(const Double3& a) { return std::fabs(a.x)+std::fabs(a.y)+std::fabs(a.z); }
 
-  /*! Empty until extended. */
+  /*! A box. The constructor creates an empty one. */
   struct WorldBounds
   {
     double lower[3] = { 1e300,1e300,1e300 }, upper[3] = { -1e300,-1e300,-1e300 };

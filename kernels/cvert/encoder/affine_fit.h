@@ -3,8 +3,9 @@
 
 #pragma once
 
-/* Least-squares affine map of a mesh block's vertices from the first step to a later one, see format/mesh_motion.h.
- * Products are not fused, so that all instruction sets encode the same bytes. */
+/* The affine map that moves a mesh block's vertices from the first time step to a later one with the least sum of
+ * squared distances. format/mesh_motion.h stores it. Products and sums are not fused, so that all instruction sets
+ * encode the same bytes. */
 
 #include "../format/mesh_block.h"
 #include <cmath>
@@ -21,9 +22,9 @@ namespace cvert { inline namespace CVERT_ISA
       this->count = count;
       mean(first,center);
       double s[3][3];
-      sum(first,center,s);
-      /* Factors s into L D L^T. An axis is not used if its positions follow from the axes before, as in a plane or a
-       * line. */
+      addProducts(first,center,s);
+      /* Factors s into L D L^T. L is `factor`, D is `diagonal`. If all vertices lie in a plane or on a line,
+       * coordinates on one axis may depend linearly on the axes before it. The map does not use such an axis. */
       const double least = product(1e-9,s[0][0]+s[1][1]+s[2][2]);
       for (int a=0; a<3; a++)
       {
@@ -39,27 +40,28 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! later: the same vertices at a later step. map: receives finite floats that are not denormal. */
+    /*! later: the same vertices at a later step. map: written, as in MeshStep; entries are normal floats or 0. */
     void fit (const float (*later)[3], float map[3][4]) const
     {
       double to[3], s[3][3];
       mean(later,to);
-      sum(later,to,s);
+      addProducts(later,to,s);
       for (int a=0; a<3; a++)
       {
         double row[3] = { s[a][0],s[a][1],s[a][2] };
         solve(row);
         double summand = to[a];
         for (int b=0; b<3; b++) {
-          map[a][b] = normal(row[b]);
+          map[a][b] = normalOrZero(row[b]);
           summand -= product(double(map[a][b]),center[b]);
         }
-        map[a][3] = normal(summand);
+        map[a][3] = normalOrZero(summand);
       }
     }
 
   private:
-    static float normal (double x) {
+    /*! Rounds to a float. Returns 0 for results that are denormal, infinite or NaN. */
+    static float normalOrZero (double x) {
       return std::fabs(x) >= 1.1754943508222875e-38 && std::fabs(x) < 3.4e38 ? float(x) : 0.0f;
     }
 
@@ -72,8 +74,9 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Sums of products of positions and first positions, each relative to their mean. */
-    void sum (const float (*of)[3], const double mean[3], double s[3][3]) const
+    /*! s[a][b] receives the sum over all vertices of (position on axis a) * (first position on axis b), both relative
+     *  to their means. */
+    void addProducts (const float (*of)[3], const double mean[3], double s[3][3]) const
     {
       for (int a=0; a<3; a++)
         for (int b=0; b<3; b++) {
@@ -83,7 +86,7 @@ namespace cvert { inline namespace CVERT_ISA
         }
     }
 
-    /*! Solves a system with the factored matrix. */
+    /*! Solves s y = x for the factored matrix s. x: replaced by y, which is 0 on unused axes. */
     void solve (double x[3]) const
     {
       for (int a=0; a<3; a++)

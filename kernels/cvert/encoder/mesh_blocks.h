@@ -23,9 +23,9 @@ namespace cvert { inline namespace CVERT_ISA
 
   struct MeshSettings
   {
-    int exponent = exactLattice;  //!< exponent of the lattice
+    int exponent = exactLattice;  //!< lattice of multiples of 2^exponent; exactLattice moves no vertex
     uint32_t groupTriangles = 16; //!< triangles per full group, up to maxGroupTriangles
-    uint32_t surface = 0;
+    uint32_t surface = 0;         //!< surface number in the headers of the blocks
   };
 
   struct MeshReport
@@ -33,7 +33,7 @@ namespace cvert { inline namespace CVERT_ISA
     MeshStatistics statistics;
     size_t invalidTriangles = 0;    //!< omitted: index out of range, or vertex not finite
     size_t degenerateTriangles = 0; //!< omitted because they have no area
-    size_t finerVertices = 0;       //!< vertices that are not on the lattice
+    size_t finerVertices = 0;       //!< distinct positions that use a finer lattice, or do not move (mesh_lattice.h)
   };
 
   class MeshBlocks
@@ -42,8 +42,8 @@ namespace cvert { inline namespace CVERT_ISA
     explicit MeshBlocks (const MeshSettings& settings) : settings(settings), lattice(settings.exponent),
       encoder(new MeshEncoder) {}
 
-    /*! Calls onBlock(const MeshHeader*) for each block, valid during the call. Triangles are numbered by their index.
-     *  Uses 16 temporary bytes per triangle. Throws std::bad_alloc. */
+    /*! Calls onBlock(const MeshHeader*) for each block. The block is valid during the call. A triangle's number is its
+     *  index in `mesh`. Uses 16 temporary bytes per triangle. Throws std::bad_alloc. */
     template<typename OnBlock>
     MeshReport encode (const MeshSource& mesh, const OnBlock& onBlock)
     {
@@ -63,6 +63,7 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
   private:
+    /*! Adds the center of triangle i, or counts the triangle as omitted. */
     void add (const MeshSource& mesh, size_t i, std::vector<MeshCenter>& centers, MeshReport& report)
     {
       const uint32_t* const t = mesh.triangles[i];
@@ -90,7 +91,8 @@ namespace cvert { inline namespace CVERT_ISA
       }
     }
 
-    /*! Repeats until nothing changes, because a finer vertex may flip other triangles. */
+    /*! Assigns vertices to finer lattices until snapping flips no triangle. Repeats, because a vertex that snaps
+     *  elsewhere may flip its other triangles. */
     void refineUntilNoneFlips (const MeshSource& mesh, const std::vector<MeshCenter>& centers)
     {
       for (bool changed=true; changed; ) {
