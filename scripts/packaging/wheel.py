@@ -9,6 +9,7 @@
 Requires Debian, patchelf, readelf, nm and strip. LIBRARIES-DIRECTORY is that of wheel_libraries.sh. The wheel contains
 
     embree_cbvh/__init__.*.so   the module
+    embree_cbvh/trimesh_rays.py a ray engine for trimesh
     embree_cbvh/lib/            libembree_cbvh, libembree3_vulkan, and the libraries that they need
     embree_cbvh/bin/            the programs; scripts of the same names start them
     embree_cbvh/include/cbvh/   headers of libembree_cbvh
@@ -232,6 +233,7 @@ def main():
         copies, sources = collect_libraries(originals, package / "lib")
         rename_libraries(copies, binaries)
         shutil.copytree(ROOT / "include/cbvh", package / "include/cbvh")
+        shutil.copyfile(ROOT / "tutorials/python/trimesh_rays.py", package / "trimesh_rays.py")
         copy_licenses(sources, libraries, stage / info / "licenses")
         write_metadata(stage / info, cache, f"{major}.{minor}", tag)
 
