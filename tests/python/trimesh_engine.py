@@ -108,6 +108,14 @@ class Queries(unittest.TestCase):
     def test_hits_are_those_of_all_triangles(self):
         self.check(sphere())
 
+    def test_small_meshes_work_too(self):
+        mesh = sphere(rows=10)
+        mesh.faces = mesh.faces[:255]
+        self.check(mesh)
+        nothing = StandIn(vertices=np.zeros((0, 3)), faces=np.zeros((0, 3), int))
+        first = RayMeshIntersector(nothing).intersects_first([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
+        self.assertEqual(first.tolist(), [-1])
+
     def test_scale_and_position_do_not_matter(self):
         for scale, center in ((1e-6, (0, 0, 0)), (1e7, (0, 0, 0)), (1, (1e5, -2e5, 3e5))):
             with self.subTest(scale=scale, center=center):

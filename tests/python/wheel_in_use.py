@@ -34,9 +34,12 @@ import embree_cbvh as cbvh
 from embree_cbvh.trimesh_rays import RayMeshIntersector
 
 
-class Square:
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    faces = np.array([[0, 1, 2], [0, 2, 3]])
+class Grid:
+    """16 x 16 squares of two triangles each, in the unit square."""
+
+    vertices = np.array([(x / 16, y / 16, 0) for y in range(17) for x in range(17)])
+    corners = np.array([(i, i + 1, i + 17, i + 18) for i in (y * 17 + x for y in range(16) for x in range(16))])
+    faces = corners[:, [[0, 1, 3], [0, 3, 2]]].reshape(-1, 3)
 
 
 def write_tiff(path, texels):
@@ -87,10 +90,9 @@ def main():
     for field in ("t", "u", "v", "Ng", "primID", "hit"):
         assert getattr(hits, field).tobytes() == getattr(loaded, field).tobytes(), field
 
-    # the ray engine for trimesh, on a square of two triangles
-    engine = RayMeshIntersector(Square())
-    below = np.array([[0.7, 0.2, -1], [0.2, 0.7, -1], [1.2, 0.2, -1]])
-    assert engine.intersects_first(below, [[0, 0, 1]] * 3).tolist() == [0, 1, -1]
+    # the ray engine for trimesh
+    below = np.array([[0.9, 0.1, -1], [0.1, 0.9, -1], [17, 0.2, -1]]) / [16, 16, 1]
+    assert RayMeshIntersector(Grid()).intersects_first(below, [[0, 0, 1]] * 3).tolist() == [0, 1, -1]
 
     files = loaded_libraries() - LOADED_BEFORE
     ours = {file for file in files if package in file.parents}

@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 NO_HIT = 0xFFFFFFFF
+FEWEST_COMPRESSED = 256  # triangles, see docs/meshes.md
 PACKET = 16
 # Rows of RTCRayHit16
 ORIGIN, NEAR, DIRECTION, FAR, MASK, PRIMITIVE, GEOMETRY, ROWS = slice(0, 3), 3, slice(4, 7), 8, 9, 17, 18, 20
@@ -144,10 +145,10 @@ class CompressedMesh:
                 api.cbvhReleaseSurface(surface)
             api.cbvhReleaseContext(context)
 
-    def statistics(self):
+    def memory_bytes(self):
         result = Statistics(ctypes.sizeof(Statistics))
         library().cbvhGetGroupStatistics(self.group, result)
-        return result
+        return result.bytes
 
     def closest(self, origins, directions, near):
         """Returns the triangle, or -1, and the distance of the closest hit of each ray beyond `near`."""
@@ -179,6 +180,46 @@ class CompressedMesh:
         return triangles, rays[:, FAR].reshape(-1)[:count].copy()
 
 
+class FewTriangles:
+    """The same for meshes that the library does not compress, by testing all triangles."""
+
+    RAYS = 2048  # per step, which limits memory
+
+    def __init__(self, vertices, faces):
+        corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces, dtype=np.int64).reshape(-1, 3)]
+        self.corner, b, c = np.moveaxis(corners, 1, 0)
+        self.edges = b - self.corner, c - self.corner
+
+    def memory_bytes(self):
+        return 3 * self.corner.nbytes
+
+    def closest(self, origins, directions, near):
+        triangles = np.full(len(origins), -1, np.int64)
+        distances = np.full(len(origins), np.inf, np.float32)
+        if len(self.corner):
+            for start in range(0, len(origins), self.RAYS):
+                part = slice(start, start + self.RAYS)
+                t = self._distances(origins[part, None], directions[part, None], near[part, None])
+                nearest = t.argmin(axis=1)
+                distances[part] = t[np.arange(len(t)), nearest]
+                triangles[part] = np.where(np.isfinite(distances[part]), nearest, -1)
+        return triangles, distances
+
+    def _distances(self, origins, directions, near):
+        """Moeller and Trumbore 1997; infinity where a ray misses."""
+        first, second = self.edges
+        across = np.cross(directions, second)
+        from_corner = origins - self.corner
+        around = np.cross(from_corner, first)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = 1 / (first * across).sum(axis=-1)
+            u = (from_corner * across).sum(axis=-1) * scale
+            v = (directions * around).sum(axis=-1) * scale
+            t = (second * around).sum(axis=-1) * scale
+            hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= near)
+        return np.where(hit, t, np.inf)
+
+
 class RayMeshIntersector:
     """The interface of trimesh.ray.ray_pyembree.RayMeshIntersector."""
 
@@ -193,10 +234,13 @@ class RayMeshIntersector:
         key = hash(self.mesh)
         if self._built is None or self._built[0] != key:
             vertices = np.asarray(self.mesh.vertices, dtype=np.float64)
-            origin = vertices.min(axis=0)
-            size = np.linalg.norm(vertices.max(axis=0) - origin)
+            origin, size = np.zeros(3), 0.0
+            if len(vertices):
+                origin = vertices.min(axis=0)
+                size = np.linalg.norm(vertices.max(axis=0) - origin)
             scale = 100 / size if self._scale_to_box and size > 0 else 1.0
-            self._built = key, CompressedMesh((vertices - origin) * scale, self.mesh.faces), origin, scale
+            kind = CompressedMesh if len(self.mesh.faces) >= FEWEST_COMPRESSED else FewTriangles
+            self._built = key, kind((vertices - origin) * scale, self.mesh.faces), origin, scale
         return self._built[1:]
 
     def _prepare(self, ray_origins, ray_directions):
@@ -210,8 +254,8 @@ class RayMeshIntersector:
         return scene, (origins - origin) * scale, directions, origin, scale
 
     def memory_bytes(self):
-        """Memory of the compressed triangles and their tree."""
-        return self._scene()[0].statistics().bytes
+        """Memory of the triangles and their tree."""
+        return self._scene()[0].memory_bytes()
 
     def intersects_first(self, ray_origins, ray_directions):
         """Returns (n,) int64: the first triangle that each ray hits, or -1."""
