@@ -35,7 +35,7 @@ import wheel_check
 
 TAG = "2_36"  # of Debian 12's glibc
 PROGRAMS = ["cbvh_render", "cbvh_pathtracer", "cbvh_terrain"]
-# Of packages whose headers are compiled into the module, the programs and OpenImageIO.
+# A header of each package that is compiled into the module, the programs and OpenImageIO.
 HEADERS = ["pybind11/pybind11.h", "CLI/CLI.hpp", "nlohmann/json.hpp", "volk.h", "tsl/robin_map.h", "fmt/core.h",
            "boost/version.hpp"]
 ROOT = Path(__file__).resolve().parents[2]

@@ -27,8 +27,8 @@ from pathlib import Path
 
 # PEP 600 and auditwheel's policy: part of the C and C++ runtime of every system with this version of glibc.
 SYSTEM_LIBRARIES = frozenset(
-    "ld-linux-x86-64.so.2 ld-linux-aarch64.so.1 libc.so.6 libdl.so.2 libgcc_s.so.1 libm.so.6 libpthread.so.0 librt.so.1 "
-    "libstdc++.so.6".split()
+    "ld-linux-x86-64.so.2 ld-linux-aarch64.so.1 libc.so.6 libdl.so.2 libgcc_s.so.1 libm.so.6 libpthread.so.0 "
+    "librt.so.1 libstdc++.so.6".split()
 )
 # Newest version of the symbols on systems with a version of glibc. GCC 12 is the compiler of Debian 12.
 NEWEST = {"2_36": {"GLIBC": (2, 36), "GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)}}
@@ -37,7 +37,7 @@ HASHED = re.compile(r"-[0-9a-f]{8}\.so")
 
 @dataclass
 class Binary:
-    """What the dynamic section of an ELF file states."""
+    """Entries of the dynamic section of an ELF file."""
 
     name: str = ""  # its soname; empty for programs
     needed: list = field(default_factory=list)

@@ -64,8 +64,8 @@ sed -i -E "/^set \(libOpenImageIO_srcs/,/\)/{
   s/^set \(libOpenImageIO_srcs( *)\$/set (libOpenImageIO_srcs /
 }" "$work/openimageio/src/libOpenImageIO/CMakeLists.txt"
 set --
-for package in Freetype OpenColorIO OpenCV TBB DCMTK FFmpeg GIF Libheif LibRaw OpenJPEG OpenVDB Ptex WebP QT Nuke R3DSDK \
-  libjpeg-turbo PYTHON; do
+for package in Freetype OpenColorIO OpenCV TBB DCMTK FFmpeg GIF Libheif LibRaw OpenJPEG OpenVDB Ptex WebP QT Nuke \
+  R3DSDK libjpeg-turbo PYTHON; do
   set -- "$@" "-DUSE_$package=OFF"
 done
 for format in cineon dds dpx fits ico iff null psd rla sgi softimage targa term zfile; do

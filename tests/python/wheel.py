@@ -29,7 +29,7 @@ def run(*command, folder, **options):
 
 
 def check_libraries(package):
-    """What ldd finds is in the wheel or in every system's C and C++ runtime."""
+    """ldd finds libraries in the wheel, or in the C and C++ runtime of every system."""
     import wheel_check
 
     binaries = wheel_check.binaries_in(package)

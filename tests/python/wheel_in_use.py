@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
-"""What wheel.py runs in a virtual environment.
+"""Uses the module in a virtual environment, for wheel.py.
 
     wheel_in_use.py PACKAGE-FOLDER VERSION
 """

@@ -11,8 +11,8 @@ The methods, their arguments and results are those of trimesh.ray.ray_pyembree. 
 vertices are stored exactly, as floats of 32 bits, like in embreex.
 
 It saves memory: docs/meshes.md has bytes per triangle, see its column "lossless". It does not help with small meshes,
-and it does not save time: rays at irregular meshes take longer than in Embree, and a query runs on one thread. trimesh's
-own arrays, 36 bytes per triangle of a closed mesh, stay.
+and it does not save time: rays at irregular meshes take longer than in Embree, and a query runs on one thread.
+trimesh's own arrays, 36 bytes per triangle of a closed mesh, stay.
 """
 
 import ctypes
