@@ -1,7 +1,7 @@
 # Copyright 2026 The Embree CBVH authors
 # SPDX-License-Identifier: Apache-2.0
 
-# What differs in a build for a Python wheel, see scripts/wheel.sh.
+# Changes a build for a Python wheel, see scripts/wheel.sh.
 #
 # A wheel has one library of kernels, libembree_cbvh. The module, the programs and libembree3_vulkan also use Embree's
 # API in it. A Python process may contain another Embree, whose functions have the same names: the dynamic linker would
