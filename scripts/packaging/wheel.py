@@ -118,16 +118,17 @@ def rename_libraries(copies, binaries):
         digest = hashlib.sha256(path.read_bytes()).hexdigest()[:8]
         stem, dot, rest = name.partition(".so")
         names[name] = f"{stem}-{digest}{dot}{rest}"
-        run("patchelf", "--set-soname", names[name], path)
     libraries = [path.rename(path.with_name(names[name])) for name, path in copies.items()]
     folder = libraries[0].parent
     for path in [*binaries, *libraries]:
+        search = os.path.relpath(folder, path.parent)
+        changes = ["--set-rpath", "$ORIGIN" if search == "." else f"$ORIGIN/{search}"]
+        if path in libraries:
+            changes += ["--set-soname", path.name]
         for needed in wheel_check.read_binary(path).needed:
             if needed in names:
-                run("patchelf", "--replace-needed", needed, names[needed], path)
-        # The linker drops an empty path from the file.
-        search = os.path.relpath(folder, path.parent)
-        run("patchelf", "--set-rpath", "$ORIGIN" if search == "." else f"$ORIGIN/{search}", path)
+                changes += ["--replace-needed", needed, names[needed]]
+        run("patchelf", *changes, path)
 
 
 # --- licenses -------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The wheel of scripts/wheel.sh works in an empty virtual environment.
 
-    wheel.py FOLDER VERSION    FOLDER contains embree_cbvh-VERSION-*.whl; otherwise the test is skipped
+    wheel.py FOLDER VERSION    FOLDER has a wheel for this version and interpreter; otherwise the test is skipped
 
 Outside of the build tree and without its environment: pip installs the wheel; wheel_in_use.py traces, saves and loads,
 also if another Embree is in the process; a program renders. Only libraries of the wheel and of the system are loaded.
@@ -44,9 +44,10 @@ def check_libraries(package):
 
 def main():
     folder, version = sys.argv[1:]
-    wheels = sorted(pathlib.Path(folder).glob(f"embree_cbvh-{version}-*.whl"))
+    pattern = f"embree_cbvh-{version}-cp{sys.version_info.major}{sys.version_info.minor}-*.whl"
+    wheels = sorted(pathlib.Path(folder).glob(pattern))
     if not wheels:
-        print(f"skipped: no embree_cbvh-{version}-*.whl in {folder}, see scripts/wheel.sh")
+        print(f"skipped: no {pattern} in {folder}, see scripts/wheel.sh")
         sys.exit(SKIPPED)
     check = ROOT / "scripts/packaging/wheel_check.py"
     with tempfile.TemporaryDirectory() as work:
@@ -59,7 +60,8 @@ def main():
         python = environment / "bin/python"
         run(python, "-m", "pip", "install", "--no-index", "--no-deps", "--find-links", folder,
             f"embree-cbvh=={version}", folder=work)
-        run(python, "-m", "pip", "check", "embree-cbvh", folder=work)
+        shown = run(python, "-m", "pip", "show", "embree-cbvh", folder=work)
+        assert "License: Apache-2.0\n" in shown and "Requires: numpy\n" in shown, shown
         package = next(environment.glob("lib/python3.*/site-packages/embree_cbvh"))
         check_libraries(package)
         use = pathlib.Path(__file__).with_name("wheel_in_use.py")
