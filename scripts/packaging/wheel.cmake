@@ -42,12 +42,15 @@ target_link_options(cbvh_wheel_kernels INTERFACE -Wl,--as-needed -Wl,--gc-sectio
 file(GLOB headers "${CMAKE_BINARY_DIR}/upstream/include/embree3/rtcore*.h")
 list(FILTER headers EXCLUDE REGEX "/rtcore_vulkan\\.h$")
 cbvh_private_names(cbvh_beside cbvh_wheel_kernels ${headers} "${CMAKE_SOURCE_DIR}/kernels/cbvh/flat/flat_scene.h")
-file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/private_names/exports.map" CONTENT "CBVH_WHEEL { global: __wrap_rtc*; };\n")
-target_link_options(cbvh_beside PRIVATE "-Wl,--version-script=${CMAKE_BINARY_DIR}/private_names/exports.map")
+set(exports "${CMAKE_BINARY_DIR}/private_names/exports")
+file(CONFIGURE OUTPUT "${exports}.map" CONTENT "CBVH_WHEEL { global: __wrap_rtc*; };\n")
+target_link_options(cbvh_beside PRIVATE "-Wl,--version-script=${exports}.map")
 if(NOT TARGET embree_vulkan)
   message(FATAL_ERROR "  a wheel contains libembree3_vulkan, which needs Vulkan's headers, glslc and Python")
 endif()
 cbvh_private_names(embree_vulkan embree_vulkan "${CMAKE_SOURCE_DIR}/include/embree3/rtcore_vulkan.h")
+file(CONFIGURE OUTPUT "${exports}_vulkan.map" CONTENT "CBVH_WHEEL { global: __wrap_rtc*; local: *; };\n")
+target_link_options(embree_vulkan PRIVATE "-Wl,--version-script=${exports}_vulkan.map")
 
 # --- libraries that scripts/packaging/wheel_libraries.sh built: common/ finds them --------------
 

@@ -122,13 +122,13 @@ def rename_libraries(copies, binaries):
     folder = libraries[0].parent
     for path in [*binaries, *libraries]:
         search = os.path.relpath(folder, path.parent)
-        changes = ["--set-rpath", "$ORIGIN" if search == "." else f"$ORIGIN/{search}"]
+        needed = [name for name in wheel_check.read_binary(path).needed if name in names]
+        # patchelf 0.14 mixes up the names if one run changes several entries.
         if path in libraries:
-            changes += ["--set-soname", path.name]
-        for needed in wheel_check.read_binary(path).needed:
-            if needed in names:
-                changes += ["--replace-needed", needed, names[needed]]
-        run("patchelf", *changes, path)
+            run("patchelf", "--set-soname", path.name, path)
+        for name in needed:
+            run("patchelf", "--replace-needed", name, names[name], path)
+        run("patchelf", "--set-rpath", "$ORIGIN" if search == "." else f"$ORIGIN/{search}", path)
 
 
 # --- licenses -------------------------------------------------------------------------------
