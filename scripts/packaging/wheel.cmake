@@ -54,6 +54,10 @@ target_link_options(embree_vulkan PRIVATE "-Wl,--version-script=${exports}_vulka
 
 # --- libraries that scripts/packaging/wheel_libraries.sh built: common/ finds them --------------
 
+# OpenImageIO's CMake package silently leaves out libraries whose targets do not exist.
+find_package(Threads REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(Boost REQUIRED COMPONENTS thread)
 find_package(OpenImageIO REQUIRED CONFIG)
 set(OpenImageIO_HEADERS "${OpenImageIO_INCLUDE_DIR}")
 set(OpenImageIO_FILE OpenImageIO::OpenImageIO)
