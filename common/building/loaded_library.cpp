@@ -12,6 +12,28 @@
 namespace cbvh {
 namespace {
 
+/* A wheel's library has another file name, and its functions have other names, see scripts/packaging/wheel.cmake. */
+#ifdef CBVH_WHEEL
+constexpr const char* namePrefix = "__wrap_";
+
+void* openLibrary()
+{
+  Dl_info info;
+  const bool isKnown = dladdr(reinterpret_cast<void*>(&rtcNewDevice), &info);
+  return isKnown ? dlopen(info.dli_fname, RTLD_LAZY | RTLD_NOLOAD) : nullptr;
+}
+#else
+constexpr const char* namePrefix = "";
+
+void* openLibrary() { return dlopen("libembree3.so.3", RTLD_LAZY | RTLD_NOLOAD); }
+#endif
+
+/* dlsym is necessary: cbvh_bench defines functions of these names, and stock Embree lacks some of them. */
+void* functionOf(void* library, const std::string& name)
+{
+  return dlsym(library, (namePrefix + name).c_str());
+}
+
 std::string versionText(ssize_t number) // for example 31305
 {
   return std::to_string(number / 10000) + "." + std::to_string(number / 100 % 100) + "." + std::to_string(number % 100);
@@ -28,16 +50,15 @@ std::string LoadedLibrary::description() const
 LoadedLibrary loadedLibrary()
 {
   LoadedLibrary library;
-  void* const opened = dlopen("libembree3.so.3", RTLD_LAZY | RTLD_NOLOAD);
+  void* const opened = openLibrary();
   if (!opened)
     return library;
 
-  /* dlsym is necessary: cbvh_bench defines functions of these names, and stock Embree lacks some of them. */
-  const auto newDevice = reinterpret_cast<decltype(&rtcNewDevice)>(dlsym(opened, "rtcNewDevice"));
-  const auto releaseDevice = reinterpret_cast<decltype(&rtcReleaseDevice)>(dlsym(opened, "rtcReleaseDevice"));
-  const auto property = reinterpret_cast<decltype(&rtcGetDeviceProperty)>(dlsym(opened, "rtcGetDeviceProperty"));
+  const auto newDevice = reinterpret_cast<decltype(&rtcNewDevice)>(functionOf(opened, "rtcNewDevice"));
+  const auto releaseDevice = reinterpret_cast<decltype(&rtcReleaseDevice)>(functionOf(opened, "rtcReleaseDevice"));
+  const auto property = reinterpret_cast<decltype(&rtcGetDeviceProperty)>(functionOf(opened, "rtcGetDeviceProperty"));
   const auto ourProperty =
-    reinterpret_cast<decltype(&rtcGetDeviceCompressionProperty)>(dlsym(opened, "rtcGetDeviceCompressionProperty"));
+    reinterpret_cast<decltype(&rtcGetDeviceCompressionProperty)>(functionOf(opened, "rtcGetDeviceCompressionProperty"));
   Dl_info info;
   if (dladdr(reinterpret_cast<void*>(newDevice), &info))
     library.path = info.dli_fname;
@@ -54,7 +75,7 @@ LoadedLibrary loadedLibrary()
 
 void requireCompression()
 {
-  if (dlsym(RTLD_DEFAULT, "rtcSetGeometryCompression"))
+  if (functionOf(RTLD_DEFAULT, "rtcSetGeometryCompression"))
     return;
   throw Error("the loaded library cannot compress: it is " + loadedLibrary().description() +
               "; expected the folder of Embree CBVH's libembree3.so.3 first in LD_LIBRARY_PATH");
