@@ -72,7 +72,7 @@ FUNCTIONS = (
     Entry("VertEncoder::pack", 5, BLOCK),
     Entry("BoxEncoder::chooseShear", 2, BLOCK,
           {"[0 => 1] ) ) return straight": "boxes contain their groups along any slope"}),
-    Entry("BoxEncoder::reach", 4, BLOCK),
+    Entry("BoxEncoder::encodeReach", 4, BLOCK),
     Entry("BoxEncoder::writeMargins", 2, BLOCK),
     Entry("VertEncoder::packRaw", 2, BLOCK),
     Entry("VertEncoder::packCells", 4, BLOCK, {"onCell ( - [1 => 2]": "callers only test the sign"}),

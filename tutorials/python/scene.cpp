@@ -357,7 +357,7 @@ std::string buildText()
 model: a Model, or a Cage, which is not displaced.
 representation: a compressed one: )" + wordsOf(&Representation::isCompressed, "\"") + R"(; or "grid", Embree's own, or
   "naive", its triangles, or "naive-compact", these in Embree's compact mode. A frame level may follow: "cleaf^3".
-  "cleaf" stores faces that its leaves approximate badly exactly, as "cvert" does; "cleaf-only" has leaves for all
+  "cleaf" stores faces that its leaves approximate badly as "cvert" does; "cleaf-only" has leaves for all
   faces, as in the paper.
 level: )" + levelRange() + R"(, 2**level x 2**level quads per face.
 frame_level: )" + levelRange() + R"(, for 4**frame_level frames per face, or "auto" (the default); only for
