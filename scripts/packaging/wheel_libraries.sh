@@ -57,7 +57,7 @@ install tiff -DBUILD_SHARED_LIBS=ON -Djbig=OFF -Dwebp=OFF -Djpeg12=OFF -Dcxx=OFF
 
 unpack openimageio 2.5.18.0+dfsg trixie 0dc2185aac5e01a2e5a1a804f558c1190ea048650a7fedef1033a1616abcac80
 # Algorithms on images take most of the time to compile, and the linker drops them.
-unused='_(yee|opencv|compare|orient|addsub|muldiv|mad|minmaxchan|deep|xform|channels)'
+unused='_(yee|compare|orient|addsub|muldiv|mad|minmaxchan|deep|xform|channels)'
 sed -i -E "/^set \(libOpenImageIO_srcs/,/\)/{
   s/imagebufalgo$unused\.cpp//g
   s/(maketexture|printinfo)\.cpp//
