@@ -53,14 +53,14 @@ trap print_summary EXIT
 
 # Installs the missing packages of scripts/packages. Skips a package if an installed one provides it: our packages
 # provide Debian's Embree, and installing Debian's would remove them.
-#   install_packages [LAST_LINE]    only the packages above this line of the file
+#   install_packages [LINE]    the packages above this line of the file; by default those for the build and the tests
 install_packages() {
   command -v dpkg-query > /dev/null ||
     { echo "this machine has no dpkg: docs/platforms.md lists the packages"; return 0; }
   missing=
   present=" $(dpkg-query -W -f '${db:Status-Status} ${Package}, ${Provides}\n' | sed -n 's/^installed //p' |
     tr ',' '\n' | sed 's/^ *//; s/[ :].*//' | tr '\n' ' ') "
-  for package in $(sed -n "${1:+/$1/q;}s/#.*//;p" scripts/packages); do
+  for package in $(sed -n "/${1:-Only a wheel requires}/q;s/#.*//;p" scripts/packages); do
     case $present in
       *" $package "*) ;;
       *) missing="$missing $package" ;;

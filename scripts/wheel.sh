@@ -14,7 +14,7 @@
 libraries=build/wheel-libraries
 targets="embree_cbvh cbvh_render cbvh_pathtracer cbvh_terrain"
 
-phase "packages" install_packages
+phase "packages" install_packages "end of the list"
 phase "build OpenImageIO and libtiff" scripts/packaging/wheel_libraries.sh "$libraries" "$jobs"
 phase "configure, get upstream" configure wheel
 # shellcheck disable=SC2086
