@@ -121,7 +121,7 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
 }
 
 // Triangles of random vertices, and rays through a vertex or the middle of two: triangles that contain the ray must
-// be found.
+// be found, and sides of all triangles are those of the triangle alone.
 TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
 {
   using namespace embree::isa::cbvh;
@@ -153,11 +153,15 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
     }
     VertRay ray;
     ray.set(embree::Ray(Vec3fa(org[0], org[1], org[2]), Vec3fa(dir[0], dir[1], dir[2]), 0.0f, INFINITY));
-    const uint32_t mask = trianglesHitByLine(ray, group);
+    SidesInLanes stored;
+    const uint32_t mask = trianglesHitByLine(ray, group, stored);
     ASSERT_EQ(mask & ~group.lanes, 0u);
     for (uint32_t t = 0; t < count; t++) {
       const VertTriangle triangle(group, t);
-      const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(triangle.sides(ray));
+      const VertTriangle::Sides sides = triangle.sides(ray);
+      ASSERT_TRUE(stored.at[0][t] == sides.w0 && stored.at[1][t] == sides.w1 && stored.at[2][t] == sides.w2)
+        << "case " << i << ", triangle " << t;
+      const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(sides);
       if (isInside) { ASSERT_TRUE(mask >> t & 1) << "case " << i << ", triangle " << t; }
       else { ASSERT_FALSE((mask >> t & 1) && isCertain) << "case " << i << ", triangle " << t; }
       found += isInside;

@@ -92,23 +92,51 @@ namespace embree
         return VertTriangle(cached.triangles(g,h >> 4),h & 15);
       }
 
-      /*! groupTrianglesHitByLine for a class with triangles(), as CachedMeshBlock. */
-      template<typename Cached>
-      __forceinline uint32_t meshTrianglesHitByLine (const VertRay& ray, const Cached& cached, uint32_t g)
+      /*! GroupTriangles of a mesh block: of both halves of a group. */
+      class MeshGroupTriangles
       {
-        const MeshTriangles& first = cached.triangles(g,0);
-        const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may replace the first in its slot
-        const uint32_t mask = trianglesHitByLine(ray,first);
-        return likely(!isFirstOfTwo) ? mask : mask | trianglesHitByLine(ray,cached.triangles(g,1)) << 16;
+      public:
+        uint32_t mask; //!< bit h: triangle h
+
+        /*! cached: has triangles(), as CachedMeshBlock. */
+        template<typename Cached>
+        __forceinline MeshGroupTriangles (const VertRay& ray, const Cached& cached, uint32_t g)
+        {
+          const MeshTriangles& first = cached.triangles(g,0);
+          const bool isFirstOfTwo = first.isFirstOfTwo; // the second half may replace the first in its slot
+          mask = trianglesHitByLine(ray,first,halves[0]);
+          if (unlikely(isFirstOfTwo)) mask |= trianglesHitByLine(ray,cached.triangles(g,1),halves[1]) << 16;
+        }
+
+        /*! h: bit in mask */
+        __forceinline TriangleSides<float> sides (uint32_t h) const
+        {
+          const float (*const w)[16] = halves[h >> 4].at;
+          const uint32_t lane = h & 15;
+          TriangleSides<float> sides;
+          sides.w0 = w[0][lane];
+          sides.w1 = w[1][lane];
+          sides.w2 = w[2][lane];
+          sides.sum = sides.w0 + sides.w1 + sides.w2;
+          return sides;
+        }
+
+      private:
+        SidesInLanes halves[2];
+      };
+
+      __forceinline VertTriangle::Sides sidesOf (const MeshGroupTriangles& triangles, const VertTriangle&,
+                                                 const VertRay&, uint32_t h) {
+        return triangles.sides(h);
       }
 
       __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {
         return triangleOfMesh(cached,g,h);
       }
 
-      __forceinline TriangleMask groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached,
-                                                          uint32_t g) {
-        return { meshTrianglesHitByLine(ray,cached,g) };
+      __forceinline MeshGroupTriangles groupTrianglesHitByLine (const VertRay& ray, const CachedMeshBlock& cached,
+                                                                uint32_t g) {
+        return MeshGroupTriangles(ray,cached,g);
       }
 
       __forceinline SurfacePoint pointOfHit (const CachedMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,

@@ -101,9 +101,13 @@ namespace embree
 #endif
       };
 
+      /*! TriangleSides of up to 16 triangles, one per lane. */
+      struct alignas(64) SidesInLanes { float at[3][16]; };
+
       /*! capacity: at least the number of vertices */
       template<int capacity>
-      __forceinline uint32_t trianglesOfMeshHitByLine (const VertRay& ray, const MeshTriangles& triangles)
+      __forceinline uint32_t trianglesOfMeshHitByLine (const VertRay& ray, const MeshTriangles& triangles,
+                                                       SidesInLanes& sides)
       {
         const ShearedMesh<capacity> mesh(ray,triangles);
         vboolV inside[MeshTriangles::width/vectorWidth];
@@ -111,18 +115,24 @@ namespace embree
         {
           vfloatV x[3], y[3];
           for (int c=0; c<3; c++) mesh.get(vectorWidth*j,c,x[c],y[c]);
-          inside[j] = isInside(edgeSide(x[1],y[1],x[2],y[2]),edgeSide(x[2],y[2],x[0],y[0]),
-            edgeSide(x[0],y[0],x[1],y[1]));
+          const vfloatV w0 = edgeSide(x[1],y[1],x[2],y[2]);
+          const vfloatV w1 = edgeSide(x[2],y[2],x[0],y[0]);
+          const vfloatV w2 = edgeSide(x[0],y[0],x[1],y[1]);
+          inside[j] = isInside(w0,w1,w2);
+          vfloatV::store(sides.at[0]+vectorWidth*j,w0);
+          vfloatV::store(sides.at[1]+vectorWidth*j,w1);
+          vfloatV::store(sides.at[2]+vectorWidth*j,w2);
         }
         return lanesOf(inside) & triangles.lanes;
       }
 
-      /*! Lanes of triangles that the ray's line passes through, or may pass through. */
-      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles)
+      /*! Lanes of triangles that the ray's line passes through, or may pass through. Sets the sides of all lanes. */
+      __forceinline uint32_t trianglesHitByLine (const VertRay& ray, const MeshTriangles& triangles,
+                                                 SidesInLanes& sides)
       {
-        if (triangles.numVertices <= 16) return trianglesOfMeshHitByLine<16>(ray,triangles);
-        if (likely(triangles.numVertices <= 24)) return trianglesOfMeshHitByLine<24>(ray,triangles);
-        return trianglesOfMeshHitByLine<32>(ray,triangles);
+        if (triangles.numVertices <= 16) return trianglesOfMeshHitByLine<16>(ray,triangles,sides);
+        if (likely(triangles.numVertices <= 24)) return trianglesOfMeshHitByLine<24>(ray,triangles,sides);
+        return trianglesOfMeshHitByLine<32>(ray,triangles,sides);
       }
     }
   }

@@ -51,7 +51,7 @@ namespace embree
           {
             const uint32_t g = IsAnyHit<Rays>::value ? popAny(open) : popNearest(open,enter);
             if (enter[g] > rays.tfar[k]) continue;
-            const TriangleMask triangles = groupTrianglesHitByLine(ray,cached,g);
+            const MeshGroupTriangles triangles = groupTrianglesHitByLine(ray,cached,g);
             if (triangles.mask == 0 || !hits.report(g,triangles)) continue;
             if (IsAnyHit<Rays>::value) return true;
             found = true;

@@ -122,9 +122,9 @@ namespace embree
         return triangleOfMesh(cached,g,h);
       }
 
-      __forceinline TriangleMask groupTrianglesHitByLine (const VertRay& ray, const MovingMeshBlock& cached,
-                                                          uint32_t g) {
-        return { meshTrianglesHitByLine(ray,cached,g) };
+      __forceinline MeshGroupTriangles groupTrianglesHitByLine (const VertRay& ray, const MovingMeshBlock& cached,
+                                                                uint32_t g) {
+        return MeshGroupTriangles(ray,cached,g);
       }
 
       __forceinline SurfacePoint pointOfHit (const MovingMeshBlock& cached, const VertHeader*, uint32_t g, uint32_t t,
