@@ -71,7 +71,9 @@ def main():
         for program in ("cbvh_render", "cbvh_pathtracer", "cbvh_terrain"):
             assert "--help" in run(environment / "bin" / program, "--help", folder=work)
         shown = run(environment / "bin/cbvh_render", "--version", folder=work)
-        assert version in shown and f"{package}/lib/libembree_cbvh-" in shown, shown
+        library = pathlib.Path(shown.strip().rpartition(", ")[2]).resolve()
+        assert version in shown and library.parent == package / "lib", shown
+        assert library.name.startswith("libembree_cbvh-"), shown
         run(environment / "bin/cbvh_render", "--scene", "cube", "--level", "3", "--size", "64x48", "--exr",
             "--output", "pictures", folder=work)
         pictures = sorted(path.suffix for path in pathlib.Path(work, "pictures").iterdir())
