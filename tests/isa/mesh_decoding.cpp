@@ -121,7 +121,7 @@ TEST(MeshDecoding, GroupsMatchScalarDecoder)
 }
 
 // Triangles of random vertices, and rays through a vertex or the middle of two: triangles that contain the ray must
-// be found, and sides of all triangles are those of the triangle alone.
+// be found. The stored sides must equal those that each triangle computes.
 TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
 {
   using namespace embree::isa::cbvh;
@@ -159,7 +159,7 @@ TEST(MeshTriangles, TrianglesThatContainTheRayAreFound)
     for (uint32_t t = 0; t < count; t++) {
       const VertTriangle triangle(group, t);
       const VertTriangle::Sides sides = triangle.sides(ray);
-      ASSERT_TRUE(stored.at[0][t] == sides.w0 && stored.at[1][t] == sides.w1 && stored.at[2][t] == sides.w2)
+      ASSERT_TRUE(stored.at(t).w0 == sides.w0 && stored.at(t).w1 == sides.w1 && stored.at(t).w2 == sides.w2)
         << "case " << i << ", triangle " << t;
       const bool isInside = triangle.containsExactly(ray), isCertain = areCertain(sides);
       if (isInside) { ASSERT_TRUE(mask >> t & 1) << "case " << i << ", triangle " << t; }

@@ -16,6 +16,7 @@ trimesh's own arrays, 36 bytes per triangle of a closed mesh, stay.
 """
 
 import ctypes
+import functools
 import weakref
 from pathlib import Path
 
@@ -67,10 +68,11 @@ class Statistics(ctypes.Structure):
     ]
 
 
-def open_library():
+@functools.lru_cache(maxsize=None)
+def library():
     """Loads the library of the wheel that contains this file, or the one that the dynamic linker finds."""
     of_wheel = sorted(Path(__file__).parent.glob("lib/libembree_cbvh-*.so*"))
-    library = ctypes.CDLL(str(of_wheel[0]) if of_wheel else "libembree_cbvh.so.0")
+    opened = ctypes.CDLL(str(of_wheel[0]) if of_wheel else "libembree_cbvh.so.0")
     arguments = {
         "cbvhNewContext": [ctypes.c_char_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.POINTER(HANDLE)],
         "cbvhNewSurface": [HANDLE, ctypes.POINTER(HANDLE)],
@@ -86,7 +88,7 @@ def open_library():
         "cbvhReleaseGroup": [HANDLE],
     }
     for name, types in arguments.items():
-        function = getattr(library, name)
+        function = getattr(opened, name)
         function.argtypes = types
         if "Release" in name:
             function.restype = None
@@ -94,19 +96,13 @@ def open_library():
             function.restype = ctypes.c_uint
         else:
             function.errcheck = check
-    library.cbvhGetErrorText.restype = ctypes.c_char_p
-    return library
+    opened.cbvhGetErrorText.restype = ctypes.c_char_p
+    return opened
 
 
 def check(code, function, _):
     if code:
         raise RuntimeError(f"{function.__name__}: {library().cbvhGetErrorText().decode()}")
-
-
-def library(opened=[]):  # pylint: disable=dangerous-default-value
-    if not opened:
-        opened.append(open_library())
-    return opened[0]
 
 
 def aligned_zeros(shape, dtype):

@@ -349,6 +349,7 @@ namespace embree
       cbvh::UnmonitoredVector<unsigned> mates;     //!< second triangle of a first one, `second`, or none
     };
 
+    /*! Counts the triangles of vertices, to decide whether the search for grids is worthwhile. */
     class RegularityTest
     {
     public:
@@ -357,7 +358,7 @@ namespace embree
 
       /*! True if at least half of the sampled vertices have six triangles. With random diagonals, 3 in 8 do. In less
        *  regular meshes, most quads would be loose. */
-      bool haveSixTriangles ()
+      bool areVerticesRegular ()
       {
         const bool areFew = numVertices < 4096;
         count([&](unsigned vertex) { return areFew || (vertex*0x9E3779B1u) >> 26 == 0; }); // one vertex in 64
@@ -368,26 +369,23 @@ namespace embree
       /*! True if at least a quarter of the triangles are inside of a regular part: all their vertices, and all adjacent
        *  ones, have six triangles. CAD models have fewer where cylinders and fillets are narrow strips. The search then
        *  takes as long as the rest of the build, and finds regions that hardly reduce memory and slow rays. */
-      bool haveDeepTriangles ()
+      bool hasWideParts ()
       {
         count([](unsigned) { return true; });
-        const size_t perTask = size_t(1) << 14;
         const uint8_t shallow = 128; // bit of a vertex with six triangles if an adjacent one differs
-        parallel_for(size_t(0),size,perTask,[&](const range<size_t>& r) {
-            for (size_t t=r.begin(); t!=r.end(); t++) {
-              unsigned v[3];
-              if (!look(t,v)) continue;
-              auto isSix = [&](int c) { return (countOf(v[c]) | shallow) == (6 | shallow); };
-              if (isSix(0) && isSix(1) && isSix(2)) continue;
-              for (int c=0; c<3; c++)
-                if (isSix(c)) cbvh::AtomicRef<uint8_t>(counts[v[c]]).fetchOr(shallow,std::memory_order_relaxed);
-            }
+        forEachTriangle([&](const unsigned v[3]) {
+            if (!areValid(v)) return;
+            auto isSix = [&](int c) { return (countOf(v[c]) | shallow) == (6 | shallow); };
+            if (isSix(0) && isSix(1) && isSix(2)) return;
+            for (int c=0; c<3; c++)
+              if (isSix(c)) cbvh::AtomicRef<uint8_t>(counts[v[c]]).fetchOr(shallow,std::memory_order_relaxed);
           });
-        const size_t numDeep = parallel_reduce(size_t(0),size,perTask,size_t(0),[&](const range<size_t>& r) {
+        const size_t numDeep = parallel_reduce(size_t(0),size,size_t(perTask),size_t(0),[&](const range<size_t>& r) {
             size_t n = 0;
             for (size_t t=r.begin(); t!=r.end(); t++) {
               unsigned v[3];
-              n += look(t,v) && countOf(v[0]) == 6 && countOf(v[1]) == 6 && countOf(v[2]) == 6;
+              triangles.triangle(t,v);
+              n += areValid(v) && countOf(v[0]) == 6 && countOf(v[1]) == 6 && countOf(v[2]) == 6;
             }
             return n;
           },std::plus<size_t>());
@@ -395,29 +393,37 @@ namespace embree
       }
 
     private:
-      bool look (size_t triangle, unsigned v[3]) const
+      static const size_t perTask = size_t(1) << 14;
+
+      /*! function(v): v are the vertices of a triangle. Called concurrently. */
+      template<typename Function>
+      void forEachTriangle (const Function& function) const
       {
-        triangles.triangle(triangle,v);
-        return max(max(v[0],v[1]),v[2]) < numVertices;
+        parallel_for(size_t(0),size,size_t(perTask),[&](const range<size_t>& r) {
+            for (size_t t=r.begin(); t!=r.end(); t++) {
+              unsigned v[3];
+              triangles.triangle(t,v);
+              function(v);
+            }
+          });
       }
+
+      bool areValid (const unsigned v[3]) const { return max(max(v[0],v[1]),v[2]) < numVertices; }
 
       unsigned countOf (unsigned vertex) {
         return cbvh::AtomicRef<uint8_t>(counts[vertex]).load(std::memory_order_relaxed);
       }
 
-      template<typename IsLookedAt>
-      void count (const IsLookedAt& isLookedAt)
+      /*! Sets `counts` of the vertices that are sampled. */
+      template<typename IsSampled>
+      void count (const IsSampled& isSampled)
       {
         cbvh::resizeToFit(counts,numVertices);
         std::fill(counts.begin(),counts.end(),uint8_t(0));
-        parallel_for(size_t(0),size,size_t(1) << 14,[&](const range<size_t>& r) {
-            for (size_t t=r.begin(); t!=r.end(); t++) {
-              unsigned corners[3];
-              triangles.triangle(t,corners);
-              for (unsigned v : corners)
-                if (isLookedAt(v) && v < numVertices)
-                  cbvh::AtomicRef<uint8_t>(counts[v]).fetchAdd(1,std::memory_order_relaxed);
-            }
+        forEachTriangle([&](const unsigned v[3]) {
+            for (int c=0; c<3; c++)
+              if (isSampled(v[c]) && v[c] < numVertices)
+                cbvh::AtomicRef<uint8_t>(counts[v[c]]).fetchAdd(1,std::memory_order_relaxed);
           });
       }
 
@@ -466,9 +472,9 @@ namespace embree
                       mvector<unsigned>& seconds)
   {
     RegularityTest test(mesh,welded);
-    if (!test.haveSixTriangles()) return false;
+    if (!test.areVerticesRegular()) return false;
     if (areHalves(mesh,welded)) return pairHalves(mesh,welded,firsts,seconds);
-    if (!test.haveDeepTriangles()) return false;
+    if (!test.hasWideParts()) return false;
     if (mesh->triangles.size() >= size_t(1) << 30 || mesh->numVertices() >= size_t(1) << 31) return false;
     PairFinder(mesh,welded).run(firsts,seconds);
     return true;

@@ -140,6 +140,7 @@ namespace embree
       CacheEntries<Group,numGroups> groups;
     };
 
+    /* An odd number of groups: blocks at equal distances, of a power of two, do not share a few entries. */
     typedef SegmentEntries<SegmentBoxes,SegmentVertices,512,32,160,323> MotionEntries;
     typedef ThreadCache<VertEntries> VertCache;
     typedef ThreadCache<MotionEntries> MotionCache;

@@ -109,26 +109,11 @@ namespace embree
         }
 
         /*! h: bit in mask */
-        __forceinline TriangleSides<float> sides (uint32_t h) const
-        {
-          const float (*const w)[16] = halves[h >> 4].at;
-          const uint32_t lane = h & 15;
-          TriangleSides<float> sides;
-          sides.w0 = w[0][lane];
-          sides.w1 = w[1][lane];
-          sides.w2 = w[2][lane];
-          sides.sum = sides.w0 + sides.w1 + sides.w2;
-          return sides;
-        }
+        __forceinline TriangleSides<float> sides (uint32_t h) const { return halves[h >> 4].at(h & 15u); }
 
       private:
         SidesInLanes halves[2];
       };
-
-      __forceinline VertTriangle::Sides sidesOf (const MeshGroupTriangles& triangles, const VertTriangle&,
-                                                 const VertRay&, uint32_t h) {
-        return triangles.sides(h);
-      }
 
       __forceinline VertTriangle triangleOf (const CachedMeshBlock& cached, uint32_t g, uint32_t h) {
         return triangleOfMesh(cached,g,h);

@@ -32,17 +32,15 @@ namespace embree
         return GroupTriangles(ray,cached.vertices(g));
       }
 
-      __forceinline VertTriangle::Sides sidesOf (const GroupTriangles& triangles, const VertTriangle&, const VertRay&,
+      /*! GroupTriangles without sides: of one ray of GroupTrianglesK. */
+      struct TriangleMask { uint32_t mask; };
+
+      /*! Sides of triangle h: those that the group's test stored. */
+      template<typename Triangles>
+      __forceinline VertTriangle::Sides sidesOf (const Triangles& triangles, const VertTriangle&, const VertRay&,
                                                  uint32_t h) {
         return triangles.sides(h);
       }
-
-      /*! GroupTriangles without stored sides. */
-      struct TriangleMask
-      {
-        uint32_t mask;
-      };
-
       __forceinline VertTriangle::Sides sidesOf (const TriangleMask&, const VertTriangle& triangle, const VertRay& ray,
                                                  uint32_t) {
         return triangle.sides(ray);

@@ -101,9 +101,6 @@ namespace embree
 #endif
       };
 
-      /*! TriangleSides of up to 16 triangles, one per lane. */
-      struct alignas(64) SidesInLanes { float at[3][16]; };
-
       /*! capacity: at least the number of vertices */
       template<int capacity>
       __forceinline uint32_t trianglesOfMeshHitByLine (const VertRay& ray, const MeshTriangles& triangles,
@@ -119,9 +116,7 @@ namespace embree
           const vfloatV w1 = edgeSide(x[2],y[2],x[0],y[0]);
           const vfloatV w2 = edgeSide(x[0],y[0],x[1],y[1]);
           inside[j] = isInside(w0,w1,w2);
-          vfloatV::store(sides.at[0]+vectorWidth*j,w0);
-          vfloatV::store(sides.at[1]+vectorWidth*j,w1);
-          vfloatV::store(sides.at[2]+vectorWidth*j,w2);
+          sides.set(int(j),w0,w1,w2);
         }
         return lanesOf(inside) & triangles.lanes;
       }

@@ -4,7 +4,7 @@
 #pragma once
 
 /* Ray data for cVERT blocks: the shear that maps the ray to the z axis, for triangles; its reciprocal direction, for
- * boxes; its nearest hit, for ties (rule.h). */
+ * boxes; its nearest hit, for ties (rule.h); the sides of a group's triangles, for hits. */
 
 #include "cache.h"
 #include "../base/surface_ids.h"
@@ -138,6 +138,31 @@ namespace embree
         bool isSet;
         uint32_t loaded;
         VertRay rays[K];
+      };
+
+      /*! TriangleSides of up to 16 triangles, one per lane. A group's test stores them, so that hits need not compute
+       *  them again. */
+      struct alignas(64) SidesInLanes
+      {
+        float weights[3][16];
+
+        /*! Sets vector j of the lanes. */
+        __forceinline void set (int j, const vfloatV& w0, const vfloatV& w1, const vfloatV& w2)
+        {
+          vfloatV::store(weights[0]+vectorWidth*j,w0);
+          vfloatV::store(weights[1]+vectorWidth*j,w1);
+          vfloatV::store(weights[2]+vectorWidth*j,w2);
+        }
+
+        __forceinline TriangleSides<float> at (uint32_t lane) const
+        {
+          TriangleSides<float> sides;
+          sides.w0 = weights[0][lane];
+          sides.w1 = weights[1][lane];
+          sides.w2 = weights[2][lane];
+          sides.sum = sides.w0 + sides.w1 + sides.w2;
+          return sides;
+        }
       };
     }
   }

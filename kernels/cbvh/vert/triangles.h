@@ -109,17 +109,7 @@ namespace embree
         uint32_t mask; //!< bits 2q and 2q+1: triangles of quad q
 
         /*! h: bit in mask */
-        __forceinline TriangleSides<float> sides (uint32_t h) const
-        {
-          const float (*const w)[16] = weights[h & 1u];
-          const uint32_t q = h >> 1;
-          TriangleSides<float> sides;
-          sides.w0 = w[0][q];
-          sides.w1 = w[1][q];
-          sides.w2 = w[2][q];
-          sides.sum = sides.w0 + sides.w1 + sides.w2;
-          return sides;
-        }
+        __forceinline TriangleSides<float> sides (uint32_t h) const { return halves[h & 1u].at(h >> 1); }
 
         __forceinline GroupTriangles (const VertRay& ray, const CellVertices& group) : mask(0)
         {
@@ -141,9 +131,8 @@ namespace embree
             const vfloatV top    = edgeSide(x[3],y[3],x[2],y[2]);
             first[j] = isInside(diag,left,bottom);
             second[j] = isInside(right,top,-diag);
-            const vfloatV of[2][3] = { { diag,left,bottom },{ right,top,-diag } };
-            for (int i=0; i<2; i++)
-              for (int w=0; w<3; w++) vfloatV::store(weights[i][w]+vectorWidth*j,of[i][w]);
+            halves[0].set(j,diag,left,bottom);
+            halves[1].set(j,right,top,-diag);
           }
           const uint32_t firsts = lanesOf(first), seconds = lanesOf(second), met = firsts | (seconds << 16);
           if (met == 0) return;
@@ -153,7 +142,7 @@ namespace embree
         }
 
       private:
-        alignas(64) float weights[2][3][16]; //!< TriangleSides of the first and second triangles of quads
+        SidesInLanes halves[2]; //!< of the first triangles of all quads, and of the second
 
         static __forceinline CellVector from (const VertRay& ray, const CellVertices& group, int k)
         {
