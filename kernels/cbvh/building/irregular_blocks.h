@@ -40,10 +40,9 @@ namespace embree
       void build (cbvh::BlockMemory& memory, BuildResults& results, size_t numGrids, const Progress& progress)
       {
         const uint32_t group = MeshWriter::groupPrimitives(triangles.mesh);
-        const cbvh::MeshClusters cutter(group);
         std::vector<range<size_t>> parts;
         if (triangles.centers.size()) parts.push_back(range<size_t>(0,triangles.centers.size()));
-        while (cut(cutter,parts)) progress(0.0);
+        for (uint32_t depth=0; divide(group,depth,parts); depth++) progress(0.0);
         const double perCenter = double(numPrimitives())/double(max(triangles.centers.size(),size_t(1)));
         parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
             cbvh::MeshClusters clusters(group);
@@ -76,22 +75,35 @@ namespace embree
       }
 
     private:
+      struct BoundsOf
+      {
+        const IrregularTriangles& triangles;
+
+        void operator() (uint32_t primitive, float lower[3], float upper[3]) const {
+          triangles.bound(primitive,lower,upper);
+        }
+      };
+
+      BoundsOf boundsOf () const { return BoundsOf{ triangles }; }
+
       template<typename Writer>
       void write (cbvh::MeshClusters& clusters, const range<size_t>& part, const std::unique_ptr<Writer>& writer)
       {
-        clusters.cut(triangles.centers.data()+part.begin(),part.size(),
-          [&](uint32_t index, float lower[3], float upper[3]) { triangles.bound(index,lower,upper); },
-          [&](const cbvh::MeshCenter* cluster, uint32_t count) { writer->write(cluster,count); });
+        clusters.cut(triangles.centers.data()+part.begin(),part.size(),boundsOf(),
+          [&](const cbvh::MeshCenter* cluster, uint32_t, const cbvh::MeshGroups& groups) {
+            writer->write(cluster,groups);
+          });
       }
 
-      /*! Halves parts that are too large. False if there are none. */
-      bool cut (const cbvh::MeshClusters& cutter, std::vector<range<size_t>>& parts)
+      /*! Divides parts that are too large. False if there are none. */
+      bool divide (uint32_t group, uint32_t depth, std::vector<range<size_t>>& parts)
       {
         std::vector<size_t> halves(parts.size(),0);
         parallel_for(size_t(0),parts.size(),size_t(1),[&](const range<size_t>& r) {
+            cbvh::MeshClusters clusters(group);
             for (size_t i=r.begin(); i!=r.end(); i++)
-              if (parts[i].size() > cutter.maxPart())
-                halves[i] = cutter.halve(triangles.centers.data()+parts[i].begin(),parts[i].size());
+              if (parts[i].size() > cbvh::MeshClusters::partTriangles)
+                halves[i] = clusters.divide(triangles.centers.data()+parts[i].begin(),parts[i].size(),boundsOf(),depth);
           });
         std::vector<range<size_t>> next;
         for (size_t i=0; i<parts.size(); i++) {

@@ -27,11 +27,11 @@ namespace embree
 
       /*! Writes a cluster of MeshClusters. The caller must flush the store after a part's last cluster: the part's
        *  blocks are one piece of memory. */
-      void write (const cbvh::MeshCenter* cluster, uint32_t count)
+      void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
         double moved = 0;
         uint32_t n = 0;
-        for (uint32_t i=0; i<count; i++)
+        const cbvh::MeshGroups stored = storeGroups(groups,n,[&](uint32_t i) {
           for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
             cbvh::MeshTriangle& triangle = triangles[n];
             triangle.number = from.mesh.triangleOf(cluster[i].index,k);
@@ -39,11 +39,28 @@ namespace embree
             moved = max(moved,from.store(triangle.number,triangle.corners));
             n += hasThreeCorners(triangle); // a grid's lattice can be too coarse for an adjacent triangle
           }
+        });
         statistics.addDeviation(moved);
         if (n == 0) return;
         cbvh::MeshStatistics ofBlocks;
-        encoder.encodeCluster(triangles,n,groupTriangles,from.mesh.areHalvesOfQuads(),surface,block,ofBlocks,
+        encoder.encodeCluster(triangles,stored,from.mesh.areHalvesOfQuads(),surface,block,ofBlocks,
           [&](size_t bytes, uint32_t first, uint32_t stored) { add(bytes,triangles+first,stored); });
+      }
+
+      /*! Calls storePrimitive(i) for each primitive of a cluster, which increases numTriangles by the triangles that it
+       *  stores. Returns the groups of stored triangles. */
+      template<typename StorePrimitive>
+      static cbvh::MeshGroups storeGroups (const cbvh::MeshGroups& groups, const uint32_t& numTriangles,
+                                           const StorePrimitive& storePrimitive)
+      {
+        cbvh::MeshGroups stored;
+        uint32_t i = 0;
+        for (uint32_t g=0; g<groups.count; g++) {
+          const uint32_t before = numTriangles;
+          while (i < groups.ends[g]) storePrimitive(i++);
+          if (numTriangles != before) stored.add(numTriangles);
+        }
+        return stored;
       }
 
       static void addBlock (const cbvh::MeshHeader& header, size_t bytes, cbvh::BuildStatistics& statistics)

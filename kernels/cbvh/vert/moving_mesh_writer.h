@@ -22,11 +22,11 @@ namespace embree
           words(cbvh::MeshMotionEncoder::maxBytes(plan.numTimeSteps)/sizeof(uint32_t)+1) {}
 
       /*! Writes a cluster of MeshClusters. The caller must flush the store after the last one. */
-      void write (const cbvh::MeshCenter* cluster, uint32_t count)
+      void write (const cbvh::MeshCenter* cluster, const cbvh::MeshGroups& groups)
       {
         double moved = 0;
         uint32_t n = 0;
-        for (uint32_t i=0; i<count; i++)
+        const cbvh::MeshGroups stored = MeshWriter::storeGroups(groups,n,[&](uint32_t i) {
           for (uint32_t k=0; k<from.mesh.perPrimitive; k++) {
             const uint32_t number = from.mesh.triangleOf(cluster[i].index,k);
             if (from.haveEqualCorners(number)) continue; // half of a quad
@@ -35,9 +35,10 @@ namespace embree
             for (int c=0; c<3; c++) moved = max(moved,from.storeVertex(0,ids[n][c],triangles[n].corners[c]));
             n++;
           }
+        });
         if (n == 0) return;
-        const cbvh::MovingCluster moving = { triangles,ids,n,MeshWriter::groupTriangles,from.mesh.areHalvesOfQuads(),
-          plan.surface,plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
+        const cbvh::MovingCluster moving = { triangles,ids,stored,from.mesh.areHalvesOfQuads(),plan.surface,
+         plan.timeRange.lower,plan.timeRange.upper,plan.numTimeSteps };
         cbvh::MeshStatistics ofBlocks;
         encoder.encodeCluster(moving,(uint8_t*)words.data(),ofBlocks,
           [&](uint32_t step, uint32_t id, float out[3]) {

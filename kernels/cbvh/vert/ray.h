@@ -22,7 +22,10 @@ namespace embree
       template<typename Real>
       struct VertRayAxes
       {
-        Real org[3], dir[3], rcp[3];
+        /* Of a single ray, each has a fourth value without meaning, such that one store writes the vector and one load
+         * reads it. A load of several stores' data would have to wait for them. */
+        static const int stride = sizeof(Real) == sizeof(float) ? 4 : 3;
+        alignas(16) Real org[stride], dir[stride], rcp[stride];
         Real largest; //!< largest component of dir, absolute
 
         template<typename Vector>
@@ -72,11 +75,13 @@ namespace embree
           if (likely(isSet)) return;
           isSet = true;
           cache = &VertCache::ofThread();
-          VertRayAxes<float>::set(Vec3fa(ray.org),Vec3fa(ray.dir));
-          const vfloat4 reciprocals = directionReciprocals(vfloat4(Vec3fa(ray.dir).m128));
-          for (int k=0; k<3; k++) rcp[k] = reciprocals[k];
+          const vfloat4 direction(Vec3fa(ray.dir).m128), reciprocals = directionReciprocals(direction);
+          vfloat4::store(org,vfloat4(Vec3fa(ray.org).m128));
+          vfloat4::store(dir,direction);
+          vfloat4::store(rcp,reciprocals);
           descends = uint32_t(movemask(reciprocals < vfloat4(zero)));
           const Vec3fa a = abs(Vec3fa(ray.dir));
+          largest = max(max(a.x,a.y),a.z);
           kz = largestAxis(a.x,a.y,a.z);
           setAxes();
           const float sz = 1.0f/dir[kz];

@@ -56,8 +56,8 @@ namespace cvert { inline namespace CVERT_ISA
       MeshClusters clusters(settings.groupTriangles);
       clusters.cut(centers.data(),centers.size(),
         [&](uint32_t index, float lower[3], float upper[3]) { bound(mesh,index,lower,upper); },
-        [&](const MeshCenter* cluster, uint32_t count) {
-          encodeCluster(mesh,cluster,count,report.statistics,onBlock);
+        [&](const MeshCenter* cluster, uint32_t count, const MeshGroups& groups) {
+          encodeCluster(mesh,cluster,count,groups,report.statistics,onBlock);
         });
       return report;
     }
@@ -105,8 +105,8 @@ namespace cvert { inline namespace CVERT_ISA
     }
 
     template<typename OnBlock>
-    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, MeshStatistics& statistics,
-      const OnBlock& onBlock)
+    void encodeCluster (const MeshSource& mesh, const MeshCenter* cluster, uint32_t count, const MeshGroups& groups,
+      MeshStatistics& statistics, const OnBlock& onBlock)
     {
       for (uint32_t i=0; i<count; i++)
       {
@@ -114,7 +114,7 @@ namespace cvert { inline namespace CVERT_ISA
         for (int c=0; c<3; c++) lattice.snap(mesh.vertices[mesh.triangles[index][c]],triangles[i].corners[c]);
         triangles[i].number = index;
       }
-      encoder->encodeCluster(triangles,count,settings.groupTriangles,false,settings.surface,block,statistics,
+      encoder->encodeCluster(triangles,groups,false,settings.surface,block,statistics,
         [&](size_t, uint32_t, uint32_t) { onBlock((const MeshHeader*)block); });
     }
 

@@ -3,9 +3,10 @@
 
 #pragma once
 
-/* Divides triangles into clusters of up to 256, and these into groups, recursively at an axis' median, such that all
- * but the last are full. Compact groups share few vertices and have small boxes. Large parts are divided across their
- * longest axis, smaller ones across the axis that minimizes the sum of both areas, in bounds of 16 bits. */
+/* Divides triangles into clusters of up to 256, and these into groups, recursively by the surface area heuristic. The
+ * cost of a part is the number of clusters or groups that it needs. Parts of more than 512 triangles are divided at
+ * borders of bins, smaller ones at the best of all positions in the order of centers on an axis. Bounds have 16 bits,
+ * and costs are exact integers, such that all processors find the same clusters. */
 
 #include "../format/mesh_block.h"
 #include <algorithm>
@@ -21,224 +22,332 @@ namespace cvert { inline namespace CVERT_ISA
     uint32_t index; //!< chosen by the caller
   };
 
+  /*! Groups of consecutive triangles. */
+  struct MeshGroups
+  {
+    uint32_t ends[maxMeshGroups]; //!< index of the group's last triangle plus 1
+    uint32_t count = 0;
+
+    void add (uint32_t end) { ends[count++] = end; }
+  };
+
   class MeshClusters
   {
   public:
-    /*! groupTriangles: of a full group, 1 to maxGroupTriangles */
+    /*! groupTriangles: of a full group, a power of two up to maxGroupTriangles */
     explicit MeshClusters (uint32_t groupTriangles)
       : groupTriangles(groupTriangles), clusterTriangles(std::min(groupTriangles*maxMeshGroups,maxMeshTriangles)),
         part(new Part) {}
 
-    /*! Reorders triangles and calls onCluster(triangles,count) for each cluster, in order. Its groups are
-     *  groupTriangles consecutive triangles. boundsOf(index,lower,upper) bounds a triangle. */
+    /*! cut() applies divide() to larger parts. Threads can cut both halves concurrently, each with its own object. */
+    static const size_t partTriangles = 4096;
+
+    /*! Reorders triangles and calls onCluster(triangles,count,groups) for each cluster, in order. boundsOf(index,lower,
+     *  upper) bounds a triangle. depth: number of applications of divide() so far */
     template<typename BoundsOf, typename OnCluster>
-    void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster)
+    void cut (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, const OnCluster& onCluster,
+      uint32_t depth = 0)
     {
-      if (count > maxPart())
+      if (count > partTriangles)
       {
-        const size_t half = halve(triangles,count);
-        cut(triangles,half,boundsOf,onCluster);
-        cut(triangles+half,count-half,boundsOf,onCluster);
+        const size_t left = divide(triangles,count,boundsOf,depth);
+        cut(triangles,left,boundsOf,onCluster,depth+1);
+        cut(triangles+left,count-left,boundsOf,onCluster,depth+1);
         return;
       }
-      load(triangles,count,boundsOf);
-      split(part->items,count,clusterTriangles,
-        [&](Item* cluster, size_t size) { split(cluster,size,groupTriangles,[](Item*, size_t) {}); });
-      for (size_t i=0; i<count; i++) triangles[i] = part->centers[part->items[i].at[6]];
-      for (size_t i=0; i<count; i+=clusterTriangles)
-        onCluster(triangles+i,uint32_t(std::min(count-i,size_t(clusterTriangles))));
+      load(triangles,count,1,boundsOf);
+      cutBins(0,count,[&](size_t first, uint32_t begin, uint32_t end, const MeshGroups& groups) {
+          for (uint32_t i=begin; i<end; i++)
+            triangles[first+i] = part->centers[part->items[first+part->order[0][i]].index()];
+          onCluster(triangles+first+begin,end-begin,groups);
+        });
     }
 
-    /*! cut() applies halve() to larger parts. Threads can cut the halves concurrently. */
-    size_t maxPart () const { return partTriangles/clusterTriangles*clusterTriangles; }
-
-    /*! Reorders more than maxPart() triangles into two parts. Returns the size of the first, whose clusters are
-     *  full. */
-    size_t halve (MeshCenter* triangles, size_t count) const
+    /*! Reorders more than partTriangles triangles into two parts. Returns the size of the first. */
+    template<typename BoundsOf>
+    size_t divide (MeshCenter* triangles, size_t count, const BoundsOf& boundsOf, uint32_t depth)
     {
-      const size_t half = halfOf(count,clusterTriangles);
-      cutAcrossLongest(triangles,count,half);
-      return half;
+      const size_t step = count/samples;
+      const Grid grid = load(triangles,(count+step-1)/step,step,boundsOf);
+      const BinCut cut = chooseBins(0,(count+step-1)/step,step);
+      if (depth < maxUnbalancedDepth && cut.isPresent) {
+        const int k = cut.axis;
+        const float end = grid.positionOf(cut.begin,k);
+        const size_t left = moveToFront(triangles,count,[=](const MeshCenter& c) { return c.at[k] < end; });
+        if (left != 0 && left != count) return left;
+      }
+      const int k = grid.longest;
+      std::nth_element(triangles,triangles+count/2,triangles+count,
+        [k](const MeshCenter& a, const MeshCenter& b) { return a.at[k] < b.at[k]; });
+      return count/2;
     }
 
     const uint32_t groupTriangles, clusterTriangles;
 
   private:
-    static const size_t partTriangles = 4096, sampleTriangles = 64;
+    static const size_t samples = 256;              //!< that divide() takes, at least
+    static const uint32_t maxUnbalancedDepth = 64;  //!< divide() halves deeper parts, for any input
     static const uint32_t bins = 32;
+    static const size_t sortedItems = 512;
 
-    /*! 0 to 2: lower bounds; 3 to 5: 65535 minus upper bounds, so that a minimum extends both; 6: index in the part; 7:
-     *  bin. */
+    /*! Lanes 0 to 2: lower bounds; 4 to 6: 65535 minus upper bounds, so that a minimum extends both. */
+    typedef uint16_t Lanes __attribute__((vector_size(16)));
+
+    /*! Lane 3: index in the part; 7: bin, or 1 for the right side of a cut. */
     struct Item
     {
-      uint16_t at[8];
+      Lanes lanes;
 
-      uint32_t center (int k) const { return uint32_t(at[k]) + 65535u - at[3+k]; } //!< a center has 17 bits
-      double size (int k) const { return 65535.0 - at[3+k] - at[k]; }
-      double area () const { return size(0)*size(1) + size(1)*size(2) + size(2)*size(0); }
+      uint32_t center (int k) const { return uint32_t(lanes[k]) + 65535u - lanes[4+k]; } //!< a center has 17 bits
+      uint16_t index () const { return lanes[3]; }
     };
-
-    typedef uint16_t Lanes __attribute__((vector_size(16)));
 
     struct Bounds
     {
       Lanes lanes = Lanes{} + uint16_t(65535);
 
-      /*! isPresent: 0xFFFF, or 0 for no change */
-      void extend (Lanes item, uint16_t isPresent) {
-        item |= uint16_t(~isPresent);
-        lanes = item < lanes ? item : lanes;
-      }
-      double area () const {
-        Item item;
-        std::memcpy(item.at,&lanes,sizeof(lanes));
-        return item.area();
+      void extend (Lanes item) { lanes = item < lanes ? item : lanes; }
+
+      /*! Half of the surface area. Requires an item. */
+      uint64_t area () const
+      {
+        uint64_t halves[2];
+        std::memcpy(halves,&lanes,sizeof(halves));
+        const uint64_t sizes = ~(halves[0]+halves[1]); // no sum exceeds 16 bits
+        const uint64_t x = sizes & 65535, y = (sizes >> 16) & 65535, z = (sizes >> 32) & 65535;
+        return x*(y+z) + y*z;
       }
     };
 
     struct Part
     {
-      MeshCenter centers[partTriangles];
       Item items[partTriangles];
+      MeshCenter centers[partTriangles];
+      /* of up to sortedItems items that begin at the same item */
+      uint16_t order[3][sortedItems]; //!< items by center on each axis
+      uint16_t spare[sortedItems];
+      uint64_t areas[sortedItems];    //!< of the items from a position on
     };
 
-    static size_t halfOf (size_t count, size_t unit) { return (count+unit-1)/unit/2*unit; }
-
-    /*! Moves the first `half` items on an axis to the front. counts: by bin. less: consistent with the bins. */
-    template<typename T, typename Count, typename BinOf, typename Less>
-    static void select (T* items, size_t count, size_t half, const Count* counts, const BinOf& binOf, const Less& less)
+    /*! Positions of Items. */
+    struct Grid
     {
-      uint32_t bin = 0;
-      size_t before = 0;
-      while (before+counts[bin] <= half) before += counts[bin++];
-      // without branches, which would be mispredicted
-      T* to = items;
-      for (T* i=items; i<items+count; i++) { const T item = *i; *i = *to; *to = item; to += binOf(item) < bin; }
-      if (before == half) return;
-      T* const first = to;
-      for (T* i=first; i<items+count; i++)
-        if (binOf(*i) == bin) std::swap(*i,*to++); // such items are rare
-      std::nth_element(first,items+half,to,less);
-    }
+      float lower[3], scale;
+      int longest;
 
-    static void cutAcrossLongest (MeshCenter* triangles, size_t count, size_t half)
-    {
-      float lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
-      for (size_t i=0; i<count; i+=count/1024)
-        for (int k=0; k<3; k++) {
-          lower[k] = std::min(lower[k],triangles[i].at[k]); upper[k] = std::max(upper[k],triangles[i].at[k]);
-        }
-      int axis = 0;
-      for (int k=1; k<3; k++)
-        if (upper[k]-lower[k] > upper[axis]-lower[axis]) axis = k;
-      const uint32_t bins = 1024;
-      const float from = lower[axis], size = upper[axis]-from, scale = size > 0 ? float(bins-1)/size : 0.0f;
-      const auto binOf = [=](const MeshCenter& c) {
-        const float x = (c.at[axis]-from)*scale;
-        return x < float(bins-1) ? x > 0 ? uint32_t(x) : 0u : bins-1; // NaN counts as the last bin
-      };
-      uint32_t counts[bins] = {};
-      for (size_t i=0; i<count; i++) counts[binOf(triangles[i])]++;
-      select(triangles,count,half,counts,binOf,
-        [=](const MeshCenter& a, const MeshCenter& b) { return a.at[axis] < b.at[axis]; });
-    }
+      static uint16_t round (float x) { return uint16_t(std::min(std::max(x+8192.0f,0.0f),65535.0f)); }
+      uint16_t at (float x, int k) const { return round((x-lower[k])*scale); }
+      float positionOf (uint32_t center, int k) const { return lower[k] + (0.5f*float(center) - 8192.0f)/scale; }
+    };
 
+    /*! Loads every step-th triangle. */
     template<typename BoundsOf>
-    void load (const MeshCenter* triangles, size_t count, const BoundsOf& boundsOf)
+    Grid load (const MeshCenter* triangles, size_t count, size_t step, const BoundsOf& boundsOf)
     {
-      float lower[3] = { INFINITY,INFINITY,INFINITY }, upper[3] = { -INFINITY,-INFINITY,-INFINITY };
-      for (size_t i=0; i<count; i++)
+      Grid grid;
+      float upper[3] = { -INFINITY,-INFINITY,-INFINITY };
+      std::fill(grid.lower,grid.lower+3,INFINITY);
+      for (size_t i=0; i<count; i++) {
+        part->centers[i] = triangles[i*step];
         for (int k=0; k<3; k++) {
-          lower[k] = std::min(lower[k],triangles[i].at[k]); upper[k] = std::max(upper[k],triangles[i].at[k]);
+          grid.lower[k] = std::min(grid.lower[k],part->centers[i].at[k]);
+          upper[k] = std::max(upper[k],part->centers[i].at[k]);
         }
-      const float size = std::max(std::max(upper[0]-lower[0],upper[1]-lower[1]),std::max(upper[2]-lower[2],1e-30f)),
-        scale = 49152.0f/size;
+      }
+      grid.longest = 0;
+      for (int k=1; k<3; k++)
+        if (upper[k]-grid.lower[k] > upper[grid.longest]-grid.lower[grid.longest]) grid.longest = k;
+      // triangles extend beyond their centers' bounds
+      grid.scale = 49152.0f/std::max(upper[grid.longest]-grid.lower[grid.longest],1e-30f);
       for (size_t i=0; i<count; i++)
       {
-        part->centers[i] = triangles[i];
         float l[3], u[3];
-        boundsOf(triangles[i].index,l,u);
-        Item& item = part->items[i];
-        for (int k=0; k<3; k++) { // triangles extend beyond their centers' bounds
-          item.at[k] = toGrid((l[k]-lower[k])*scale);
-          item.at[3+k] = uint16_t(65535-toGrid((u[k]-lower[k])*scale));
+        boundsOf(part->centers[i].index,l,u);
+        uint16_t at[8] = {};
+        for (int k=0; k<3; k++) {
+          at[k] = grid.at(l[k],k);
+          at[4+k] = uint16_t(65535-grid.at(u[k],k));
         }
-        item.at[6] = uint16_t(i);
-        item.at[7] = 0;
+        at[3] = uint16_t(i);
+        std::memcpy(&part->items[i].lanes,at,sizeof(at));
       }
+      return grid;
     }
 
-    static uint16_t toGrid (float x) { return uint16_t(std::min(std::max(x+8192.0f,0.0f),65535.0f)); }
+    /* --- many items --- */
 
-    /*! Splits into parts of at most `unit` items. */
-    template<typename OnPart>
-    static void split (Item* items, size_t count, size_t unit, const OnPart& onPart)
+    /*! Items whose center on the axis is below `begin` become the left part. */
+    struct BinCut
     {
-      if (count <= unit) { if (count > 0) onPart(items,count); return; }
-      const size_t half = halfOf(count,unit);
-      uint32_t lower, shift;
-      const int k = axisOf(items,count,half,lower,shift);
-      uint16_t counts[bins] = {};
-      for (size_t i=0; i<count; i++) {
-        // centers may be outside of a sample's range
-        const uint32_t c = items[i].center(k), bin = std::min((std::max(c,lower)-lower) >> shift,bins-1);
-        items[i].at[7] = uint16_t(bin);
-        counts[bin]++;
-      }
-      select(items,count,half,counts,[](const Item& item) { return uint32_t(item.at[7]); },
-        [k](const Item& a, const Item& b) { return a.center(k) < b.center(k); });
-      split(items,half,unit,onPart);
-      split(items+half,count-half,unit,onPart);
-    }
+      bool isPresent;
+      int axis;
+      uint32_t begin;
+    };
 
-    /*! Axis on which to split off `half` items, and bins of centers, from a sample. */
-    static int axisOf (const Item* items, size_t count, size_t half, uint32_t& lower, uint32_t& shift)
+    /*! perItem: number of triangles that an item stands for */
+    BinCut chooseBins (size_t first, size_t count, size_t perItem)
     {
-      const size_t step = (count+sampleTriangles-1)/sampleTriangles;
-      uint32_t least[3] = { ~0u,~0u,~0u }, most[3] = { 0,0,0 };
-      for (size_t i=0; i<count; i+=step)
+      Item* const items = part->items+first;
+      uint32_t least[3] = { ~0u,~0u,~0u }, most[3] = { 0,0,0 }, shifts[3] = { 0,0,0 };
+      for (size_t i=0; i<count; i++)
         for (int k=0; k<3; k++) {
           const uint32_t c = items[i].center(k);
           least[k] = std::min(least[k],c);
           most[k] = std::max(most[k],c);
         }
-      // approximate medians
-      uint16_t counts[3][bins] = {};
-      uint32_t shifts[3] = { 0,0,0 }, median[3];
       for (int k=0; k<3; k++)
         while ((most[k]-least[k]) >> shifts[k] >= bins) shifts[k]++;
-      for (size_t i=0; i<count; i+=step)
-        for (int k=0; k<3; k++) counts[k][(items[i].center(k)-least[k]) >> shifts[k]]++;
-      const size_t before = half/step;
+      Bounds bounds[3][bins];
+      uint16_t counts[3][bins] = {};
+      for (size_t i=0; i<count; i++)
+        for (int k=0; k<3; k++) {
+          const uint32_t bin = (items[i].center(k)-least[k]) >> shifts[k];
+          counts[k][bin]++;
+          bounds[k][bin].extend(items[i].lanes);
+        }
+      BinCut best = { false,0,0 };
+      uint64_t lowest = ~uint64_t(0);
       for (int k=0; k<3; k++)
       {
-        size_t sum = 0;
-        uint32_t bin = 0;
-        while (bin+1 < bins && sum+counts[k][bin] <= before) sum += counts[k][bin++];
-        const bool isNearer = before-sum > counts[k][bin]/2u; // nearer to the bin's end than to its start
-        median[k] = least[k] + ((bin+isNearer) << shifts[k]);
+        const uint32_t last = (most[k]-least[k]) >> shifts[k];
+        uint64_t areas[bins]; // of each bin and those after it
+        Bounds after, before;
+        for (uint32_t b=last; b>0; b--) { after.extend(bounds[k][b].lanes); areas[b] = after.area(); }
+        size_t left = 0;
+        for (uint32_t b=1; b<=last; b++)
+        {
+          before.extend(bounds[k][b-1].lanes);
+          left += counts[k][b-1];
+          const uint64_t cost = before.area()*unitsFor(left*perItem,clusterTriangles)
+            + areas[b]*unitsFor((count-left)*perItem,clusterTriangles);
+          if (cost < lowest) { lowest = cost; best = { true,k,least[k] + (b << shifts[k]) }; }
+        }
       }
-      Bounds halves[3][2];
-      for (size_t i=0; i<count; i+=step)
-      {
-        Lanes lanes;
-        std::memcpy(&lanes,items[i].at,sizeof(lanes));
-        const uint16_t isUpper[3] = { uint16_t(-int(items[i].center(0) >= median[0])),
-          uint16_t(-int(items[i].center(1) >= median[1])),uint16_t(-int(items[i].center(2) >= median[2])) };
-        halves[0][0].extend(lanes,uint16_t(~isUpper[0])); halves[0][1].extend(lanes,isUpper[0]);
-        halves[1][0].extend(lanes,uint16_t(~isUpper[1])); halves[1][1].extend(lanes,isUpper[1]);
-        halves[2][0].extend(lanes,uint16_t(~isUpper[2])); halves[2][1].extend(lanes,isUpper[2]);
+      return best;
+    }
+
+    /*! unit: a power of two, because a division takes longer than the rest of a position's cost. */
+    static uint64_t unitsFor (size_t count, uint32_t unit) { return (count+unit-1) >> __builtin_ctz(unit); }
+
+    /*! Returns the number of items that isLeft accepts. */
+    template<typename T, typename IsLeft>
+    static size_t moveToFront (T* items, size_t count, const IsLeft& isLeft)
+    {
+      // without branches, which would be mispredicted
+      T* to = items;
+      for (T* i=items; i<items+count; i++) {
+        const T item = *i;
+        *i = *to;
+        *to = item;
+        to += isLeft(item);
       }
+      return size_t(to-items);
+    }
+
+    template<typename OnCluster>
+    void cutBins (size_t first, size_t count, const OnCluster& onCluster)
+    {
+      if (count <= sortedItems) {
+        if (count > 0) cutSorted(first,uint32_t(count),onCluster);
+        return;
+      }
+      const BinCut cut = chooseBins(first,count,1);
+      const size_t left = cut.isPresent ? moveToFront(part->items+first,count,
+        [=](const Item& item) { return item.center(cut.axis) < cut.begin; }) : count/2;
+      cutBins(first,left,onCluster);
+      cutBins(first+left,count-left,onCluster);
+    }
+
+    /* --- few items --- */
+
+    template<typename OnCluster>
+    void cutSorted (size_t first, uint32_t count, const OnCluster& onCluster)
+    {
+      for (int k=0; k<3; k++) sort(first,count,k);
+      cutSorted(first,0,count,onCluster);
+    }
+
+    /*! begin, end: in part->order */
+    template<typename OnCluster>
+    void cutSorted (size_t first, uint32_t begin, uint32_t end, const OnCluster& onCluster)
+    {
+      if (end-begin <= clusterTriangles) {
+        MeshGroups groups;
+        cutGroups(first,begin,end,begin,maxMeshGroups,groups);
+        onCluster(first,begin,end,groups);
+        return;
+      }
+      const uint32_t middle = begin + divideSorted(first,begin,end,clusterTriangles,~0u);
+      cutSorted(first,begin,middle,onCluster);
+      cutSorted(first,middle,end,onCluster);
+    }
+
+    /*! cluster: begin of the cluster. most: number of groups, at most */
+    void cutGroups (size_t first, uint32_t begin, uint32_t end, uint32_t cluster, uint32_t most, MeshGroups& groups)
+    {
+      const uint32_t count = end-begin;
+      if (count <= groupTriangles) { groups.add(end-cluster); return; }
+      const uint32_t left = divideSorted(first,begin,end,groupTriangles,most), right = count-left;
+      const uint32_t leftUnits = unitsFor(left,groupTriangles), spare = most-leftUnits-unitsFor(right,groupTriangles);
+      const uint32_t mostOfLeft = leftUnits + spare*left/count;
+      cutGroups(first,begin,begin+left,cluster,mostOfLeft,groups);
+      cutGroups(first,begin+left,end,cluster,most-mostOfLeft,groups);
+    }
+
+    /*! Divides into two parts that need at most `most` units. Returns the size of the left one. */
+    uint32_t divideSorted (size_t first, uint32_t begin, uint32_t end, uint32_t unit, uint32_t most)
+    {
+      Item* const items = part->items+first;
+      const uint32_t count = end-begin;
+      uint64_t lowest = ~uint64_t(0);
+      uint32_t left = 0;
       int axis = 0;
-      double best = INFINITY;
-      for (int k=0; k<3; k++) {
-        if (least[k] == most[k]) continue;
-        const double area = halves[k][0].area() + halves[k][1].area();
-        if (area < best) { best = area; axis = k; }
+      for (int k=0; k<3; k++)
+      {
+        const uint16_t* const order = part->order[k]+begin;
+        Bounds before, after;
+        for (uint32_t i=count-1; i>0; i--) { after.extend(items[order[i]].lanes); part->areas[i] = after.area(); }
+        for (uint32_t i=1; i<count; i++)
+        {
+          before.extend(items[order[i-1]].lanes);
+          const uint32_t units = unitsFor(i,unit), others = unitsFor(count-i,unit);
+          if (units+others > most) continue;
+          const uint64_t cost = before.area()*units + part->areas[i]*others;
+          if (cost < lowest) { lowest = cost; left = i; axis = k; }
+        }
       }
-      lower = least[axis];
-      shift = shifts[axis];
-      return axis;
+      for (uint32_t i=0; i<count; i++) items[part->order[axis][begin+i]].lanes[7] = i >= left;
+      for (int k=0; k<3; k++)
+      {
+        if (k == axis) continue;
+        uint16_t* const order = part->order[k]+begin;
+        uint32_t numLeft = 0, numRight = 0;
+        for (uint32_t i=0; i<count; i++) {
+          const uint16_t item = order[i], isRight = items[item].lanes[7];
+          order[numLeft] = part->spare[numRight] = item;
+          numLeft += 1-isRight;
+          numRight += isRight;
+        }
+        std::copy_n(part->spare,numRight,order+numLeft);
+      }
+      return left;
+    }
+
+    /*! Radix sort of centers on axis k. */
+    void sort (size_t first, uint32_t count, int k)
+    {
+      const Item* const items = part->items+first;
+      uint16_t lower[512] = {}, upper[256] = {}, sumLower = 0, sumUpper = 0;
+      for (uint32_t i=0; i<count; i++) {
+        const uint32_t c = items[i].center(k);
+        lower[c & 511]++;
+        upper[c >> 9]++;
+      }
+      for (uint16_t& x : lower) { const uint16_t n = x; x = sumLower; sumLower = uint16_t(sumLower+n); }
+      for (uint16_t& x : upper) { const uint16_t n = x; x = sumUpper; sumUpper = uint16_t(sumUpper+n); }
+      for (uint32_t i=0; i<count; i++) part->spare[lower[items[i].center(k) & 511]++] = uint16_t(i);
+      for (uint32_t i=0; i<count; i++)
+        part->order[k][upper[items[part->spare[i]].center(k) >> 9]++] = part->spare[i];
     }
 
     const std::unique_ptr<Part> part;

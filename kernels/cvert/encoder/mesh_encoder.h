@@ -10,6 +10,7 @@
  * coordinates would need more than maxMeshCoordinateBits, or more bits than ranks. */
 
 #include "../basics/bits.h"
+#include "mesh_clusters.h"
 #include "mesh_position.h"
 #include "mesh_strips.h"
 #include <algorithm>
@@ -56,30 +57,28 @@ namespace cvert { inline namespace CVERT_ISA
       return write(surface,block,statistics);
     }
 
-    /*! Encodes a cluster of MeshClusters with groups of groupTriangles. Calls onBlock(bytes,first,count) for each
-     *  block; there are several if groups were divided. areHalvesOfQuads: both consecutive triangles of a quad stay in
-     *  one block. */
+    /*! Encodes a cluster of MeshClusters. Calls onBlock(bytes,first,count) for each block; there are several if groups
+     *  were divided. areHalvesOfQuads: both consecutive triangles of a quad stay in one block. */
     template<typename OnBlock>
-    void encodeCluster (const MeshTriangle* triangles, uint32_t count, uint32_t groupTriangles, bool areHalvesOfQuads,
+    void encodeCluster (const MeshTriangle* triangles, const MeshGroups& groups, bool areHalvesOfQuads,
       uint32_t surface, uint8_t* block, MeshStatistics& statistics, const OnBlock& onBlock)
     {
-      uint32_t stored;
-      for (uint32_t first=0; first<count; first+=stored)
+      uint32_t stored, group = 0;
+      for (uint32_t first=0; group<groups.count; first+=stored)
       {
-        uint32_t ends[maxMeshTriangles], groups = 0;
-        for (uint32_t end=(first/groupTriangles+1)*groupTriangles; ; end+=groupTriangles) {
-          ends[groups++] = std::min(end,count)-first;
-          if (end >= count) break;
-        }
+        MeshGroups rest;
+        for (uint32_t g=group; g<groups.count; g++) rest.add(groups.ends[g]-first);
         const MeshStatistics before = statistics;
-        size_t bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+        size_t bytes = encode(triangles+first,rest.ends,rest.count,surface,block,stored,statistics);
         const uint32_t next = first+stored;
-        if (areHalvesOfQuads && next < count && triangles[next].number == (triangles[next-1].number | 1)) {
-          for (uint32_t g=0; g<groups; g++) ends[g] = std::min(ends[g],stored-1);
+        if (areHalvesOfQuads && next < groups.ends[groups.count-1]
+          && triangles[next].number == (triangles[next-1].number | 1)) {
+          for (uint32_t g=0; g<rest.count; g++) rest.ends[g] = std::min(rest.ends[g],stored-1);
           statistics = before;
-          bytes = encode(triangles+first,ends,groups,surface,block,stored,statistics);
+          bytes = encode(triangles+first,rest.ends,rest.count,surface,block,stored,statistics);
         }
         onBlock(bytes,first,stored);
+        while (group < groups.count && groups.ends[group] <= first+stored) group++;
       }
     }
 

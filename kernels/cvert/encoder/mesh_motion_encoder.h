@@ -17,8 +17,7 @@ namespace cvert { inline namespace CVERT_ISA
   {
     const MeshTriangle* triangles; //!< corners: at the first step
     const uint32_t (*ids)[3];      //!< of each triangle's corners, three different ones
-    uint32_t count;
-    uint32_t groupTriangles;       //!< triangles of a full group
+    MeshGroups groups;
     bool areHalvesOfQuads;         //!< see MeshEncoder::encodeCluster
     uint32_t surface;
     float begin, end;              //!< times of the first and last step
@@ -42,8 +41,8 @@ namespace cvert { inline namespace CVERT_ISA
     {
       ids = cluster.ids;
       idsBegin = cluster.triangles;
-      MeshEncoder::encodeCluster(cluster.triangles,cluster.count,cluster.groupTriangles,cluster.areHalvesOfQuads,
-        cluster.surface,block,statistics,[&](size_t bytes, uint32_t first, uint32_t stored) {
+      MeshEncoder::encodeCluster(cluster.triangles,cluster.groups,cluster.areHalvesOfQuads,cluster.surface,block,
+        statistics,[&](size_t bytes, uint32_t first, uint32_t stored) {
           const size_t all = appendSteps(cluster,block,bytes,locate);
           statistics.stepBytes += all-bytes;
           onBlock(all,first,stored);
