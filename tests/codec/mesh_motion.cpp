@@ -294,7 +294,7 @@ TEST(MeshMotion, FirstStepIsStoredAsInAStillBlock)
       triangles.back().number = uint32_t(triangles.size() - 1);
     }
     alignas(16) uint8_t block[MeshEncoder::maxBytes];
-    other->encodeCluster(triangles.data(), uint32_t(triangles.size()), 16, false, 3, block, statistics,
+    other->encodeCluster(triangles.data(), fullGroups(uint32_t(triangles.size()), 16), false, 3, block, statistics,
       [&](size_t bytes, uint32_t, uint32_t) {
         MeshHeader& header = *(MeshHeader*)block;
         ASSERT_EQ(bytes, blocks[0].block()->motion);

@@ -285,33 +285,93 @@ TEST(MeshSource, BytesPerTriangleStaySmall)
   EXPECT_LT(double(Stored(mesh, exactLattice, 16).report.statistics.bytes)/triangles, 8.8);
 }
 
-TEST(MeshClusters, ClustersAreFullAndContainAllTriangles)
+// A cluster, with the number of its groups' last triangle plus 1.
+struct Cluster
+{
+  std::vector<MeshCenter> triangles;
+  std::vector<uint32_t> ends;
+};
+
+// The triangles are boxes of the given size.
+std::vector<Cluster> clustersOf(std::vector<MeshCenter> centers, uint32_t groupTriangles, float size)
+{
+  const std::vector<MeshCenter> boxes = centers;
+  std::vector<Cluster> found;
+  MeshClusters clusters(groupTriangles);
+  clusters.cut(centers.data(), centers.size(),
+    [&](uint32_t i, float lower[3], float upper[3]) {
+      for (int k = 0; k < 3; k++) { lower[k] = boxes[i].at[k] - 0.5f*size; upper[k] = boxes[i].at[k] + 0.5f*size; }
+    },
+    [&](const MeshCenter* cluster, uint32_t n, const MeshGroups& groups) {
+      found.push_back({ { cluster, cluster + n }, { groups.ends, groups.ends + groups.count } });
+    });
+  return found;
+}
+
+TEST(MeshClusters, ClustersContainAllTrianglesInNonemptyGroups)
 {
   Random random(seed + 5);
-  for (uint32_t groupTriangles : {1u, 16u, 32u})
+  for (uint32_t groupTriangles : {1u, 8u, 16u, 32u})
     for (size_t count : {size_t(0), size_t(1), size_t(255), size_t(256), size_t(257), size_t(5000), size_t(20000)})
-      for (int kind = 0; kind < 3; kind++) {
+      for (int kind = 0; kind < 4; kind++) {
         std::vector<MeshCenter> centers(count);
         for (size_t i = 0; i < count; i++) {
           centers[i].index = uint32_t(i);
-          // many centers at the same position
+          // equal centers, no structure, few different centers, centers of all magnitudes
           for (float& x : centers[i].at) x = kind == 0 ? 1.0f : kind == 1 ? float(random.normal())
-            : float(random.below(3))*1e18f;
+            : kind == 2 ? float(random.below(3))*1e18f : std::ldexp(float(random.normal()), -int(random.below(100)));
         }
-        MeshClusters clusters(groupTriangles);
+        const uint32_t most = MeshClusters(groupTriangles).clusterTriangles;
         std::set<uint32_t> seen;
-        size_t full = 0, others = 0;
-        clusters.cut(centers.data(), count,
-          [&](uint32_t, float lower[3],
-          float upper[3]) { for (int k = 0; k < 3; k++) { lower[k] = -1e18f; upper[k] = 1e18f; } },
-                     [&](const MeshCenter* cluster, uint32_t n) {
-          (n == clusters.clusterTriangles ? full : others)++;
-          for (uint32_t i = 0; i < n; i++) ASSERT_TRUE(seen.insert(cluster[i].index).second);
-        });
+        const std::vector<Cluster> clusters = clustersOf(centers, groupTriangles, 0.01f);
+        for (const Cluster& cluster : clusters) {
+          ASSERT_LE(cluster.triangles.size(), most);
+          ASSERT_LE(cluster.ends.size(), maxMeshGroups);
+          ASSERT_EQ(cluster.ends.back(), cluster.triangles.size());
+          for (size_t g = 0; g < cluster.ends.size(); g++) {
+            const uint32_t begin = g ? cluster.ends[g-1] : 0;
+            ASSERT_GT(cluster.ends[g], begin);
+            ASSERT_LE(cluster.ends[g] - begin, groupTriangles);
+          }
+          for (const MeshCenter& triangle : cluster.triangles) {
+            ASSERT_TRUE(seen.insert(triangle.index).second);
+            ASSERT_EQ(0, std::memcmp(triangle.at, centers[triangle.index].at, sizeof(triangle.at)));
+          }
+        }
         ASSERT_EQ(seen.size(), count);
-        ASSERT_EQ(full, count/clusters.clusterTriangles);
-        ASSERT_EQ(others, size_t(count % clusters.clusterTriangles != 0));
+        // parts of more than a cluster become two clusters
+        if (kind < 2) ASSERT_LE(clusters.size(), count/(most/2) + 1);
       }
+}
+
+// A group that reached from one component to another would be hit by all rays between them.
+TEST(MeshClusters, GroupsDoNotBridgeGaps)
+{
+  Random random(seed + 6);
+  for (int repeat = 0; repeat < 20; repeat++) {
+    std::vector<MeshCenter> centers;
+    std::vector<uint32_t> componentOf;
+    for (uint32_t component = 0; component < 60; component++)
+      for (uint32_t i = 0, n = 20 + random.below(60); i < n; i++) {
+        // components of size 1 in the cells of a grid of size 10
+        const uint32_t cell[3] = { component % 4, component / 4 % 4, component / 16 };
+        MeshCenter center;
+        for (int k = 0; k < 3; k++) center.at[k] = 10.0f*float(cell[k]) + float(random.below(1000))*0.001f;
+        center.index = uint32_t(centers.size());
+        centers.push_back(center);
+        componentOf.push_back(component);
+      }
+    uint32_t groups = 0, bridges = 0;
+    for (const Cluster& cluster : clustersOf(centers, 16, 0.1f))
+      for (size_t g = 0; g < cluster.ends.size(); g++) {
+        std::set<uint32_t> components;
+        for (uint32_t i = g ? cluster.ends[g-1] : 0; i < cluster.ends[g]; i++)
+          components.insert(componentOf[cluster.triangles[i].index]);
+        groups++;
+        bridges += components.size() > 1;
+      }
+    EXPECT_LE(bridges, groups/6); // two thirds if parts are cut at medians
+  }
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 #include "fuzz_input.h"
 #include "kernels/cvert/decoder/validate_mesh.h"
 #include "kernels/cvert/encoder/mesh_motion_encoder.h"
+#include "support/mesh_groups.h"
 
 #include <cmath>
 #include <memory>
@@ -52,14 +53,14 @@ void forEachMeshSeed(const Write& write)
           REQUIRE(validateMesh(block, bytes - 4));
           write(prefix + name, block, bytes);
         };
-        still->encodeCluster(triangles.data(), uint32_t(triangles.size()), groupSize, false, 0, block, statistics,
+        const MeshGroups groups = fullGroups(uint32_t(triangles.size()), groupSize);
+        still->encodeCluster(triangles.data(), groups, false, 0, block, statistics,
                              [&](size_t bytes, uint32_t, uint32_t) { keep("", bytes); });
         if (isSoup) continue; // positions at later steps belong to shared vertices
         MovingCluster cluster;
         cluster.triangles = triangles.data();
         cluster.ids = (const uint32_t(*)[3])ids.data();
-        cluster.count = uint32_t(triangles.size());
-        cluster.groupTriangles = groupSize;
+        cluster.groups = groups;
         cluster.areHalvesOfQuads = false;
         cluster.surface = 0;
         cluster.begin = 0;

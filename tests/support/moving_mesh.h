@@ -6,6 +6,7 @@
 /* Moving meshes, and their mesh blocks. */
 
 #include "kernels/cvert/encoder/mesh_motion_encoder.h"
+#include "support/mesh_groups.h"
 #include "support/random.h"
 
 #include <algorithm>
@@ -54,8 +55,7 @@ inline std::vector<EncodedBlock> encode(cvert::MeshMotionEncoder& encoder, const
     MovingCluster cluster;
     cluster.triangles = triangles.data() + begin;
     cluster.ids = (const uint32_t(*)[3])mesh.triangles[begin].data();
-    cluster.count = std::min(uint32_t(triangles.size()) - begin, perCluster);
-    cluster.groupTriangles = groupTriangles;
+    cluster.groups = fullGroups(std::min(uint32_t(triangles.size()) - begin, perCluster), groupTriangles);
     cluster.areHalvesOfQuads = false;
     cluster.surface = 3;
     cluster.begin = 0.25f;
