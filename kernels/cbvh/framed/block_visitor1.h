@@ -63,7 +63,7 @@ namespace embree
           const float own = segment.distanceAt(at.s), t = segment.comparedT(own);
           if (!state.nearest.isBefore(t,own,block,ray.tfar,context->scene->surfaceIDs)) {
             SurfaceHit1 hit = { 0.0f,0.0f,own,Vec3fa(zero) };
-            if (isRead(ray,context,block->surface)) {
+            if (needsHitData(ray,context,block->surface)) {
               const BlockHit<float> found = HitFrame<float,bool>(block,layout).blockHit(segment,leaf,at,own);
               hit = SurfaceHit1{ found.u,found.v,found.t,Vec3fa(found.Ng.x,found.Ng.y,found.Ng.z) };
             }
