@@ -36,7 +36,8 @@ namespace embree
                                      const LocalRay& local, const FrameRay& frameRay, BlockTiles& tiles)
           : ray(ray), context(context), state(state), block(block), layout(layout), local(local), frameRay(frameRay),
             tiles(tiles),
-            sBest(ray.tfar < state.tfar ? min(local.behind(state.rcpScale,ray.tfar),1.0f) : 1.0f), isHit(false) {}
+            sBest(ray.tfar < state.tfar ? min(local.parameterAfter(state.rcpScale,ray.tfar),1.0f) : 1.0f),
+            isHit(false) {}
 
         /* For BlockWalk1; only cLEAF overrides them. */
         typedef NodeEntries::Tile LeafTile;
