@@ -270,7 +270,7 @@ CBVH_API void cbvhReleaseSurface(CbvhSurface surface);
  *
  * cage, grids, mesh: structSize is read.
  *
- * Return CBVH_ERROR_INVALID_ARGUMENT, and keep the earlier input, if a member is invalid; the message names it.
+ * Return CBVH_ERROR_INVALID_ARGUMENT, and keep the earlier input, if a member is invalid; the message states which.
  * Vertices that are not finite are no error. */
 CBVH_API enum CbvhError cbvhSetCage(CbvhSurface surface, const struct CbvhCage* cage);
 CBVH_API enum CbvhError cbvhSetGrids(CbvhSurface surface, const struct CbvhGrids* grids);
@@ -293,7 +293,8 @@ CBVH_API enum CbvhError cbvhDiceSurface(CbvhSurface surface, const struct CbvhDi
  *
  * accuracy: structSize is read. NULL selects the defaults.
  *
- * Returns CBVH_ERROR_INVALID_ARGUMENT if a member is negative or not finite. */
+ * Returns CBVH_ERROR_INVALID_ARGUMENT if a bound is negative or not finite, or if maxPixelError is not 0 and the camera
+ * is not finite or pixelSize is not positive. */
 CBVH_API enum CbvhError cbvhSetAccuracy(CbvhSurface surface, const struct CbvhAccuracy* accuracy);
 
 /* Sets whether the next commit is lossless: it stores the exact vertices of grids and meshes, and of cages the vertices
@@ -547,7 +548,9 @@ struct CbvhTriangle
 CBVH_API int cbvhGetTriangle(CbvhSurface surface, float time, unsigned int primID, float u, float v, const float* Ng,
     struct CbvhTriangle* triangle);
 
-/* A part of a surface: a grid of up to 16 x 16 quads. */
+/* A part of a surface: a grid of up to 16 x 16 quads. Quad (x,y) has the triangles (x,y), (x+1,y), (x,y+1) and (x,y+1),
+ * (x+1,y), (x+1,y+1). An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which
+ * the second triangle, or the first one, may be missing. A missing triangle has two equal vertices. */
 struct CbvhPart
 {
   unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */

@@ -49,8 +49,14 @@ RTC_API bool rtcGetCompressedTriangle(RTCGeometry geometry, unsigned int primID,
 RTC_API bool rtcGetCompressedTriangleAtTime(RTCGeometry geometry, float time, unsigned int primID, float u, float v,
     const float* Ng, struct RTCCompressedTriangle* triangle);
 
-/* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Vertices that neighboring parts
- * share are equal floats; with cGRID only inside of a face. Later versions may append members. */
+/* A part of a surface: a grid of up to 16 x 16 quads, with cGRID up to 256 x 256. Quad (x,y) has the triangles (x,y),
+ * (x+1,y), (x,y+1) and (x,y+1), (x+1,y), (x+1,y+1). Vertices that neighboring parts share are equal floats; with cGRID
+ * only inside of a face.
+ *
+ * An irregular quad or triangle of a mesh is a part of its own: a grid of 2 x 2 vertices, in which the second triangle,
+ * or the first one, may be missing. A missing triangle has two equal vertices.
+ *
+ * Later versions may append members. */
 struct RTCCompressedPart
 {
   unsigned int primID;         /* primitive of all quads, if primitivesPerQuad is 0 */
